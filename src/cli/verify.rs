@@ -22,7 +22,7 @@ pub struct VerifyArgs {
     /// Public key by which the recording must be sealed, may be repeated: a file in PEM, or 64 hexadecimal digits
     #[arg(long, value_name = "FILE|KEY")]
     trusted_key: Vec<String>,
-    /// Fail if the recording is not sealed, or if the seal does not cover every message
+    /// Fail if the recording is not sealed, if the seal does not cover every message, or if the file ends in the middle of a record
     #[arg(long)]
     require_seal: bool,
 }
@@ -41,7 +41,8 @@ The recording of a fleet is verified column by column, and every finding names i
 that have executed no command are not in the recording. The columns in fleet_status are compared
 with their last twin_status.
 
-The seal of a recording is checked, too. It proves that nothing was changed since it was recorded.
+The seal of a recording is checked, too. It proves that nothing was changed since it was recorded,
+and that the index leads other programs to the same messages.
 Only a key that you trust (--trusted-key) proves who recorded it. A recording of version 0.1,
 or one with -p record.seal:=false, is not sealed, which is an error only with --require-seal or
 --trusted-key.

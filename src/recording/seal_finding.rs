@@ -15,6 +15,8 @@ pub struct SealFinding {
     predecessor: Option<Predecessor>,
     trusted: Vec<PublicKey>,
     is_required: bool,
+    /// Whether a file ends in the middle of a record, of which other readers may read a part.
+    ends_in_record: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +43,7 @@ impl SealFinding {
             predecessor: None,
             trusted: Vec::new(),
             is_required: false,
+            ends_in_record: reader.wholeness().ends_in_record,
         }
     }
 
@@ -76,6 +79,11 @@ impl SealFinding {
                     .as_ref()
                     .filter(|it| it.is_fault())
                     .map(predecessor_text)
+            })
+            .or_else(|| {
+                (self.is_required && self.ends_in_record).then(|| {
+                    "it ends in the middle of a record, which no seal covers; repair it first, and verify the repaired recording".to_owned()
+                })
             })
     }
 

@@ -240,6 +240,68 @@ fn a_change_that_the_recomputation_cannot_notice_breaks_the_seal() {
     assert!(text.contains("it does NOT hold"), "{text}");
 }
 
+/// Other readers find messages by the index at the end of the file: its entry of the chunk with the event leads to another one.
+#[test]
+fn an_index_that_hides_an_event_from_other_readers_breaks_the_seal() {
+    let folder = folder_with_keys();
+    ends_with(
+        0,
+        &folder,
+        "simulate --record bag -p record.seal_key:=key.pem",
+    );
+    let bytes = fs::read(folder.path().join("bag/bag_0.mcap")).unwrap();
+    let events = |bytes: &[u8]| {
+        let summary = mcap::Summary::read(bytes).unwrap().unwrap();
+        let chunks = summary.chunk_indexes.iter();
+        let messages = chunks.flat_map(|it| summary.stream_chunk(bytes, it).unwrap());
+        let topics = messages.map(|it| it.unwrap().channel.topic.clone());
+        topics.filter(|it| it.ends_with("/impact_event")).count()
+    };
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let has_event = |it: &&mcap::records::ChunkIndex| {
+        let mut messages = summary.stream_chunk(&bytes, it).unwrap();
+        messages.any(|it| it.unwrap().channel.topic.ends_with("/impact_event"))
+    };
+    let chunk = summary.chunk_indexes.iter().find(has_event).unwrap();
+    let chunks = summary.chunk_indexes.iter();
+    let other = chunks.clone().find(|it| !has_event(it)).unwrap();
+    let place = |it: &mcap::records::ChunkIndex| {
+        [it.chunk_start_offset, it.chunk_length]
+            .map(u64::to_le_bytes)
+            .concat()
+    };
+    let mut forged = bytes.clone();
+    let length = forged.len();
+    let at = bytes
+        .windows(16)
+        .rposition(|it| it == place(chunk))
+        .unwrap();
+    forged[at..at + 16].copy_from_slice(&place(other));
+    // A checksum of zero is one that was not computed.
+    forged[length - 12..length - 8].fill(0);
+    assert_eq!((events(&bytes), events(&forged)), (1, 0));
+    fs::write(folder.path().join("forged.mcap"), forged).unwrap();
+    for line in [
+        "verify forged.mcap",
+        "verify forged.mcap --require-seal --trusted-key public.pem",
+    ] {
+        let (text, fault) = ends_with(1, &folder, line);
+        assert!(text.contains("Equal: "), "{text}");
+        let expected = format!(
+            "the seal of forged.mcap does not hold: other readers may find something else in the file than what was sealed: at byte {}: expected the index of a chunk at byte {}, found the index of a chunk at byte {}",
+            at - 25,
+            chunk.chunk_start_offset,
+            other.chunk_start_offset
+        );
+        assert!(fault.contains(&expected), "{fault}");
+    }
+    let (text, _) = ends_with(0, &folder, "info forged.mcap");
+    assert!(
+        text.contains("it does NOT hold: other readers may find something else"),
+        "{text}"
+    );
+}
+
 /// Changes of which the recomputation notices only those that change a value or a count.
 #[test]
 fn one_thousand_random_single_changes_of_a_sealed_recording_are_all_noticed() {

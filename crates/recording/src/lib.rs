@@ -8,6 +8,7 @@ mod definition;
 mod described;
 mod error;
 mod files;
+mod index_check;
 mod names;
 mod predecessor;
 mod reader;

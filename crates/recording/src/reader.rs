@@ -111,6 +111,7 @@ impl Reader {
         let mut seals = Vec::with_capacity(files.len());
         for file in &files {
             let mut pass = Pass::open(file)?;
+            pass.records.check_index();
             let mut check = SealCheck::new();
             let noted_before = contents.metadata.len();
             contents.bytes += pass.records.length();
@@ -133,16 +134,21 @@ impl Reader {
                     }
                     Ok(None) => break,
                     Err(fault @ RecordingError::Damaged { .. }) => {
+                        pass.records.note_unreadable(&fault);
                         contents.wholeness.note_damage(&fault)
                     }
                     Err(other) => return Err(other),
+                }
+                if check.is_unsealed() {
+                    pass.records.drop_index_check();
                 }
             }
             let is_repaired = contents.metadata[noted_before..]
                 .iter()
                 .any(|(name, _)| name.ends_with(REPAIR));
             let end = pass.records.end();
-            seals.push(check.finish(end == Some(FileEnd::Whole) && !is_repaired));
+            let is_ended = end == Some(FileEnd::Whole) && !is_repaired;
+            seals.push(check.finish(is_ended, pass.records.index_fault()?));
             contents.wholeness.note_end(file, end);
             contents.compression = pass.records.compression().or(contents.compression);
         }

@@ -12,6 +12,7 @@ use mcap::{MAGIC, McapError, McapResult};
 
 use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
+use crate::index_check::IndexCheck;
 
 /// Maximum length of a record, and of a chunk before and after decompression \[bytes\].
 pub const MAX_CHUNK: usize = 256 << 20;
@@ -22,7 +23,10 @@ const MAX_ATTACHMENT: usize = 64 << 10;
 const READ_BUFFER: usize = 1 << 20;
 
 /// Length of the opcode and the length in front of each record \[bytes\].
-const HEAD: u64 = 9;
+pub(crate) const HEAD: u64 = 9;
+
+/// Length of the footer and the magic bytes behind it \[bytes\].
+const FOOTER: u64 = HEAD + 20 + MAGIC.len() as u64;
 
 /// How a file ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +59,8 @@ pub(crate) struct RecordReader {
     /// The end of the data was reached; a summary follows.
     past_data: bool,
     end: Option<FileEnd>,
+    /// Compares the index with what it is about.
+    index: Option<IndexCheck>,
 }
 
 /// What a reader of the mcap crate comes to.
@@ -96,7 +102,7 @@ impl Found {
 
 /// Parses an attachment; `None` if it is malformed. `parse_record` of the mcap crate 0.26.0 panics if the length of its data is
 /// greater than what is there.
-fn attachment(record: &[u8]) -> Option<Record<'static>> {
+pub(crate) fn attachment(record: &[u8]) -> Option<Record<'static>> {
     let mut rest = record;
     let mut take = |length: usize| {
         let (taken, left) = rest.split_at_checked(length)?;
@@ -159,6 +165,7 @@ impl RecordReader {
             compression: None,
             past_data: false,
             end: None,
+            index: None,
         })
     }
 
@@ -177,6 +184,90 @@ impl RecordReader {
         self.end
     }
 
+    /// Compares the index with what it is about while the file is read; to be called before anything is read.
+    pub fn check_index(&mut self) {
+        self.index = Some(IndexCheck::new());
+    }
+
+    /// Ends the [check](Self::check_index) without a result.
+    pub fn drop_index_check(&mut self) {
+        self.index = None;
+    }
+
+    /// Notes something that cannot be read, which other readers may read.
+    pub fn note_unreadable(&mut self, fault: &RecordingError) {
+        if let (Some(index), RecordingError::Damaged { offset, reason, .. }) =
+            (&mut self.index, fault)
+        {
+            index.note(*offset, reason);
+        }
+    }
+
+    /// Why other readers may find something else in the file than this one has found, once its end is reached; `None` if they
+    /// cannot, or if that is not [checked](Self::check_index).
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn index_fault(&mut self) -> Result<Option<String>, RecordingError> {
+        let Some(mut index) = self.index.take() else {
+            return Ok(None);
+        };
+        match self.end {
+            Some(FileEnd::Whole) if self.left == 0 => {}
+            Some(FileEnd::Whole) => index.note(
+                self.length - self.left,
+                &format!(
+                    "expected the end of the file, found {} further bytes",
+                    self.left
+                ),
+            ),
+            _ => self.check_tail(&mut index)?,
+        }
+        Ok(index.finish())
+    }
+
+    /// A file that was cut off must not end with a footer, by which others find an index; and behind zeros, where reading
+    /// ends, there is nothing.
+    fn check_tail(&mut self, index: &mut IndexCheck) -> Result<(), RecordingError> {
+        let io = |source| RecordingError::io("read", &self.path, source);
+        let mut read = |from: u64, receive: &mut dyn FnMut(&[u8])| {
+            self.file.seek(SeekFrom::Start(from))?;
+            let mut rest = (&mut self.file).take(self.length - from);
+            let mut piece = vec![0; READ_BUFFER];
+            loop {
+                match rest.read(&mut piece)? {
+                    0 => return Ok(()),
+                    length => receive(&piece[..length]),
+                }
+            }
+        };
+        let mut last = Vec::new();
+        let from = self.length.saturating_sub(FOOTER);
+        read(from, &mut |piece| last.extend(piece)).map_err(io)?;
+        if last.ends_with(MAGIC)
+            || (last.len() as u64 == FOOTER && last.first() == Some(&op::FOOTER))
+        {
+            index.note(
+                from,
+                "expected no footer in a file that is cut off or damaged before, found one",
+            );
+        }
+        let mut first = None;
+        let mut is_zero = true;
+        read(self.begins, &mut |piece| {
+            first = first.or(piece.first().copied());
+            is_zero &= piece.iter().all(|byte| *byte == 0);
+        })
+        .map_err(io)?;
+        if first == Some(0) && !is_zero {
+            index.note(
+                self.begins,
+                "expected only zeros up to the end of the file, found other bytes",
+            );
+        }
+        Ok(())
+    }
+
     /// Reads the next record that matters: header, schema, channel, message or metadata, also from within chunks;
     /// `None` at the end of the file, however it ends.
     ///
@@ -185,7 +276,7 @@ impl RecordReader {
     pub fn next(&mut self) -> Result<Option<Record<'static>>, RecordingError> {
         loop {
             let found = match &mut self.chunk {
-                Some(chunk) => chunk.next(),
+                Some(chunk) => chunk.next(self.index.as_mut()),
                 None if self.end.is_some() => return Ok(None),
                 None => self.next_in_file()?,
             };
@@ -255,7 +346,17 @@ impl RecordReader {
     }
 
     fn read_file(&mut self) -> Result<McapResult<Option<(Found, usize)>>, RecordingError> {
-        let read = advance(&mut self.records, &mut self.file, &mut self.left);
+        let index = &mut self.index;
+        let read = advance(
+            &mut self.records,
+            &mut self.file,
+            &mut self.left,
+            |opcode, content| {
+                if let Some(index) = index {
+                    index.record(opcode, content);
+                }
+            },
+        );
         read.map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => RecordingError::Changed {
                 path: self.path.clone(),
@@ -335,24 +436,36 @@ impl Chunk {
     }
 
     /// The next record; `None` at the end of the chunk.
-    fn next(&mut self) -> McapResult<Option<Found>> {
-        let found = advance(&mut self.records, &mut self.bytes, &mut self.left)??;
+    fn next(&mut self, index: Option<&mut IndexCheck>) -> McapResult<Option<Found>> {
+        let mut index = index;
+        let found = advance(
+            &mut self.records,
+            &mut self.bytes,
+            &mut self.left,
+            |opcode, content| {
+                if let Some(index) = &mut index {
+                    index.record_in_chunk(opcode, content);
+                }
+            },
+        )??;
         Ok(found.map(|(found, _)| found))
     }
 }
 
 /// Lets `reader` read from `source`, in which `left` bytes are left, until it comes to a record or to the end.
-/// Of a record comes its length, too \[bytes\].
+/// Of a record comes its length, too \[bytes\]; `see` gets its opcode and content.
 fn advance(
     reader: &mut LinearReader,
     source: &mut impl Read,
     left: &mut u64,
+    mut see: impl FnMut(u8, &[u8]),
 ) -> io::Result<McapResult<Option<(Found, usize)>>> {
     loop {
         let wanted = match reader.next_event() {
             None => return Ok(Ok(None)),
             Some(Err(error)) => return Ok(Err(error)),
             Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                see(opcode, data);
                 return Ok(Ok(Some((Found::new(opcode, data), data.len()))));
             }
             Some(Ok(LinearReadEvent::ReadRequest(wanted))) => wanted,

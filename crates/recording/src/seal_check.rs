@@ -122,8 +122,14 @@ impl SealCheck {
         }
     }
 
-    /// The result, once everything was read; `is_whole`: the file has the end of an MCAP file, and was not repaired.
-    pub fn finish(self, is_whole: bool) -> Option<Seal> {
+    /// Whether the file turned out not to be sealed.
+    pub fn is_unsealed(&self) -> bool {
+        matches!(self.state, State::Unsealed { .. })
+    }
+
+    /// The result, once everything was read; `is_whole`: the file has the end of an MCAP file, and was not repaired;
+    /// `index_fault`: why other readers may find something else in it.
+    pub fn finish(self, is_whole: bool, index_fault: Option<String>) -> Option<Seal> {
         match self.state {
             State::New | State::Unsealed { fault: None } => None,
             State::Unsealed { fault } => Some(Seal {
@@ -139,7 +145,7 @@ impl SealCheck {
                 fault,
                 head: Chain::new().head(),
             }),
-            State::Sealed(following) => Some(following.finish(is_whole)),
+            State::Sealed(following) => Some(following.finish(is_whole, index_fault)),
         }
     }
 }
@@ -226,7 +232,7 @@ impl Following {
         self.fault.get_or_insert(fault);
     }
 
-    fn finish(mut self, is_whole: bool) -> Seal {
+    fn finish(mut self, is_whole: bool, index_fault: Option<String>) -> Seal {
         let public_key = self.beginning.as_ref().ok().map(|it| it.public_key);
         let last = self.places.len();
         // Each seal signs everything before it, so that the last valid one decides.
@@ -243,6 +249,11 @@ impl Following {
         }
         if is_whole && !self.has_ended {
             self.note("its last seal is missing, although the recording was ended".to_owned());
+        }
+        if let Some(reason) = index_fault {
+            self.note(format!(
+                "other readers may find something else in the file than what was sealed: {reason}"
+            ));
         }
         let place = valid.and_then(|index| self.places.get(index));
         let covered = place.map_or(0, |it| it.seal.messages);

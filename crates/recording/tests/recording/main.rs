@@ -4,8 +4,10 @@
 
 mod bad_input;
 mod crash;
+mod forged_index;
 mod forging;
 mod full_disk;
+mod index_forging;
 mod killed_process;
 mod layout;
 mod mutations;
