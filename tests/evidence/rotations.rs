@@ -119,6 +119,13 @@ impl Rotated {
                 what(),
                 path.display()
             );
+            // Nothing can be compared only where all that was under way had begun in an earlier recording.
+            assert!(
+                !verified.is_unchecked() || reader.repeats_checkpoint(),
+                "{}, {}: {verified}",
+                what(),
+                path.display()
+            );
             found.recordings += 1;
             found.incomparable += u64::from(verified.is_unchecked());
             found.late += u64::from(reader.repeats_checkpoint());
@@ -327,8 +334,8 @@ fn a_recording_may_begin_late_before_any_message() {
                 rotated.verify(&mut found, &what);
             }
             // Before a checkpoint a recording is not begun late.
-            let others = found.recordings - found.late;
-            assert!(found.late > 20 && others > found.late, "{found:?}");
+            assert!(found.late > 20, "{found:?}");
+            assert!(found.recordings >= 2 * found.late, "{found:?}");
         }
     }
 }
