@@ -377,7 +377,8 @@ impl Part<'_> {
     /// Solves the equations with the resistances that are expected at the end of the part.
     ///
     /// A stress of the start that lies outside of a surface that has shrunk could do negative work on a flow that reverses
-    /// it. Such a part is solved again with the surface of its start, on which that work cannot be negative.
+    /// it, and so could the stress of a web that yields sooner in the other direction. Such a part is solved again with the
+    /// surface of its start, on which that work cannot be negative.
     fn solve(
         &mut self,
         system: &Conserving<'_>,
@@ -394,7 +395,9 @@ impl Part<'_> {
         if !self.gains_energy() {
             return Ok(solved);
         }
-        let prediction = prediction.not_below(&from.strength, &from.webs);
+        let [below, above] = from.web_uses(model);
+        let used = PerBar { below, above };
+        let prediction = prediction.not_below(&from.strength, &from.webs, &used);
         let again = self.solve_with(system, guess, Some(prediction))?;
         let iterations = solved.iterations + again.iterations;
         Ok(newton::Solved {

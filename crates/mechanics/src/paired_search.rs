@@ -384,15 +384,19 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         self.on_curves(branch, &self.point(branch, t))
     }
 
-    /// The stress at the end of a bracket within which the derivative leaps from below zero to above it: the caps of both
-    /// hinges and that of the web meet, and all three flow. Their flow is the mixture of those on either side to which the
-    /// elongation is normal.
+    /// The stress at the end of a bracket within which the derivative leaps from below zero to above it: caps of mechanisms
+    /// that depend on each other meet, such as those of both hinges and of the web, and all of them flow. Their flow is the
+    /// mixture of those on either side to which the elongation is normal.
     #[cold]
     fn where_caps_meet(&self, branch: Branch, bracket: [f64; 2]) -> Option<Returned> {
         let [mut low, high] = bracket.map(|t| self.at(&self.point(branch, t)));
-        let all_flow = |k: usize| low.capped.rotation[k] != 0.0 || high.capped.rotation[k] != 0.0;
+        let flows = |k: usize| low.capped.rotation[k] != 0.0 || high.capped.rotation[k] != 0.0;
         let web_flows = low.web.angle != 0.0 || high.web.angle != 0.0;
-        if !(low.value < 0.0 && high.value > 0.0 && all_flow(0) && all_flow(1) && web_flows) {
+        let leaps = low.value < 0.0 && high.value > 0.0;
+        let together = self
+            .mechanisms(&low)
+            .solve([flows(0), flows(1), web_flows], [0.0; 3]);
+        if !leaps || together.is_some() {
             return None;
         }
         let share = high.value / (high.value - low.value);
@@ -415,7 +419,9 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         let stiffness = state.slope / self.per_energy;
         let place = if SHEARS {
             let carried = [carried[0], carried[1], self.web_carried(&state)];
-            self.sheared(&state, Some((axial, carried, stiffness)))
+            // Next to a tip, where no hinge flows, the coordinate may move nothing at all.
+            let moves = stiffness > f64::MIN_POSITIVE;
+            self.sheared(&state, moves.then_some((axial, carried, stiffness)))
         } else {
             Place::Curves {
                 hardening: state.hardening,
@@ -481,6 +487,9 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         if angle != 0.0 {
             let hardened = self.strength.slider.hardened(angle);
             let sum = (self.web * state.web.share.value * hardened).copysign(angle);
+            if let ([0.0, 0.0], Some(slider)) = (rotation, &self.bar.slider) {
+                returned.forces.moment = slider.onto(returned.forces.moment, sum);
+            }
             for k in 0..2 {
                 if rotation[k] != 0.0 && rotation[1 - k] == 0.0 && self.bears(1 - k) {
                     returned.forces.moment[1 - k] = sum - returned.forces.moment[k];
@@ -565,10 +574,11 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         is_free(0) && is_free(1) && sum <= 0.0
     }
 
-    /// At the tip, where no mechanism bears anything, the web takes as much of the rotations as makes the elongation that
+    /// At the tip, where neither the weaker hinge nor the web bears anything, the web takes as much of the rotations as makes the elongation that
     /// normality asks for least.
     fn divide_at_tip(&self, state: &mut PairedState) {
-        let (slopes, rotation) = (self.tip_slopes(), state.capped.rotation);
+        let slopes = self.tip_slopes();
+        let rotation = state.capped.rotation.map(|it| it + state.web.angle);
         let bears = [0, 1].map(|k| self.bears(k));
         let left = |angle: f64| [0, 1].map(|k| if bears[k] { rotation[k] - angle } else { 0.0 });
         let asked = |angle: f64| {
@@ -580,10 +590,16 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
             let own = self.strength.slider.integral(angle);
             of_hinge(0) + of_hinge(1) + TIP_SLOPE * self.web * own
         };
+        let stronger = 1 - self.strength.weaker;
         let mut least = 0.0;
-        for k in 0..2 {
-            if bears[k] && asked(rotation[k]) < asked(least) {
-                least = rotation[k];
+        if self.lead.rest > 0.0 && bears[stronger] {
+            // The stronger hinge alone bears a moment there, which it cannot have without the others.
+            least = rotation[stronger];
+        } else {
+            for k in 0..2 {
+                if bears[k] && asked(rotation[k]) < asked(least) {
+                    least = rotation[k];
+                }
             }
         }
         state.capped.rotation = left(least);

@@ -93,6 +93,9 @@ pub struct WebState {
     pub back: f64,
     /// Dynamic increase factor with which the last stress was returned less 1, >= 0.
     pub dynamic_gain: f64,
+    /// Resistance relative to that of a virgin web that the last part of a step kept in both directions, because its beginning
+    /// had used it; 0 as a rule.
+    pub held: f64,
     /// Whether it flowed in the last step.
     pub flowing: bool,
     /// Work dissipated in it since the event \[J\].
@@ -123,7 +126,7 @@ impl WebState {
         let dynamic = self.dynamic_factor();
         SliderStrength {
             factor: [self.back, -self.back]
-                .map(|back| dynamic * (1.0 + back).max(LEAST_RESISTANCE)),
+                .map(|back| (dynamic * (1.0 + back).max(LEAST_RESISTANCE)).max(self.held)),
             ..SliderStrength::VIRGIN
         }
     }
@@ -147,6 +150,8 @@ pub(crate) struct Prediction {
     slopes: PerBar<[f64; 2]>,
     /// The dynamic increase factors of the webs, and their strength before any flow.
     webs: PerBar<(f64, SliderStrength)>,
+    /// What the webs are held at, as [`WebState::held`].
+    held: PerBar<f64>,
 }
 
 /// At which instant of a part of a step the stress is returned to the yield surface.
@@ -206,6 +211,7 @@ impl WebLaw {
             },
             ..WebState {
                 dynamic_gain: dynamic - 1.0,
+                held: 0.0,
                 ..*web
             }
             .strength()
@@ -308,6 +314,7 @@ impl StrengthLaw {
                 above: slopes(self.hardening.above, &from.above, turns.above),
             },
             webs: self.web_strengths(webs, turns, secs, collocation),
+            held: PerBar::default(),
         }
     }
 
@@ -356,6 +363,7 @@ impl StrengthLaw {
             factors,
             slopes,
             webs: predicted,
+            held,
         } = prediction;
         for (hinges, factors, slopes, flow) in [
             (
@@ -379,11 +387,27 @@ impl StrengthLaw {
             }
         }
         if let Some(laws) = &self.webs {
-            for (web, law, (dynamic, _), flow) in [
-                (&mut webs.below, &laws.below, predicted.below, flow.below),
-                (&mut webs.above, &laws.above, predicted.above, flow.above),
+            for (web, law, (dynamic, strength), held, flow) in [
+                (
+                    &mut webs.below,
+                    &laws.below,
+                    predicted.below,
+                    held.below,
+                    flow.below,
+                ),
+                (
+                    &mut webs.above,
+                    &laws.above,
+                    predicted.above,
+                    held.above,
+                    flow.above,
+                ),
             ] {
                 web.dynamic_gain = dynamic - 1.0;
+                web.held = match held > 0.0 && flow.shear_angle != 0.0 {
+                    true => strength.hardened(flow.shear_angle),
+                    false => held,
+                };
                 law.harden(web, factor * flow.shear_angle);
             }
         }
@@ -436,6 +460,7 @@ impl StrengthLaw {
             for web in [&mut webs.below, &mut webs.above] {
                 let rate = self.rate.as_ref();
                 web.dynamic_gain = rate.map_or(0.0, |rate| rate.factor(web.strain_rate) - 1.0);
+                web.held = 0.0;
             }
         }
     }
@@ -460,8 +485,10 @@ impl StrengthLaw {
                 };
             }
         }
-        webs.below.dynamic_gain = 0.0;
-        webs.above.dynamic_gain = 0.0;
+        for web in [&mut webs.below, &mut webs.above] {
+            web.dynamic_gain = 0.0;
+            web.held = 0.0;
+        }
     }
 }
 
@@ -591,7 +618,8 @@ impl Prediction {
     }
 
     /// With no factor below that with which the last stress was returned.
-    pub fn not_below(mut self, last: &Strengths, webs: &Webs) -> Self {
+    /// No web bears less than `used` times the resistance of a virgin one in either direction.
+    pub fn not_below(mut self, last: &Strengths, webs: &Webs, used: &PerBar<f64>) -> Self {
         for (factors, last) in [
             (&mut self.factors.below, &last.below),
             (&mut self.factors.above, &last.above),
@@ -600,13 +628,14 @@ impl Prediction {
                 factors[k] = factors[k].largest(&last[k].factors);
             }
         }
-        for ((dynamic, strength), last) in [
-            (&mut self.webs.below, &webs.below),
-            (&mut self.webs.above, &webs.above),
+        self.held = *used;
+        for ((dynamic, strength), last, used) in [
+            (&mut self.webs.below, &webs.below, used.below),
+            (&mut self.webs.above, &webs.above, used.above),
         ] {
             let ratio = (last.dynamic_factor() / *dynamic).max(1.0);
             *dynamic *= ratio;
-            strength.factor = strength.factor.map(|factor| ratio * factor);
+            strength.factor = strength.factor.map(|factor| (ratio * factor).max(used));
             strength.growth = strength.growth.map(|growth| ratio * growth);
             strength.most *= ratio;
         }

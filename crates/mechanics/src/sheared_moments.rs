@@ -118,7 +118,7 @@ impl Mechanisms<'_> {
                 && let Some(x) = self.flow(signs, trial, caps)
                 && self.violation(&x, signs, trial, caps) <= TOLERANCE
             {
-                return x;
+                return forwards(x, signs);
             }
         }
         self.enumerated(flexibility, trial, sign, caps)
@@ -168,11 +168,16 @@ impl Mechanisms<'_> {
                     };
                     let violation = self.violation(&x, signs, trial, caps);
                     if violation < least {
-                        (best, least) = (x, violation);
+                        (best, least) = (forwards(x, signs), violation);
                     }
                 }
             }
         }
         best
     }
+}
+
+/// Deformations without those that round-off has turned against their direction: their moments would change sign.
+fn forwards(x: [f64; 3], signs: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| if signs[k] * x[k] > 0.0 { x[k] } else { 0.0 })
 }

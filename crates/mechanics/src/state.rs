@@ -13,6 +13,7 @@ use super::rate::{HingeStrength, Strengths, WebState, Webs};
 use super::sample::{
     HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEBS, WebSample,
 };
+use super::shear::SliderStrength;
 use super::vehicle::MAX_MASSES;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
@@ -534,9 +535,22 @@ impl State {
 
     /// Which share of the resistance of each web is used, below and above the impact point; 0 where they do not yield.
     pub(crate) fn web_utilisations(&self, model: &Model) -> [f64; WEBS] {
+        self.web_shares(model, WebState::strength)
+    }
+
+    /// The same share of the resistance of a virgin web at rest.
+    pub(crate) fn web_uses(&self, model: &Model) -> [f64; WEBS] {
+        self.web_shares(model, |_| SliderStrength::VIRGIN)
+    }
+
+    fn web_shares(
+        &self,
+        model: &Model,
+        strength: impl Fn(&WebState) -> SliderStrength,
+    ) -> [f64; WEBS] {
         let of = |bar: &Bar, forces: &BarForces, web: &WebState, hinges: &[HingeStrength; 2]| {
             let weakest = hinges[0].factors.dynamic.min(hinges[1].factors.dynamic);
-            bar.web_utilisation(forces, &web.strength(), weakest)
+            bar.web_utilisation(forces, &strength(web), weakest)
         };
         let (frame, f, w, s) = (&model.frame, &self.forces, &self.webs, &self.strength);
         [
