@@ -20,6 +20,9 @@ const MAX_STEP_NANOS: u64 = 10_000_000;
 /// 0.01.
 const MAX_HARDENING_RATIO: f64 = 0.1;
 
+/// Least share of the length of a bar that a bumper leaves clear. The model of a bar makes no sense where nothing is left.
+const MIN_CLEAR_SHARE: f64 = 0.1;
+
 /// A column that can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
@@ -449,8 +452,11 @@ fn check_shear(p: &ColumnProperties, shear: &ShearProperties) -> Result<(), Mode
     within(
         "height of the bumper [m]",
         shear.bumper_height,
-        shear.bumper_height >= 0.0 && below.min(above) > 0.0,
-        "a finite number >= 0 and less than twice the length of the shorter bar",
+        shear.bumper_height >= 0.0
+            && below >= MIN_CLEAR_SHARE * p.length_below
+            && above >= MIN_CLEAR_SHARE * p.length_above,
+        "a finite number >= 0 that leaves each bar at least a tenth of its length: \
+         at most 1.8 times the length of the shorter one",
     )
 }
 

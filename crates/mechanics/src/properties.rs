@@ -81,7 +81,7 @@ pub struct ShearProperties {
     pub max_hardening: f64,
     /// Absolute plastic shear angle at which the web of a bar is fractured \[rad\], >= 0; 0 for no limit.
     pub ultimate_angle: f64,
-    /// Height of the bumper, over which the column is held straight about the impact point \[m\], >= 0, and less than twice
+    /// Height of the bumper, over which the column is held straight about the impact point \[m\], >= 0, and at most 1.8 times
     /// the length of the shorter bar; 0 for a force at a point.
     pub bumper_height: f64,
 }

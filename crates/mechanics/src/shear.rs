@@ -200,6 +200,9 @@ impl Slider {
             }
             let next = t - value / slope;
             if (next - t).abs() <= RETURN_TOLERANCE || high - low <= f64::EPSILON {
+                // The error of the last step is its square: next to the squash load every digit of the rest counts.
+                let t = next.clamp(low, high);
+                let (_, slope, carried, slide) = at(t);
                 let normal = (t * axial).copysign(trial.normal);
                 let carried = carried.copysign(-slide.angle) * slide.flexibility;
                 let along = self.turning.map(|turning| turning * carried);
