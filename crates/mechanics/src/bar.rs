@@ -119,6 +119,11 @@ impl PlasticFlow {
         self.rotation[k] != 0.0 || self.elongation[k] != 0.0
     }
 
+    /// Whether the web is deformed at all.
+    pub fn has_sheared(&self) -> bool {
+        self.shear_angle != 0.0 || self.shear_elongation != 0.0
+    }
+
     /// `self + factor * flow`.
     pub(crate) fn plus(&self, factor: f64, flow: &Self) -> Self {
         let add = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];

@@ -236,7 +236,7 @@ impl PushDown {
         };
         let loaded = force_on_top(model, &state.displacement, &state.forces);
         let whole = model.without_bumper();
-        let plastic = stretched(model, &whole, &state.plastic);
+        let plastic = plastic_before_bumper(model, &whole, &state.plastic);
         let model = &whole;
         let sign = if state.displacement.v1 < 0.0 {
             -1.0
@@ -642,20 +642,26 @@ fn stress_free_bow(model: &Model, bow: f64) -> PerBar<PlasticFlow> {
     }
 }
 
-/// The plastic strains of a column with a bumper on the bars of `whole`, which are longer: the same `v1`.
-fn stretched(model: &Model, whole: &Model, plastic: &PerBar<PlasticFlow>) -> PerBar<PlasticFlow> {
-    let of_bar = |clear: f64, whole: f64, plastic: &PlasticFlow| {
-        let share = clear / whole;
+/// The plastic strains of a column on the same column before another bumper, or before none: the angles of bars of other clear
+/// lengths that leave the impact point where it is. The bits stay where the lengths are the same.
+#[must_use]
+pub fn plastic_before_bumper(
+    model: &Model,
+    other: &Model,
+    plastic: &PerBar<PlasticFlow>,
+) -> PerBar<PlasticFlow> {
+    let of_bar = |clear: f64, other: f64, plastic: &PlasticFlow| {
+        let share = clear / other;
         PlasticFlow {
             rotation: plastic.rotation.map(|rotation| share * rotation),
             shear_angle: share * plastic.shear_angle,
             ..*plastic
         }
     };
-    let (clear, whole) = (&model.frame, &whole.frame);
+    let (clear, other) = (&model.frame, &other.frame);
     PerBar {
-        below: of_bar(clear.below.length, whole.below.length, &plastic.below),
-        above: of_bar(clear.above.length, whole.above.length, &plastic.above),
+        below: of_bar(clear.below.length, other.below.length, &plastic.below),
+        above: of_bar(clear.above.length, other.above.length, &plastic.above),
     }
 }
 

@@ -68,7 +68,7 @@ pub use buckling::{
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, KnownCapacity, MAX_IMPERFECTION,
     MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, PushDown, PushDownPoint, capacity,
-    capacity_up_to, carried_load, plastic_plateau, push_down,
+    capacity_up_to, carried_load, plastic_before_bumper, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;

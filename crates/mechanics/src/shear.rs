@@ -188,7 +188,7 @@ impl Slider {
         let (mut low, mut high) = (FREE_AXIAL, n.min(1.0));
         let mut t = high;
         for _ in 0..MAX_RETURN_ITERATIONS {
-            let (flow, slope, carried, slide) = at(t);
+            let (flow, slope, ..) = at(t);
             let value = t - n - flow;
             if value < 0.0 {
                 if t >= 1.0 {
@@ -551,7 +551,7 @@ mod tests {
     #[test]
     fn the_return_with_a_web_minimises_the_convex_problem() {
         let sheared = Cell::new([0; 4]);
-        check(6_000, |case| {
+        check(3_000, |case| {
             let found = case.returned();
             let normal = found.forces.normal;
             let flow = &found.flow;
@@ -618,7 +618,7 @@ mod tests {
         });
         let count = sheared.get();
         println!("web alone, with one hinge, with both, and shortening: {count:?}");
-        assert!(count.iter().all(|&it| it >= 50), "{count:?}");
+        assert!(count.iter().all(|&it| it >= 20), "{count:?}");
     }
 
     #[test]

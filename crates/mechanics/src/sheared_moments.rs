@@ -41,28 +41,19 @@ impl Mechanisms<'_> {
     }
 
     /// How the mechanisms of `active` deform under `right` \[N m\]; `None` if they are not independent.
+    #[inline(always)]
     pub fn solve(&self, active: [bool; 3], right: [f64; 3]) -> Option<[f64; 3]> {
-        let (mut a, mut r) = (self.matrix(), right);
+        let a = self.matrix();
         let mut x = [0.0; 3];
-        for pivot in (0..3).filter(|&k| active[k]) {
-            let full = a[pivot][pivot];
-            for done in (0..pivot).filter(|&k| active[k]) {
-                let factor = a[pivot][done] / a[done][done];
-                for column in (done..3).filter(|&k| active[k]) {
-                    a[pivot][column] -= factor * a[done][column];
-                }
-                r[pivot] -= factor * r[done];
-            }
-            if a[pivot][pivot].is_nan() || a[pivot][pivot] <= PIVOT * full {
-                return None;
-            }
-        }
-        for row in (0..3).rev().filter(|&k| active[k]) {
-            let mut sum = r[row];
-            for column in (row + 1..3).filter(|&k| active[k]) {
-                sum -= a[row][column] * x[column];
-            }
-            x[row] = sum / a[row][row];
+        match active {
+            [false, false, false] => {}
+            [true, true, true] => return eliminated(a, right),
+            [true, true, false] => (x[0], x[1]) = pair(&a, &right, 0, 1)?,
+            [true, false, true] => (x[0], x[2]) = pair(&a, &right, 0, 2)?,
+            [false, true, true] => (x[1], x[2]) = pair(&a, &right, 1, 2)?,
+            [true, false, false] => x[0] = single(&a, &right, 0)?,
+            [false, true, false] => x[1] = single(&a, &right, 1)?,
+            [false, false, true] => x[2] = single(&a, &right, 2)?,
         }
         Some(x)
     }
@@ -85,30 +76,55 @@ impl Mechanisms<'_> {
         hinge_caps: [f64; 2],
         web: [WebCap; 2],
     ) -> [f64; 3] {
+        let cap_of = |sum: f64| &web[usize::from(sum < 0.0)];
+        let sum = trial[0] + trial[1];
+        if sum.abs() > cap_of(sum).limit
+            && let Some(x) = self.with_web(flexibility, trial, hinge_caps, cap_of(sum), sum)
+        {
+            return x;
+        }
         let c = self.rotational;
         let mut stiffness = *c;
-        for k in 0..2 {
-            stiffness[k][k] += self.hardening[k];
-        }
+        stiffness[0][0] += self.hardening[0];
+        stiffness[1][1] += self.hardening[1];
         let hinges = cap_moments(&stiffness, flexibility, trial, hinge_caps).rotation;
         let without = [hinges[0], hinges[1], 0.0];
         let sum = self.left(trial, &without)[2];
-        let web = &web[usize::from(sum < 0.0)];
-        let caps = [hinge_caps[0], hinge_caps[1], web.limit];
+        let web = cap_of(sum);
         self.hardening[2] = web.hardening;
-        if sum.abs() <= caps[2] {
+        if sum.abs() <= web.limit {
             return without;
         }
-        // The web flows, in the direction of that sum. A hinge flows with it where it would be overstressed otherwise.
+        // The web flows, in the direction of that sum.
+        self.with_web(flexibility, trial, hinge_caps, web, sum)
+            .unwrap_or_else(|| {
+                let caps = [hinge_caps[0], hinge_caps[1], web.limit];
+                self.enumerated(flexibility, trial, sum.signum(), caps)
+            })
+    }
+
+    /// The deformations if the web flows in the direction of `sum`, alone or with the hinge that would be overstressed
+    /// otherwise; `None` if neither satisfies all conditions.
+    #[inline(always)]
+    fn with_web(
+        &mut self,
+        flexibility: [f64; 2],
+        trial: [f64; 2],
+        hinge_caps: [f64; 2],
+        web: &WebCap,
+        sum: f64,
+    ) -> Option<[f64; 3]> {
+        self.hardening[2] = web.hardening;
+        let caps = [hinge_caps[0], hinge_caps[1], web.limit];
         let sign = sum.signum();
-        let alone = self.flow([0.0, 0.0, sign], trial, caps).unwrap_or(without);
+        let alone = self.flow([0.0, 0.0, sign], trial, caps)?;
         let moment = self.left(trial, &alone);
         let excess = [0, 1].map(|k| match flexibility[k] {
             0.0 => f64::NEG_INFINITY,
             _ => moment[k].abs() - caps[k],
         });
-        if sign * alone[2] >= 0.0 && excess[0] <= 0.0 && excess[1] <= 0.0 {
-            return alone;
+        if excess[0] <= 0.0 && excess[1] <= 0.0 {
+            return (sign * alone[2] >= 0.0).then_some(alone);
         }
         let first = usize::from(excess[1] > excess[0]);
         for k in [first, 1 - first] {
@@ -118,10 +134,10 @@ impl Mechanisms<'_> {
                 && let Some(x) = self.flow(signs, trial, caps)
                 && self.violation(&x, signs, trial, caps) <= TOLERANCE
             {
-                return forwards(x, signs);
+                return Some(forwards(x, signs));
             }
         }
-        self.enumerated(flexibility, trial, sign, caps)
+        None
     }
 
     /// The deformations if the mechanisms flow in the directions of `signs`, 0 for one that does not.
@@ -180,4 +196,48 @@ impl Mechanisms<'_> {
 /// Deformations without those that round-off has turned against their direction: their moments would change sign.
 fn forwards(x: [f64; 3], signs: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| if signs[k] * x[k] > 0.0 { x[k] } else { 0.0 })
+}
+
+fn single(a: &[[f64; 3]; 3], right: &[f64; 3], k: usize) -> Option<f64> {
+    (a[k][k] > 0.0).then(|| right[k] / a[k][k])
+}
+
+#[inline(always)]
+fn pair(a: &[[f64; 3]; 3], right: &[f64; 3], i: usize, j: usize) -> Option<(f64, f64)> {
+    let full = a[i][i] * a[j][j];
+    let determinant = full - a[i][j] * a[j][i];
+    (determinant > PIVOT * full).then(|| {
+        let per_determinant = 1.0 / determinant;
+        (
+            (a[j][j] * right[i] - a[i][j] * right[j]) * per_determinant,
+            (a[i][i] * right[j] - a[j][i] * right[i]) * per_determinant,
+        )
+    })
+}
+
+/// All three, by elimination.
+fn eliminated(mut a: [[f64; 3]; 3], mut r: [f64; 3]) -> Option<[f64; 3]> {
+    for pivot in 0..3 {
+        let full = a[pivot][pivot];
+        for done in 0..pivot {
+            let factor = a[pivot][done] / a[done][done];
+            let above = a[done];
+            for (entry, above) in a[pivot].iter_mut().zip(above).skip(done) {
+                *entry -= factor * above;
+            }
+            r[pivot] -= factor * r[done];
+        }
+        if a[pivot][pivot].is_nan() || a[pivot][pivot] <= PIVOT * full {
+            return None;
+        }
+    }
+    let mut x = [0.0; 3];
+    for row in (0..3).rev() {
+        let mut sum = r[row];
+        for column in row + 1..3 {
+            sum -= a[row][column] * x[column];
+        }
+        x[row] = sum / a[row][row];
+    }
+    Some(x)
 }
