@@ -180,5 +180,6 @@ fn report(samples: &[Sample], summary: &serde_json::Value) -> Report {
         steps: 100_000,
         hinges,
         vehicle: Default::default(),
+        webs: Default::default(),
     }
 }

@@ -243,6 +243,7 @@ fn nothing_happened() -> Report {
         steps: 0,
         hinges: [HingeReport::default(); HINGES],
         vehicle: Default::default(),
+        webs: Default::default(),
     }
 }
 

@@ -462,6 +462,7 @@ impl Parameters {
             rate: self.rate(),
             hardening_ratio: hardening.ratio,
             ultimate_rotation: assessment.ultimate_rotation,
+            shear: None,
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
         }

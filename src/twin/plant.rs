@@ -205,6 +205,8 @@ impl Plant {
         let scaled = |flow: &PlasticFlow| PlasticFlow {
             elongation: times(flow.elongation),
             rotation: times(flow.rotation),
+            shear_angle: factor * flow.shear_angle,
+            shear_elongation: factor * flow.shear_elongation,
         };
         let (mut state, accumulated) = (self.state, self.state.accumulated_rotation());
         state.plastic = PerBar {

@@ -216,6 +216,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
             elastic_energy: state.vehicle_elastic_energy,
         },
         hinges: std::array::from_fn(hinge),
+        webs: Default::default(),
     }
 }
 

@@ -196,6 +196,7 @@ fn report() -> Report {
             velocity: [79.0, 80.0, 81.0],
             elastic_energy: 82.0,
         },
+        webs: Default::default(),
     }
 }
 

@@ -1,5 +1,5 @@
 //! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end, and the same
-//! column hit by compliant vehicles of one to three masses.
+//! column hit by compliant vehicles of one to three masses; with the argument `shear` only what the shear of its webs costs.
 
 #[path = "../tests/example/mod.rs"]
 mod example;
@@ -8,8 +8,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use column_mechanics::{
-    ColumnProperties, Impact, Model, Progress, Response, State, Vehicle, begin_impact, respond,
-    simulate, step,
+    ColumnProperties, Impact, Model, Progress, Response, RolledSection, State, Vehicle,
+    begin_impact, respond, simulate, step,
 };
 use example::{ceb, example, lorry};
 
@@ -225,13 +225,21 @@ fn print_elastic_vehicles() {
 /// Time of one `step` with each of the [`STRENGTHS`] \[ns\]. The runs alternate, so that other load on the machine meets
 /// all of them.
 fn costs_of_strengths(properties: &ColumnProperties, impact: &Impact) -> [f64; 3] {
-    let started = STRENGTHS.map(|strength| {
-        let model = Model::new(&strengthened(properties, strength)).expect("a column");
+    costs_of(
+        STRENGTHS.map(|strength| strengthened(properties, strength)),
+        impact,
+    )
+}
+
+/// Time of one `step` of each of some columns \[ns\], alternating.
+fn costs_of<const N: usize>(columns: [ColumnProperties; N], impact: &Impact) -> [f64; N] {
+    let started = columns.map(|properties| {
+        let model = Model::new(&properties).expect("a column");
         let mut start = State::at_rest(&model);
         begin_impact(&model, &mut start, *impact).expect("an impact");
         (model, start)
     });
-    let mut least = [f64::INFINITY; 3];
+    let mut least = [f64::INFINITY; N];
     for _ in 0..4 * RUNS {
         for ((model, start), least) in started.iter().zip(&mut least) {
             let mut state = *start;
@@ -246,6 +254,51 @@ fn costs_of_strengths(properties: &ColumnProperties, impact: &Impact) -> [f64; 3
     least
 }
 
+/// Compares columns whose webs yield with the same ones whose webs do not, hit at the height of a car and at 1 m.
+fn print_shear() {
+    println!(
+        "\nns per step of 10 us of HEB 220 with shear, and its ratio to that without, over {STRENGTH_STEPS} steps"
+    );
+    println!(
+        "{:<20}{:<15}{:<20}{:>8}{:>10}{:>8}",
+        "scheme", "height", "strength", "without", "shear", "ratio"
+    );
+    let section = RolledSection {
+        depth: 0.22,
+        width: 0.22,
+        web_thickness: 0.0095,
+        flange_thickness: 0.016,
+        root_radius: 0.018,
+    };
+    for scheme in SCHEMES {
+        for height in [0.5, 1.0] {
+            for strength in STRENGTHS {
+                let (properties, impact) = example(&[
+                    &format!("solver.scheme:={scheme}"),
+                    "solver.dt:=1.0e-5",
+                    "hinge.elastic_law:=coupled",
+                    "yield_surface.alpha:=1.0",
+                    "yield_surface.beta:=1.3",
+                    "yield_surface.gamma:=1.0",
+                    &format!("geometry.length_below:={height}"),
+                ]);
+                let without = strengthened(&properties, strength);
+                let mut shear = section.shear(355e6, 210e9, 0.3, without.hardening_ratio);
+                shear.bumper_height = 0.2;
+                let with = ColumnProperties {
+                    shear: Some(shear),
+                    ..without
+                };
+                let [without, with] = costs_of([without, with], &impact);
+                println!(
+                    "{scheme:<20}{height:<15}{strength:<20}{without:>8.0}{with:>10.0}{:>8.2}",
+                    with / without
+                );
+            }
+        }
+    }
+}
+
 fn main() {
     // `cargo test --benches` only checks that the benchmark runs.
     if !std::env::args().any(|argument| argument == "--bench") {
@@ -253,7 +306,11 @@ fn main() {
         cost(&properties, &impact);
         return;
     }
-    println!("ns per step of 10 us, fastest of {RUNS} responses of the paper's example");
+    print_shear();
+    if std::env::args().any(|argument| argument == "shear") {
+        return;
+    }
+    println!("\nns per step of 10 us, fastest of {RUNS} responses of the paper's example");
     println!(
         "{:<20}{:<15}{:>10}{:>8}{:>8}{:>14}{:>8}{:>19}",
         "scheme",

@@ -15,7 +15,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
+use super::properties::is_zero;
 use super::return_search::{Root, Search};
+use super::shear::{Slider, SliderStrength};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// A flow below this, in stress relative to the resistances, is round-off.
@@ -56,6 +58,12 @@ impl BarForces {
         self.normal * (flow.elongation[0] + flow.elongation[1])
             + self.moment[0] * flow.rotation[0]
             + self.moment[1] * flow.rotation[1]
+            + self.shear_work(flow)
+    }
+
+    /// Work on the plastic shear of the web alone \[J\].
+    pub(crate) fn shear_work(&self, flow: &PlasticFlow) -> f64 {
+        (self.moment[0] + self.moment[1]) * flow.shear_angle + self.normal * flow.shear_elongation
     }
 }
 
@@ -78,23 +86,31 @@ impl BarStrain {
 
     /// What is left after the plastic deformation.
     pub(crate) fn minus(&self, plastic: &PlasticFlow) -> Self {
+        // Subtracted last, the zeros of a bar without shear leave every bit as it is.
+        let (angle, stretch) = (plastic.shear_angle, plastic.shear_elongation);
         Self {
-            elongation: self.elongation - (plastic.elongation[0] + plastic.elongation[1]),
+            elongation: self.elongation - (plastic.elongation[0] + plastic.elongation[1]) - stretch,
             rotation: [
-                self.rotation[0] - plastic.rotation[0],
-                self.rotation[1] - plastic.rotation[1],
+                self.rotation[0] - plastic.rotation[0] - angle,
+                self.rotation[1] - plastic.rotation[1] - angle,
             ],
         }
     }
 }
 
-/// Plastic deformation of the two hinges of a bar, total or of a step.
+/// Plastic deformation of the two hinges of a bar and of its web, total or of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct PlasticFlow {
-    /// Plastic elongations \[m\].
+    /// Plastic elongations of the hinges \[m\].
     pub elongation: [f64; 2],
-    /// Plastic rotations \[rad\].
+    /// Plastic rotations of the hinges \[rad\].
     pub rotation: [f64; 2],
+    /// `gamma_p`: plastic shear angle of the web, by which it turns both ends of the bar \[rad\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub shear_angle: f64,
+    /// Plastic elongation of the web, 0 unless it has yielded beyond half the squash load \[m\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub shear_elongation: f64,
 }
 
 impl PlasticFlow {
@@ -103,12 +119,19 @@ impl PlasticFlow {
         self.rotation[k] != 0.0 || self.elongation[k] != 0.0
     }
 
+    /// Whether the web is deformed at all.
+    pub fn has_sheared(&self) -> bool {
+        self.shear_angle != 0.0 || self.shear_elongation != 0.0
+    }
+
     /// `self + factor * flow`.
     pub(crate) fn plus(&self, factor: f64, flow: &Self) -> Self {
         let add = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];
         Self {
             elongation: add(self.elongation, flow.elongation),
             rotation: add(self.rotation, flow.rotation),
+            shear_angle: self.shear_angle + factor * flow.shear_angle,
+            shear_elongation: self.shear_elongation + factor * flow.shear_elongation,
         }
     }
 }
@@ -139,7 +162,7 @@ impl BarTangent {
     }
 
     /// With the normal force held.
-    fn held(rotational: [[f64; 2]; 2]) -> Self {
+    pub(crate) fn held(rotational: [[f64; 2]; 2]) -> Self {
         Self {
             axial: 0.0,
             mixed: [0.0; 2],
@@ -148,7 +171,7 @@ impl BarTangent {
     }
 
     /// With the stress free to move by `dN = axial dt`, `dM = moment dt` against the stiffness `stiffness`.
-    fn sliding(mut self, axial: f64, moment: [f64; 2], stiffness: f64) -> Self {
+    pub(crate) fn sliding(mut self, axial: f64, moment: [f64; 2], stiffness: f64) -> Self {
         let per_stiffness = 1.0 / stiffness;
         let scaled = moment.map(|m| m * per_stiffness);
         self.axial = axial * axial * per_stiffness;
@@ -173,6 +196,8 @@ pub struct Bar {
     pub rotational: [[f64; 2]; 2],
     /// Yield surface of both hinges.
     pub surface: YieldSurface,
+    /// What its web bears; `None` where it does not yield.
+    pub(crate) slider: Option<Slider>,
     /// `1/K` \[m/N\].
     pub(crate) axial_flexibility: f64,
     /// Inverse of the rotational stiffness, 0 for a hinge that bears no moment \[rad/(N m)\].
@@ -209,6 +234,8 @@ pub(crate) enum Place {
     },
     /// On a vertex of surfaces of hinges of different strength: `N` is held.
     Held { hardening: Hardening },
+    /// The web yields, alone or with hinges.
+    Sheared { tangent: BarTangent },
     /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
@@ -258,6 +285,7 @@ impl Bar {
             axial,
             rotational,
             surface,
+            slider: None,
             axial_flexibility: 1.0 / axial,
             rotational_flexibility,
             flexibility_alone: alone,
@@ -302,6 +330,27 @@ impl Bar {
         let normal = flow.elongation[k].abs() * self.axial;
         moment > FLOW_ROUND_OFF * self.surface.resistance_moment
             || normal > FLOW_ROUND_OFF * self.surface.resistance_axial
+    }
+
+    /// As [`Bar::flows`], of the shear of the web.
+    pub(crate) fn shears(&self, flow: &PlasticFlow) -> bool {
+        self.slider.as_ref().is_some_and(|slider| {
+            flow.shear_angle.abs() * slider.stiffness > FLOW_ROUND_OFF * slider.resistance
+        })
+    }
+
+    /// Which share of the resistance of its web is used, where the weaker hinge has `weakest` times its squash load; 0 where
+    /// the web does not yield.
+    pub(crate) fn web_utilisation(
+        &self,
+        forces: &BarForces,
+        strength: &SliderStrength,
+        weakest: f64,
+    ) -> f64 {
+        self.slider.as_ref().map_or(0.0, |slider| {
+            let n = self.surface.relative_axial(forces.normal).abs() / weakest;
+            slider.utilisation(forces.moment, strength, n)
+        })
     }
 
     /// Tangent of the elastic law.
@@ -440,6 +489,7 @@ impl Bar {
             flow: PlasticFlow {
                 elongation,
                 rotation: capped.rotation,
+                ..PlasticFlow::default()
             },
             place: place(active),
         }
@@ -462,6 +512,7 @@ impl Bar {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
+            Place::Sheared { tangent } => tangent,
             Place::Held { hardening } => {
                 BarTangent::held(hardening.frozen(&self.rotational, returned.flow.rotation))
             }

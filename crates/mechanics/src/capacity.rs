@@ -1,8 +1,11 @@
 //! The remaining axial capacity: a static push-down of a column at rest, virgin or with the plastic strains of an impact.
 //!
 //! The column gets a bow `e0` as stress-free strains, starts without axial force, and is then shortened quasi-statically
-//! with plastic flow. `N_u` is the largest force at its top; the spring there takes no part. The surface of the hinges is
-//! the static one, without strain rate or hardening.
+//! with plastic flow. `N_u` is the largest force at its top; the spring there takes no part. The surface of the hinges and
+//! the resistance of the webs are the static ones, without strain rate or hardening.
+//!
+//! A bumper is gone by then: both bars have their whole lengths again, and their plastic rotations are reduced so that the
+//! impact point stays where it is.
 //!
 //! `u2` alone would not do as the control: a nearly straight column snaps back, which means that behind the largest force
 //! both the force and `u2` decrease. An increment therefore prescribes a positive combination of `u2` and `v1`. The normal
@@ -24,6 +27,7 @@ use super::motion::collapse_of;
 use super::push_down_equations::{
     Control, Equations, Flowing, LastRow, MAX_ROTATION, PathStep, Solved,
 };
+use super::shear::SliderStrength;
 use super::state::State;
 use super::tearing::share_until_torn;
 
@@ -181,6 +185,8 @@ pub struct PushDown {
     offset: PerBar<PlasticFlow>,
     /// The part of them that is the bow.
     bow: PerBar<PlasticFlow>,
+    /// By how much the plastic strains were larger on the clear lengths of the bars before a bumper.
+    before_bumper: PerBar<PlasticFlow>,
     displacement: Displacement,
     forces: PerBar<BarForces>,
     force: f64,
@@ -228,6 +234,10 @@ impl PushDown {
         } else {
             state
         };
+        let loaded = force_on_top(model, &state.displacement, &state.forces);
+        let whole = model.without_bumper();
+        let plastic = plastic_before_bumper(model, &whole, &state.plastic);
+        let model = &whole;
         let sign = if state.displacement.v1 < 0.0 {
             -1.0
         } else {
@@ -237,8 +247,9 @@ impl PushDown {
         let mut push_down = Self {
             model: *model,
             sign,
-            offset: state.plastic,
+            offset: plastic,
             bow,
+            before_bumper: plus(&state.plastic, -1.0, &plastic),
             displacement: state.displacement,
             forces: PerBar::default(),
             force: 0.0,
@@ -257,7 +268,7 @@ impl PushDown {
             },
             done: false,
         };
-        push_down.unload(state);
+        push_down.unload(state, loaded);
         Ok(push_down)
     }
 
@@ -283,15 +294,14 @@ impl PushDown {
     }
 
     /// Removes the load and adds the bow, with the plastic strains frozen: in one part, or in smaller ones.
-    fn unload(&mut self, state: &State) {
-        let model = self.model;
-        let loaded = force_on_top(&model, &state.displacement, &state.forces);
+    fn unload(&mut self, state: &State, loaded: f64) {
+        let (model, plastic) = (self.model, self.offset);
         let (mut share, mut part) = (0.0_f64, 1.0_f64);
         let mut u = state.displacement;
         let evaluations = Cell::new(0);
         for _ in 0..MAX_UNLOADING_PARTS {
             let next = (share + part).min(1.0);
-            let offset = plus(&state.plastic, next, &self.bow);
+            let offset = plus(&plastic, next, &self.bow);
             let equations = Equations {
                 model: &model,
                 offset: &offset,
@@ -335,6 +345,8 @@ impl PushDown {
             for moment in forces.moment {
                 utilisation = utilisation.max(bar.surface.utilisation(moment, forces.normal));
             }
+            utilisation =
+                utilisation.max(bar.web_utilisation(forces, &SliderStrength::VIRGIN, 1.0));
         }
         self.capacity.unloaded_v1 = self.unloaded.v1;
         self.capacity.v1 = self.unloaded.v1;
@@ -494,7 +506,9 @@ impl PushDown {
 
     /// The share of the last increment, which began with these strains without stress, after which a hinge is torn.
     fn torn_after(&self, before: &PerBar<PlasticFlow>) -> Option<f64> {
-        let plastic = |offset: &PerBar<PlasticFlow>| plus(offset, -1.0, &self.bow);
+        let plastic = |offset: &PerBar<PlasticFlow>| {
+            plus(&plus(offset, -1.0, &self.bow), 1.0, &self.before_bumper)
+        };
         share_until_torn(&self.model, &plastic(before), &plastic(&self.offset))
     }
 
@@ -596,14 +610,18 @@ pub fn carried_load(model: &Model, state: &State) -> f64 {
 
 /// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
 /// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
-/// share away.
+/// share away. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar bears no more than its
+/// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts.
 #[must_use]
 pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
     [&model.frame.below, &model.frame.above]
         .into_iter()
         .map(|bar| {
             let hinges = if bar.rotational[1][1] > 0.0 { 2.0 } else { 1.0 };
-            hinges * bar.surface.moment_resistance(normal_force) / bar.length
+            let moments = hinges * bar.surface.moment_resistance(normal_force);
+            let n = bar.surface.relative_axial(normal_force).abs();
+            let web = bar.slider.as_ref().map(|slider| slider.limit(1.0, n));
+            web.map_or(moments, |web| moments.min(web)) / bar.length
         })
         .sum()
 }
@@ -615,11 +633,35 @@ fn stress_free_bow(model: &Model, bow: f64) -> PerBar<PlasticFlow> {
         PlasticFlow {
             elongation: [0.5 * chord.elongation; 2],
             rotation: [chord.angle(); 2],
+            ..PlasticFlow::default()
         }
     };
     PerBar {
         below: of_bar(model.frame.below.length),
         above: of_bar(model.frame.above.length),
+    }
+}
+
+/// The plastic strains of a column on the same column before another bumper, or before none: the angles of bars of other clear
+/// lengths that leave the impact point where it is. The bits stay where the lengths are the same.
+#[must_use]
+pub fn plastic_before_bumper(
+    model: &Model,
+    other: &Model,
+    plastic: &PerBar<PlasticFlow>,
+) -> PerBar<PlasticFlow> {
+    let of_bar = |clear: f64, other: f64, plastic: &PlasticFlow| {
+        let share = clear / other;
+        PlasticFlow {
+            rotation: plastic.rotation.map(|rotation| share * rotation),
+            shear_angle: share * plastic.shear_angle,
+            ..*plastic
+        }
+    };
+    let (clear, other) = (&model.frame, &other.frame);
+    PerBar {
+        below: of_bar(clear.below.length, other.below.length, &plastic.below),
+        above: of_bar(clear.above.length, other.above.length, &plastic.above),
     }
 }
 

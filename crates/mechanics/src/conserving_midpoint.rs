@@ -377,7 +377,8 @@ impl Part<'_> {
     /// Solves the equations with the resistances that are expected at the end of the part.
     ///
     /// A stress of the start that lies outside of a surface that has shrunk could do negative work on a flow that reverses
-    /// it. Such a part is solved again with the surface of its start, on which that work cannot be negative.
+    /// it, and so could the stress of a web that yields sooner in the other direction. Such a part is solved again with the
+    /// surface of its start, on which that work cannot be negative.
     fn solve(
         &mut self,
         system: &Conserving<'_>,
@@ -389,12 +390,14 @@ impl Part<'_> {
             return self.solve_with(system, guess, None);
         };
         let turns = model.frame.turns(&system.start, &guess);
-        let prediction = law.predict(&from.strength, &turns, secs, Collocation::End);
+        let prediction = law.predict((&from.strength, &from.webs), &turns, secs, Collocation::End);
         let solved = self.solve_with(system, guess, Some(prediction))?;
         if !self.gains_energy() {
             return Ok(solved);
         }
-        let prediction = prediction.not_below(&from.strength);
+        let [below, above] = from.web_uses(model);
+        let used = PerBar { below, above };
+        let prediction = prediction.not_below(&from.strength, &from.webs, &used);
         let again = self.solve_with(system, guess, Some(prediction))?;
         let iterations = solved.iterations + again.iterations;
         Ok(newton::Solved {
@@ -423,14 +426,14 @@ impl Part<'_> {
         bracketing::solve_with_fallback(system, guess, &mut self.point)
     }
 
-    /// Whether the mean stress does negative work on the flow of any hinge.
+    /// Whether the mean stress does negative work on the flow of any hinge or web.
     fn gains_energy(&self) -> bool {
         let gains = |point: &BarPoint| {
             let flow = &point.stress.returned.flow;
             (0..2).any(|k| {
                 point.mean.normal * flow.elongation[k] + point.mean.moment[k] * flow.rotation[k]
                     < 0.0
-            })
+            }) || (flow.shear_angle != 0.0 && point.mean.shear_work(flow) < 0.0)
         };
         gains(&self.point.below) || gains(&self.point.above)
     }
@@ -455,15 +458,18 @@ impl Part<'_> {
                 below: &below.stress.returned.flow,
                 above: &above.stress.returned.flow,
             };
-            let strength = &mut state.strength;
+            let strength = (&mut state.strength, &mut state.webs);
             law.advance(strength, &turns, trial.secs, prediction, flow, 1.0);
         }
         state.forces = PerBar {
             below: below.stress.returned.forces,
             above: above.stress.returned.forces,
         };
-        state.ledger.plastic_work += below.mean.work(&below.stress.returned.flow)
-            + above.mean.work(&above.stress.returned.flow);
+        state.dissipate(
+            (&below.mean, &below.stress.returned.flow),
+            (&above.mean, &above.stress.returned.flow),
+            1.0,
+        );
         state.ledger.damping_work += trial.damping_work;
         state.displacement = trial.end;
         state.velocity = trial.velocity;

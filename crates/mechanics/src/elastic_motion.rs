@@ -17,7 +17,8 @@ use super::frame;
 use super::geometry::Displacement;
 use super::model::Model;
 use super::motion::collapse_of;
-use super::rate::Collocation;
+use super::rate::{Collocation, WebState};
+use super::shear::SliderStrength;
 use super::state::{State, Velocity};
 use super::statics::{self, Settled};
 use super::vehicle::Vehicle;
@@ -413,7 +414,8 @@ impl<'a> Run<'a> {
                 below: before.below.discrete_gradient(&after.below).1,
                 above: before.above.discrete_gradient(&after.above).1,
             };
-            law.follow(&mut self.state.strength, &turns, secs);
+            let strength = (&mut self.state.strength, &mut self.state.webs);
+            law.follow(strength, &turns, secs);
         }
         None
     }
@@ -440,13 +442,25 @@ impl<'a> Run<'a> {
         let model = self.model;
         let frame = &model.frame;
         let forces = &next.settled.forces;
-        let size = |bar: &super::bar::Bar, forces: &BarForces| {
+        let size = |bar: &super::bar::Bar, forces: &BarForces, web: &WebState| {
             let moment = forces.moment[0].abs().max(forces.moment[1].abs());
-            bar.surface.relative_moment(moment) + bar.surface.relative_axial(forces.normal).abs()
+            let size = bar.surface.relative_moment(moment)
+                + bar.surface.relative_axial(forces.normal).abs();
+            match &bar.slider {
+                None => size,
+                Some(slider) => {
+                    let least = SliderStrength {
+                        factor: [web.least(); 2],
+                        ..SliderStrength::VIRGIN
+                    };
+                    let n = bar.surface.relative_axial(forces.normal).abs();
+                    size.max(slider.utilisation(forces.moment, &least, n))
+                }
+            }
         };
         let sizes = [
-            size(&frame.below, &forces.below),
-            size(&frame.above, &forces.above),
+            size(&frame.below, &forces.below, &self.state.webs.below),
+            size(&frame.above, &forces.above, &self.state.webs.above),
         ];
         if sizes[0].max(sizes[1]) < floor {
             return floor;
@@ -457,9 +471,11 @@ impl<'a> Run<'a> {
                 below: before.below.discrete_gradient(&after.below).1,
                 above: before.above.discrete_gradient(&after.above).1,
             };
-            law.predict(&self.state.strength, &turns, secs, Collocation::End)
-                .factors()
+            let strength = (&self.state.strength, &self.state.webs);
+            law.predict(strength, &turns, secs, Collocation::End)
         });
+        let webs = factors.as_ref().map(|it| it.webs());
+        let factors = factors.map(|it| it.factors());
         let mut largest = floor;
         let mut look = |bar: &super::bar::Bar,
                         forces: &BarForces,
@@ -485,6 +501,27 @@ impl<'a> Run<'a> {
             &forces.above,
             factors.as_ref().map(|it| &it.above),
         );
+        for (bar, forces, factors, web) in [
+            (
+                &frame.below,
+                &forces.below,
+                factors.as_ref().map(|it| &it.below),
+                webs.as_ref().map(|it| &it.below),
+            ),
+            (
+                &frame.above,
+                &forces.above,
+                factors.as_ref().map(|it| &it.above),
+                webs.as_ref().map(|it| &it.above),
+            ),
+        ] {
+            let weakest = factors.map_or(1.0, |[a, b]| a.dynamic.min(b.dynamic));
+            let virgin = &SliderStrength::VIRGIN;
+            let used = bar.web_utilisation(forces, web.unwrap_or(virgin), weakest);
+            if used > largest || used.is_nan() {
+                largest = used;
+            }
+        }
         if largest.is_nan() {
             f64::INFINITY
         } else {
@@ -537,12 +574,12 @@ impl<'a> Run<'a> {
             u1: velocity[1],
             u2: velocity[2],
         };
-        state.flowing = PerBar::default();
+        state.rest_hinges();
         state.percussion = 0.0;
         state.contact_force = 0.0;
         state.predictor.forget();
         if let Some(law) = &model.strength {
-            law.refresh(&mut state.strength);
+            law.refresh(&mut state.strength, &mut state.webs);
         }
         let step = state.step;
         if let Some(impactor) = &mut state.impactor {

@@ -6,7 +6,8 @@
 //! is convex, so that a polygon whose corners lie on it lies within it: a stress that reaches the surface has passed a side
 //! `a . (m, n) = c` of the polygon before. With `g` the gradient of `a . (m, n)` and `s = c - a . (m_r, n_r)` the distance of
 //! the residual stress from that side, the smallest of these energies over all sides of all hinges is a lower bound of what
-//! it takes to yield. Resistances that grow with the strain rate or have hardened only add to it.
+//! it takes to yield. A web that yields in shear is treated as a hinge whose moment is the sum of both, with the resistance of the direction
+//! in which it is weaker. Resistances that grow with the strain rate or have hardened only add to it.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -14,6 +15,7 @@ use super::bar::{Bar, BarForces, PerBar};
 use super::frame::{self, Frame};
 use super::geometry::ChordGradient;
 use super::model::Model;
+use super::shear::axial_share;
 use super::state::State;
 use super::statics;
 use super::yield_surface::YieldSurface;
@@ -33,7 +35,17 @@ pub(crate) struct Polygon {
 
 impl Polygon {
     pub fn within(surface: &YieldSurface) -> Self {
-        let corners = CORNERS.map(|n| [surface.cap_of(n), n]);
+        Self::through(|n| surface.cap_of(n))
+    }
+
+    /// Of a web that yields in shear.
+    fn of_web() -> Self {
+        Self::through(axial_share)
+    }
+
+    /// With its corners on the curve `m = cap(n)`.
+    fn through(cap: impl Fn(f64) -> f64) -> Self {
+        let corners = CORNERS.map(|n| [cap(n), n]);
         let mut sides = [[0.0; 3]; CORNERS.len() - 1];
         for (side, ends) in sides.iter_mut().zip(corners.windows(2)) {
             let [from, to] = [ends[0], ends[1]];
@@ -67,12 +79,13 @@ pub(crate) fn elastic_reach(
     let stiffness = frame.elastic_stiffness(&chords, &residual.forces);
     let flexibility = inverse(&stiffness)?;
     let gradients = frame::gradients(&chords);
-    for (bar, forces, gradient, polygon, is_above) in [
+    for (bar, forces, gradient, polygon, web, is_above) in [
         (
             &frame.below,
             &residual.forces.below,
             &gradients.below,
             &polygons.below,
+            state.webs.below.least(),
             false,
         ),
         (
@@ -80,6 +93,7 @@ pub(crate) fn elastic_reach(
             &residual.forces.above,
             &gradients.above,
             &polygons.above,
+            state.webs.above.least(),
             true,
         ),
     ] {
@@ -87,7 +101,7 @@ pub(crate) fn elastic_reach(
             bar,
             forces,
             gradient,
-            polygon,
+            (polygon, web),
             is_above,
             &flexibility,
             energy,
@@ -100,12 +114,13 @@ pub(crate) fn elastic_reach(
     Some([v1 - swing, v1 + swing])
 }
 
-/// Whether an energy \[J\] does not suffice to bring either hinge of a bar to a side of the polygon.
+/// Whether an energy \[J\] does not suffice to bring either hinge of a bar to a side of the polygon, or its web, which bears `web` times
+/// its virgin resistance, to its own.
 fn stays_within(
     bar: &Bar,
     forces: &BarForces,
     gradient: &ChordGradient,
-    polygon: &Polygon,
+    (polygon, web): (&Polygon, f64),
     is_above: bool,
     flexibility: &Matrix4<f64>,
     energy: f64,
@@ -114,13 +129,12 @@ fn stays_within(
     let [along, turn] = gradients_of(gradient, is_above);
     let normal = along * (bar.axial / surface.resistance_axial);
     let n = surface.relative_axial(forces.normal);
-    for k in 0..2 {
-        let c = &bar.rotational[k];
+    let stays = |c: [f64; 2], moment: f64, resistance: f64, polygon: &Polygon| {
         // The rotation of the impact point turns the hinge there alone.
         let mut row = turn * (c[0] + c[1]);
         row[2] += if is_above { c[0] } else { -c[0] };
-        let moment = row * (1.0 / surface.resistance_moment);
-        let m = surface.relative_moment(forces.moment[k]);
+        let m = moment * (1.0 / resistance);
+        let moment = row * (1.0 / resistance);
         let by_moment = flexibility * moment;
         let (mm, mn) = (moment.dot(&by_moment), normal.dot(&by_moment));
         let nn = normal.dot(&(flexibility * normal));
@@ -134,8 +148,19 @@ fn stays_within(
                 }
             }
         }
-    }
-    true
+        true
+    };
+    let (c, moment) = (&bar.rotational, &forces.moment);
+    (0..2).all(|k| stays(c[k], moment[k], surface.resistance_moment, polygon))
+        && bar.slider.as_ref().is_none_or(|slider| {
+            let sum = moment[0] + moment[1];
+            stays(
+                slider.turning,
+                sum,
+                web * slider.resistance,
+                &Polygon::of_web(),
+            )
+        })
 }
 
 /// Derivatives by `v1, u1, beta1, u2` of the elongation of a bar and of the angle of its chord.

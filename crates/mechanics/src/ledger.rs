@@ -8,7 +8,7 @@ use super::vehicle::MAX_MASSES;
 /// Energy dissipated since the event, and the constant of the balance \[J\].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Dissipated in the hinges.
+    /// Dissipated in the hinges and webs; the share of each web is in [`WebState::work`](super::WebState::work).
     pub plastic_work: f64,
     /// Lost in percussions.
     pub impact_loss: f64,

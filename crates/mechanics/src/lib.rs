@@ -9,6 +9,7 @@
 //! | `S`, `f_int = B' S` | forces of the bars, forces on `U` (Eqs 12, 16) | N, N m | `bar.rs`, `frame.rs` |
 //! | `Phi(M, N)` | yield function (Eqs 26-29) | - | `yield_surface.rs` |
 //! | `D`, `H` | strain rate and hardening of a hinge | - | `rate.rs`, `strength.rs` |
+//! | `V_s`, `gamma_p` | resistance and plastic shear angle of the web of a bar | N, rad | `shear.rs` |
 //! | `g`, `Lambda_N`, `epsilon` | gap, percussion, restitution (Eqs 33-38) | m, N s, - | `contact.rs` |
 //! | Eqs 40, 44-46 | both time-stepping schemes | | `midpoint.rs`, `conserving_midpoint.rs` |
 //!
@@ -37,6 +38,7 @@ mod model;
 mod modes;
 mod motion;
 mod newton;
+mod paired_search;
 mod properties;
 mod push_down_equations;
 mod rate;
@@ -45,6 +47,8 @@ mod response;
 mod return_search;
 mod sample;
 mod section;
+mod shear;
+mod sheared_moments;
 mod state;
 mod statics;
 mod step_length;
@@ -54,6 +58,7 @@ mod study_response;
 mod tearing;
 mod vehicle;
 mod yield_surface;
+mod yielding;
 
 pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
@@ -63,7 +68,7 @@ pub use buckling::{
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, KnownCapacity, MAX_IMPERFECTION,
     MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, PushDown, PushDownPoint, capacity,
-    capacity_up_to, carried_load, plastic_plateau, push_down,
+    capacity_up_to, carried_load, plastic_before_bumper, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
@@ -76,12 +81,16 @@ pub use ledger::{Energies, Ledger};
 pub use model::{Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{
-    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, Support, YieldExponents,
+    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties, Support,
+    YieldExponents,
 };
-pub use rate::{HingeFactors, HingeStrength};
-pub use report::{End, HingeReport, Outcome, Report, VehicleReport};
+pub use rate::{HingeFactors, HingeStrength, WebState};
+pub use report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 pub use response::{Progress, Response, SimulationError, respond, simulate};
-pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
+pub use sample::{
+    HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEB_NAMES, WEBS,
+    WebSample,
+};
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};
 pub use statics::residual_state;

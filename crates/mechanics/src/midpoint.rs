@@ -172,7 +172,12 @@ impl Part<'_> {
         if let Some(law) = &model.strength {
             let start = model.frame.chords(&from.displacement);
             let turns = model.frame.turns(&start, &guess);
-            let prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            let prediction = law.predict(
+                (&from.strength, &from.webs),
+                &turns,
+                self.secs,
+                Collocation::Middle,
+            );
             let strengths = prediction.strengths();
             self.point.below.set_strength(strengths.below);
             self.point.above.set_strength(strengths.above);
@@ -276,11 +281,14 @@ impl Part<'_> {
                 below: &below.flow,
                 above: &above.flow,
             };
-            let strength = &mut state.strength;
+            let strength = (&mut state.strength, &mut state.webs);
             law.advance(strength, &turns, self.secs, prediction, flow, 2.0);
         }
-        state.ledger.plastic_work +=
-            2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
+        state.dissipate(
+            (&below.forces, &below.flow),
+            (&above.forces, &above.flow),
+            2.0,
+        );
         state.ledger.damping_work += trial.damping_work;
         state.velocity = trial.velocity;
         let middle = state.displacement.plus(0.5, trial.increment);

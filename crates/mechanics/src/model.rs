@@ -6,9 +6,10 @@ use super::bar::{Bar, PerBar};
 use super::frame::Frame;
 use super::geometry::Displacement;
 use super::modes::{self, Damping, Masses};
-use super::properties::{ColumnProperties, ElasticLaw, RateLaw, Scheme, Support};
+use super::properties::{ColumnProperties, ElasticLaw, RateLaw, Scheme, ShearProperties, Support};
 use super::rate::StrengthLaw;
 use super::sample::HINGE_NAMES;
+use super::shear::Slider;
 use super::step_length::{self, NANOS_PER_SECOND};
 use super::yield_surface::YieldSurface;
 
@@ -18,6 +19,9 @@ const MAX_STEP_NANOS: u64 = 10_000_000;
 /// Largest hardening ratio: the closed form for the spread of yielding neglects it beside 1, and structural steel has about
 /// 0.01.
 const MAX_HARDENING_RATIO: f64 = 0.1;
+
+/// Least share of the length of a bar that a bumper leaves clear. The model of a bar makes no sense where nothing is left.
+const MIN_CLEAR_SHARE: f64 = 0.1;
 
 /// A column that can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,18 +114,7 @@ impl Model {
     pub fn new(properties: &ColumnProperties) -> Result<Self, ModelError> {
         check(properties)?;
         let mut p = *properties;
-        let surface = YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface);
-        let [stiffness_1a, stiffness_1b, stiffness_2, stiffness_3] = p.hinge_stiffness;
-        let bar = |length: f64, support, given| {
-            let rotational =
-                rotational_stiffness(p.elastic_law, p.bending_stiffness / length, support, given);
-            Bar::new(length, p.axial_rigidity / length, rotational, surface)
-        };
-        let frame = Frame {
-            below: bar(p.length_below, p.base, [stiffness_1a, stiffness_3]),
-            above: bar(p.length_above, p.top, [stiffness_1b, stiffness_2]),
-            top_spring_stiffness: p.top_spring_stiffness,
-        };
+        let frame = frame_of(&p);
         let impact_point_mass = p.mass_per_length * (p.length_below + p.length_above) / 3.0;
         let masses = [impact_point_mass, impact_point_mass, 0.0, p.top_mass];
         let rest = rest_state(&p, &frame)?;
@@ -152,6 +145,19 @@ impl Model {
     /// floats.
     pub fn time_of_step(&self, step: u64) -> f64 {
         (step as f64 * self.properties.step_nanos as f64) / NANOS_PER_SECOND
+    }
+
+    /// The column without the bumper, of which both bars have their whole lengths again. What follows from its motion (period,
+    /// damping, length of a step) remains.
+    pub(crate) fn without_bumper(&self) -> Self {
+        let mut without = *self;
+        if let Some(shear) = &mut without.properties.shear
+            && shear.bumper_height > 0.0
+        {
+            shear.bumper_height = 0.0;
+            without.frame = frame_of(&without.properties);
+        }
+        without
     }
 
     /// Whether `u2` is an algebraic unknown.
@@ -203,6 +209,68 @@ fn rotational_stiffness(
         ElasticLaw::Uncoupled => [
             [given[0].unwrap_or(3.0 * c * (1.0 + r)), 0.0],
             [0.0, given[1].unwrap_or(6.0 * c * r)],
+        ],
+    }
+}
+
+/// The bars between the supports and the bumper, or the impact point, and the spring at the top.
+fn frame_of(p: &ColumnProperties) -> Frame {
+    let surface = YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface);
+    let [stiffness_1a, stiffness_1b, stiffness_2, stiffness_3] = p.hinge_stiffness;
+    let bar = |length: f64, support, given| {
+        let c = p.bending_stiffness / length;
+        let rotational = match shear_deformation(p, length) {
+            0.0 => rotational_stiffness(p.elastic_law, c, support, given),
+            phi => sheared_stiffness(p.elastic_law, c, phi, support, given),
+        };
+        let mut bar = Bar::new(length, p.axial_rigidity / length, rotational, surface);
+        bar.slider = p
+            .shear
+            .map(|shear| Slider::new(shear.resistance(length), length, &rotational));
+        bar
+    };
+    let [below, above] = p.clear_lengths();
+    Frame {
+        below: bar(below, p.base, [stiffness_1a, stiffness_3]),
+        above: bar(above, p.top, [stiffness_1b, stiffness_2]),
+        top_spring_stiffness: p.top_spring_stiffness,
+    }
+}
+
+/// `phi = 12 EI / (G A_s l^2)` of a bar of clear length `length` \[m\]; 0 for one without elastic shear.
+fn shear_deformation(p: &ColumnProperties, length: f64) -> f64 {
+    match &p.shear {
+        Some(shear) if shear.rigidity > 0.0 => {
+            12.0 * p.bending_stiffness / (shear.rigidity * length * length)
+        }
+        _ => 0.0,
+    }
+}
+
+/// As [`rotational_stiffness`], of the beam of Timoshenko: its ends have the stiffness `a = c (4 + phi) / (1 + phi)` and carry
+/// over `b = c (2 - phi) / (1 + phi)`. With `r = k / (k + a)` the beam with the support spring `k` at one end, condensed as
+/// there, is `[[a - (1 - r) b^2/a, r b], [r b, r a]]`. The uncoupled springs are its row sums, exact for a rotation of the
+/// chord.
+fn sheared_stiffness(
+    law: ElasticLaw,
+    c: f64,
+    phi: f64,
+    support: Support,
+    given: [Option<f64>; 2],
+) -> [[f64; 2]; 2] {
+    let a = c * (4.0 + phi) / (1.0 + phi);
+    let b = c * (2.0 - phi) / (1.0 + phi);
+    let r = match support {
+        Support::BuiltIn => 1.0,
+        Support::Pinned => 0.0,
+        Support::SemiRigid { stiffness } => stiffness / (stiffness + a),
+    };
+    let joint = a - (1.0 - r) * (b * b / a);
+    match law {
+        ElasticLaw::Coupled => [[joint, r * b], [r * b, r * a]],
+        ElasticLaw::Uncoupled => [
+            [given[0].unwrap_or(joint + r * b), 0.0],
+            [0.0, given[1].unwrap_or(r * (a + b))],
         ],
     }
 }
@@ -298,6 +366,9 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
     }
     check_supports(p)?;
     check_strength(p)?;
+    if let Some(shear) = &p.shear {
+        check_shear(p, shear)?;
+    }
     if p.step_nanos > MAX_STEP_NANOS {
         return Err(ModelError::OutOfRange {
             name: "length of a time step [ns]",
@@ -337,6 +408,56 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
         }
     }
     Ok(())
+}
+
+/// Checks the shear of the webs.
+fn check_shear(p: &ColumnProperties, shear: &ShearProperties) -> Result<(), ModelError> {
+    const NOT_NEGATIVE: &str = "a finite number >= 0";
+    let within = |name, found: f64, right: bool, expected| match found.is_finite() && right {
+        true => Ok(()),
+        false => Err(ModelError::OutOfRange {
+            name,
+            found,
+            expected,
+        }),
+    };
+    within(
+        "shear resistance of the web",
+        shear.web_resistance,
+        shear.web_resistance > 0.0,
+        "a finite number > 0; without the dimensions of the web, leave out the shear of the column",
+    )?;
+    for (name, found) in [
+        ("plastic moment of a flange", shear.flange_moment),
+        ("shear rigidity G A_s", shear.rigidity),
+        ("hardening of the web [N/rad]", shear.hardening),
+    ] {
+        within(name, found, found >= 0.0, NOT_NEGATIVE)?;
+    }
+    let most = shear.max_hardening;
+    within(
+        "largest strength of the hardened web over its initial one",
+        most,
+        most == 0.0 || most >= 1.0,
+        "a finite number >= 1, or 0 for no cap",
+    )?;
+    let ultimate = shear.ultimate_angle;
+    within(
+        "ultimate plastic shear angle [rad]",
+        ultimate,
+        ultimate >= 0.0,
+        "a finite number >= 0; 0 for no limit",
+    )?;
+    let [below, above] = p.clear_lengths();
+    within(
+        "height of the bumper [m]",
+        shear.bumper_height,
+        shear.bumper_height >= 0.0
+            && below >= MIN_CLEAR_SHARE * p.length_below
+            && above >= MIN_CLEAR_SHARE * p.length_above,
+        "a finite number >= 0 that leaves each bar at least a tenth of its length: \
+         at most 1.8 times the length of the shorter one",
+    )
 }
 
 /// Checks strain rate, hardening and ultimate rotation.

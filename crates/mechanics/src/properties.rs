@@ -49,10 +49,59 @@ pub struct ColumnProperties {
     /// Absolute plastic rotation at which a hinge is severed \[rad\], >= 0; 0 for no limit.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
+    /// Shear of the web of each bar; `None` in the paper: the web neither yields nor deforms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear: Option<ShearProperties>,
     /// Time-stepping scheme.
     pub scheme: Scheme,
     /// Length of a time step \[ns\]; with 0 the model chooses it from the column's own period.
     pub step_nanos: u64,
+}
+
+/// How the web of each bar yields in shear: a plastic slider in series with the two hinges of the bar,
+/// `|M_i + M_j| / l <= V_s` with `V_s = V_w + 2 m_f / l`. [`RolledSection::shear`](super::RolledSection::shear) computes
+/// the numbers of a section.
+///
+/// `l`, the clear length, is the length of the bar less half the height of the bumper. It also replaces the length of the
+/// bar in its elastic law, its hardening and the geometry of its chord: behind a bumper the column does not deform.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ShearProperties {
+    /// `V_w = (f_y/sqrt 3) t_w (h - t_f)`: resistance of the web \[N\], > 0.
+    pub web_resistance: f64,
+    /// `m_f = b t_f^2 f_y / 4`: plastic moment of one flange about its own axis \[N m\], >= 0. Both flanges bend with the
+    /// sheared web and bear `2 m_f / l`.
+    pub flange_moment: f64,
+    /// `G A_s`: elastic shear rigidity \[N\], >= 0, `A_s = t_w (h - t_f)`; 0 for a beam without elastic shear (Euler).
+    pub rigidity: f64,
+    /// `t_w (h - t_f) E_h / 3`: growth of the resistance of the web with its accumulated plastic shear angle \[N/rad\],
+    /// >= 0; 0 for none.
+    pub hardening: f64,
+    /// Largest strength of the hardened web over its initial one, >= 1, or 0 for no cap. Once it is reached, the web is
+    /// perfectly plastic.
+    pub max_hardening: f64,
+    /// Absolute plastic shear angle at which the web of a bar is fractured \[rad\], >= 0; 0 for no limit.
+    pub ultimate_angle: f64,
+    /// Height of the bumper, over which the column is held straight about the impact point \[m\], >= 0, and at most 1.8 times
+    /// the length of the shorter bar; 0 for a force at a point.
+    pub bumper_height: f64,
+}
+
+impl ShearProperties {
+    /// `V_s` of a bar of clear length `length` \[m\], new and at rest \[N\].
+    #[must_use]
+    pub fn resistance(&self, length: f64) -> f64 {
+        self.web_resistance + 2.0 * self.flange_moment / length
+    }
+}
+
+impl ColumnProperties {
+    /// Lengths over which the bars below and above the impact point deform \[m\]: without the half of the bumper that lies
+    /// before each of them. Without [`shear`](Self::shear) they are the whole lengths.
+    #[must_use]
+    pub fn clear_lengths(&self) -> [f64; 2] {
+        let covered = self.shear.map_or(0.0, |shear| 0.5 * shear.bumper_height);
+        [self.length_below - covered, self.length_above - covered]
+    }
 }
 
 /// Exponents of the generalised superellipse `(|M/M^p|^alpha + |N/N^p|^beta)^(1/gamma) - 1` (Eq 28).
@@ -67,7 +116,7 @@ pub struct YieldExponents {
 }
 
 /// What is switched off is not written, so that a column without it is written as before it existed.
-fn is_zero(number: &f64) -> bool {
+pub(crate) fn is_zero(number: &f64) -> bool {
     *number == 0.0
 }
 
@@ -170,6 +219,7 @@ pub(crate) const PLAIN_COLUMN: ColumnProperties = ColumnProperties {
     rate: None,
     hardening_ratio: 0.0,
     ultimate_rotation: 0.0,
+    shear: None,
     scheme: Scheme::Midpoint,
     step_nanos: 10_000,
 };

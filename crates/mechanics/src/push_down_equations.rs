@@ -9,6 +9,7 @@ use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
+use super::shear::SliderStrength;
 use super::strength::{BarStrength, BarStress};
 
 /// Bound of the Newton iterations of one increment; two to four are usual.
@@ -193,13 +194,16 @@ impl Flowing {
         }
     }
 
-    /// Whether the held hinges bear their stress without flowing.
+    /// Whether the held hinges bear their stress without flowing, and the web that of its bar, which is weaker than it is
+    /// beside two held hinges.
     fn is_admissible(&self, model: &Model, solved: &Solved) -> bool {
         let bears = |bar: &Bar, stress: &BarStress, held: [bool; 2]| {
             let forces = &stress.returned.forces;
             (0..2).all(|k| {
                 !held[k] || bar.surface.sum(forces.moment[k], forces.normal) <= 1.0 + HELD_TOLERANCE
-            })
+            }) && (held == [false; 2]
+                || bar.web_utilisation(forces, &SliderStrength::VIRGIN, 1.0)
+                    <= 1.0 + HELD_TOLERANCE)
         };
         let (frame, held) = (&model.frame, &self.held);
         bears(&frame.below, &solved.stress.below, held.below)
@@ -210,7 +214,7 @@ impl Flowing {
 /// Strength of a bar of whose hinges some are held.
 fn held_strength(held: [bool; 2]) -> Option<BarStrength> {
     let factors = held.map(|held| if held { HELD_STRENGTH } else { 1.0 });
-    BarStrength::new(factors, [1.0; 2], [0.0; 2])
+    BarStrength::new(factors, [1.0; 2], [0.0; 2], SliderStrength::VIRGIN)
 }
 
 /// What an evaluation leaves behind for the tangent.

@@ -9,14 +9,20 @@
 //! with the accumulated plastic rotation, `H = 1 + sqrt(4 b EI theta_p / (L M^p))`. `H` multiplies the moment alone.
 //!
 //! `D` is predicted before the equations of a part are solved and held while they are; the filter then advances with the true
-//! increments. `H` grows within the part along its secant over the rotation that is expected, which settles in what
+//! increments. A web that yields in shear has the strain rate `|theta'| / sqrt 3` of its bar's chord, and its hardening
+//! grows linearly with its plastic shear angle, up to a cap. `H` of a hinge grows within the part along its secant over the rotation that is expected, which settles in what
 //! proportion two hinges in series (1a and 1b) share a rotation.
 
 use serde::{Deserialize, Serialize};
 
 use super::bar::{PerBar, PlasticFlow};
-use super::properties::{ColumnProperties, RateLaw, RateProperties};
+use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
+use super::shear::SliderStrength;
 use super::strength::BarStrength;
+
+/// Least resistance of a web relative to that of a virgin one, in the direction in which kinematic hardening weakens it: an
+/// unloaded web never yields.
+const LEAST_RESISTANCE: f64 = 0.01;
 
 /// Factors of the resistances of one hinge.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -77,6 +83,58 @@ impl HingeStrength {
     }
 }
 
+/// What the web of one bar remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WebState {
+    /// Filtered equivalent strain rate \[1/s\], >= 0.
+    pub strain_rate: f64,
+    /// Kinematic hardening relative to the resistance of a virgin web: what it has gained against positive shear and lost
+    /// against negative shear.
+    pub back: f64,
+    /// Dynamic increase factor with which the last stress was returned less 1, >= 0.
+    pub dynamic_gain: f64,
+    /// Resistance relative to that of a virgin web that the last part of a step kept in both directions, because its beginning
+    /// had used it; 0 as a rule.
+    pub held: f64,
+    /// Whether it flowed in the last step.
+    pub flowing: bool,
+    /// Work dissipated in it since the event \[J\].
+    pub work: f64,
+}
+
+impl WebState {
+    /// At the event of an impact the filter and the count of the work start from zero.
+    pub(crate) fn begin(&mut self) {
+        self.strain_rate = 0.0;
+        self.work = 0.0;
+        self.flowing = false;
+    }
+
+    /// Dynamic increase factor with which the last stress was returned.
+    #[must_use]
+    pub fn dynamic_factor(&self) -> f64 {
+        1.0 + self.dynamic_gain
+    }
+
+    /// The resistance in the direction in which it is smaller, at rest and relative to that of a virgin web.
+    pub(crate) fn least(&self) -> f64 {
+        (1.0 - self.back.abs()).max(LEAST_RESISTANCE)
+    }
+
+    /// The strength that bore the last stress.
+    pub(crate) fn strength(&self) -> SliderStrength {
+        let dynamic = self.dynamic_factor();
+        SliderStrength {
+            factor: [self.back, -self.back]
+                .map(|back| (dynamic * (1.0 + back).max(LEAST_RESISTANCE)).max(self.held)),
+            ..SliderStrength::VIRGIN
+        }
+    }
+}
+
+/// The webs of both bars.
+pub(crate) type Webs = PerBar<WebState>;
+
 /// The strength of all hinges, per bar: at the impact point, at the other end.
 pub(crate) type Strengths = PerBar<[HingeStrength; 2]>;
 
@@ -90,6 +148,10 @@ pub(crate) struct Prediction {
     factors: Factors,
     /// Growth of the hardening factor with the plastic rotation of the part \[1/rad\].
     slopes: PerBar<[f64; 2]>,
+    /// The dynamic increase factors of the webs, and their strength before any flow.
+    webs: PerBar<(f64, SliderStrength)>,
+    /// What the webs are held at, as [`WebState::held`].
+    held: PerBar<f64>,
 }
 
 /// At which instant of a part of a step the stress is returned to the yield surface.
@@ -105,6 +167,62 @@ pub(crate) struct StrengthLaw {
     rate: Option<RateFilter>,
     /// `4 b EI / (L M^p)` of each bar \[1/rad\].
     hardening: PerBar<f64>,
+    /// Of the web of each bar; `None` where they do not yield.
+    webs: Option<PerBar<WebLaw>>,
+}
+
+/// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to a virgin one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct WebLaw {
+    /// \[1/rad\]
+    growth: f64,
+    most: f64,
+}
+
+impl WebLaw {
+    /// Of a bar of clear length `length` \[m\].
+    fn new(shear: &ShearProperties, length: f64) -> Self {
+        let force = shear.resistance(length);
+        Self {
+            growth: shear.hardening / force,
+            // The cap is that of the web; the flanges do not harden.
+            most: match shear.max_hardening {
+                0.0 => f64::INFINITY,
+                most => 1.0 + (most - 1.0) * shear.web_resistance / force,
+            },
+        }
+    }
+
+    /// The strength of a web before any flow.
+    fn strength(&self, web: &WebState, dynamic: f64) -> SliderStrength {
+        let hardens = self.growth > 0.0;
+        let growth = dynamic * self.growth;
+        // As long as only the least resistance is left, it does not grow.
+        let growths = [web.back, -web.back].map(|back| match 1.0 + back >= LEAST_RESISTANCE {
+            true => growth,
+            false => 0.0,
+        });
+        SliderStrength {
+            growth: growths,
+            most: if hardens {
+                dynamic * self.most
+            } else {
+                f64::INFINITY
+            },
+            ..WebState {
+                dynamic_gain: dynamic - 1.0,
+                held: 0.0,
+                ..*web
+            }
+            .strength()
+        }
+    }
+
+    /// Hardens a web by a plastic shear angle \[rad\].
+    fn harden(&self, web: &mut WebState, angle: f64) {
+        let most = self.most - 1.0;
+        web.back = (web.back + self.growth * angle).clamp(-most, most);
+    }
 }
 
 /// Constants of the dynamic increase factor.
@@ -124,18 +242,24 @@ struct RateFilter {
 impl StrengthLaw {
     /// The law of a column; `None` where the resistances are constant.
     pub fn new(p: &ColumnProperties, step_secs: f64) -> Option<Self> {
-        if p.rate.is_none() && p.hardening_ratio == 0.0 {
+        let web_hardens = p.shear.is_some_and(|shear| shear.hardening > 0.0);
+        if p.rate.is_none() && p.hardening_ratio == 0.0 && !web_hardens {
             return None;
         }
+        let [below, above] = p.clear_lengths();
         let hardening = |length: f64| {
             4.0 * p.hardening_ratio * p.bending_stiffness / (length * p.resistance_moment)
         };
         Some(Self {
             rate: p.rate.as_ref().map(|rate| RateFilter::new(rate, step_secs)),
             hardening: PerBar {
-                below: hardening(p.length_below),
-                above: hardening(p.length_above),
+                below: hardening(below),
+                above: hardening(above),
             },
+            webs: p.shear.as_ref().map(|shear| PerBar {
+                below: WebLaw::new(shear, below),
+                above: WebLaw::new(shear, above),
+            }),
         })
     }
 
@@ -143,7 +267,7 @@ impl StrengthLaw {
     /// expected over it.
     pub fn predict(
         &self,
-        from: &Strengths,
+        (from, webs): (&Strengths, &Webs),
         turns: &PerBar<f64>,
         secs: f64,
         collocation: Collocation,
@@ -189,6 +313,37 @@ impl StrengthLaw {
                 below: slopes(self.hardening.below, &from.below, turns.below),
                 above: slopes(self.hardening.above, &from.above, turns.above),
             },
+            webs: self.web_strengths(webs, turns, secs, collocation),
+            held: PerBar::default(),
+        }
+    }
+
+    /// The dynamic factors of the webs and their strength before any flow, as [`StrengthLaw::predict`].
+    fn web_strengths(
+        &self,
+        webs: &Webs,
+        turns: &PerBar<f64>,
+        secs: f64,
+        collocation: Collocation,
+    ) -> PerBar<(f64, SliderStrength)> {
+        let Some(laws) = &self.webs else {
+            let virgin = (1.0, SliderStrength::VIRGIN);
+            return PerBar {
+                below: virgin,
+                above: virgin,
+            };
+        };
+        let strength = |law: &WebLaw, web: &WebState, turn: f64| {
+            let dynamic = self.rate.as_ref().map_or(1.0, |rate| {
+                let followed = rate.followed(secs, collocation);
+                let rate_now = web_rate(turn, secs);
+                rate.factor(web.strain_rate + followed * (rate_now - web.strain_rate))
+            });
+            (dynamic, law.strength(web, dynamic))
+        };
+        PerBar {
+            below: strength(&laws.below, &webs.below, turns.below),
+            above: strength(&laws.above, &webs.above, turns.above),
         }
     }
 
@@ -196,7 +351,7 @@ impl StrengthLaw {
     /// with which it ended and `factor` times the flow of its bars.
     pub fn advance(
         &self,
-        strengths: &mut Strengths,
+        (strengths, webs): (&mut Strengths, &mut Webs),
         turns: &PerBar<f64>,
         secs: f64,
         prediction: &Prediction,
@@ -204,7 +359,12 @@ impl StrengthLaw {
         factor: f64,
     ) {
         let per_sec = factor / secs;
-        let Prediction { factors, slopes } = prediction;
+        let Prediction {
+            factors,
+            slopes,
+            webs: predicted,
+            held,
+        } = prediction;
         for (hinges, factors, slopes, flow) in [
             (
                 &mut strengths.below,
@@ -226,11 +386,41 @@ impl StrengthLaw {
                 hinges[k].flow_rate = per_sec * rotation;
             }
         }
-        self.follow(strengths, turns, secs);
+        if let Some(laws) = &self.webs {
+            for (web, law, (dynamic, strength), held, flow) in [
+                (
+                    &mut webs.below,
+                    &laws.below,
+                    predicted.below,
+                    held.below,
+                    flow.below,
+                ),
+                (
+                    &mut webs.above,
+                    &laws.above,
+                    predicted.above,
+                    held.above,
+                    flow.above,
+                ),
+            ] {
+                web.dynamic_gain = dynamic - 1.0;
+                web.held = match held > 0.0 && flow.shear_angle != 0.0 {
+                    true => strength.hardened(flow.shear_angle),
+                    false => held,
+                };
+                law.harden(web, factor * flow.shear_angle);
+            }
+        }
+        self.follow((strengths, webs), turns, secs);
     }
 
     /// Advances the filter alone.
-    pub fn follow(&self, strengths: &mut Strengths, turns: &PerBar<f64>, secs: f64) {
+    pub fn follow(
+        &self,
+        (strengths, webs): (&mut Strengths, &mut Webs),
+        turns: &PerBar<f64>,
+        secs: f64,
+    ) {
         let Some(rate) = &self.rate else { return };
         let followed = rate.followed(secs, Collocation::End);
         let rates = rate.rates(turns, secs);
@@ -241,10 +431,18 @@ impl StrengthLaw {
         follow(&mut strengths.above[0], rates.joint);
         follow(&mut strengths.below[1], rates.base);
         follow(&mut strengths.above[1], rates.top);
+        if self.webs.is_some() {
+            for (web, turn) in [
+                (&mut webs.below, turns.below),
+                (&mut webs.above, turns.above),
+            ] {
+                web.strain_rate += followed * (web_rate(turn, secs) - web.strain_rate);
+            }
+        }
     }
 
     /// The factors of hinges that do not flow, with the strain rate to which the filter has come.
-    pub fn refresh(&self, strengths: &mut Strengths) {
+    pub fn refresh(&self, strengths: &mut Strengths, webs: &mut Webs) {
         for (bar, hinges) in [
             (self.hardening.below, &mut strengths.below),
             (self.hardening.above, &mut strengths.above),
@@ -258,10 +456,24 @@ impl StrengthLaw {
                 };
             }
         }
+        if self.webs.is_some() {
+            for web in [&mut webs.below, &mut webs.above] {
+                let rate = self.rate.as_ref();
+                web.dynamic_gain = rate.map_or(0.0, |rate| rate.factor(web.strain_rate) - 1.0);
+                web.held = 0.0;
+            }
+        }
+    }
+
+    /// Webs that have sheared to these plastic angles \[rad\] at once.
+    pub fn harden(&self, webs: &mut Webs, angles: &PerBar<f64>) {
+        let Some(laws) = &self.webs else { return };
+        laws.below.harden(&mut webs.below, angles.below);
+        laws.above.harden(&mut webs.above, angles.above);
     }
 
     /// The factors of hinges at rest that have rotated by these accumulated plastic rotations \[rad\].
-    pub fn settle(&self, strengths: &mut Strengths) {
+    pub fn settle(&self, strengths: &mut Strengths, webs: &mut Webs) {
         for (bar, hinges) in [
             (self.hardening.below, &mut strengths.below),
             (self.hardening.above, &mut strengths.above),
@@ -272,6 +484,10 @@ impl StrengthLaw {
                     hardening: hardening_factor(bar, hinge.accumulated_rotation),
                 };
             }
+        }
+        for web in [&mut webs.below, &mut webs.above] {
+            web.dynamic_gain = 0.0;
+            web.held = 0.0;
         }
     }
 }
@@ -304,6 +520,11 @@ struct Rates {
     joint: f64,
     base: f64,
     top: f64,
+}
+
+/// Equivalent strain rate \[1/s\] after von Mises of a web that shears by all of the turn \[rad\] of its bar.
+fn web_rate(turn: f64, secs: f64) -> f64 {
+    turn.abs() / (3.0_f64.sqrt() * secs)
 }
 
 impl RateFilter {
@@ -370,24 +591,35 @@ impl Prediction {
         self.factors
     }
 
+    /// The strength of the webs of both bars before any flow.
+    pub fn webs(&self) -> PerBar<SliderStrength> {
+        PerBar {
+            below: self.webs.below.1,
+            above: self.webs.above.1,
+        }
+    }
+
     /// The strengths of both bars.
     pub fn strengths(&self) -> PerBar<Option<BarStrength>> {
-        let strength = |factors: &[HingeFactors; 2], slopes: &[f64; 2]| {
+        let strength = |factors: &[HingeFactors; 2], slopes: &[f64; 2], slider| {
             let [first, second] = factors;
             BarStrength::new(
                 [first.dynamic, second.dynamic],
                 [first.hardening, second.hardening],
                 *slopes,
+                slider,
             )
         };
+        let webs = self.webs();
         PerBar {
-            below: strength(&self.factors.below, &self.slopes.below),
-            above: strength(&self.factors.above, &self.slopes.above),
+            below: strength(&self.factors.below, &self.slopes.below, webs.below),
+            above: strength(&self.factors.above, &self.slopes.above, webs.above),
         }
     }
 
     /// With no factor below that with which the last stress was returned.
-    pub fn not_below(mut self, last: &Strengths) -> Self {
+    /// No web bears less than `used` times the resistance of a virgin one in either direction.
+    pub fn not_below(mut self, last: &Strengths, webs: &Webs, used: &PerBar<f64>) -> Self {
         for (factors, last) in [
             (&mut self.factors.below, &last.below),
             (&mut self.factors.above, &last.above),
@@ -395,6 +627,17 @@ impl Prediction {
             for k in 0..2 {
                 factors[k] = factors[k].largest(&last[k].factors);
             }
+        }
+        self.held = *used;
+        for ((dynamic, strength), last, used) in [
+            (&mut self.webs.below, &webs.below, used.below),
+            (&mut self.webs.above, &webs.above, used.above),
+        ] {
+            let ratio = (last.dynamic_factor() / *dynamic).max(1.0);
+            *dynamic *= ratio;
+            strength.factor = strength.factor.map(|factor| (ratio * factor).max(used));
+            strength.growth = strength.growth.map(|growth| ratio * growth);
+            strength.most *= ratio;
         }
         self
     }

@@ -3,20 +3,22 @@
 use serde::{Deserialize, Serialize};
 
 use super::contact::MAX_ELASTIC_PERCUSSIONS;
-use super::sample::HINGES;
+use super::sample::{HINGES, WEBS};
+use super::state::is_default;
 use super::vehicle::MAX_MASSES;
 
 /// How a response ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// No hinge has flowed.
+    /// No hinge and no web has flowed.
     Elastic,
-    /// At least one hinge has flowed and the column stands.
+    /// At least one hinge or web has flowed and the column stands.
     Plastic,
     /// The column has lost its shape or its equilibrium.
     Collapsed,
-    /// The plastic rotation of a hinge has exceeded the ultimate rotation: the hinge is torn and carries nothing.
+    /// The plastic rotation of a hinge has exceeded the ultimate rotation, or the plastic shear angle of a web the ultimate
+    /// angle: it is torn and carries nothing.
     Severed,
 }
 
@@ -30,7 +32,7 @@ pub enum End {
     DurationReached,
     /// The column has collapsed.
     Collapsed,
-    /// A hinge has been severed.
+    /// A hinge or a web has been severed.
     Severed,
     /// The next step did not converge, however small its parts; the report tells what happened until then.
     NotConverged,
@@ -83,7 +85,7 @@ pub struct Report {
     pub impactor_kinetic_energy: f64,
     /// Elastic energy at the end less that at the start \[J\].
     pub elastic_energy_change: f64,
-    /// Work dissipated in the hinges \[J\].
+    /// Work dissipated in the hinges and webs \[J\].
     pub plastic_work: f64,
     /// Energy lost in percussions \[J\].
     pub impact_loss: f64,
@@ -102,6 +104,9 @@ pub struct Report {
     pub hinges: [HingeReport; HINGES],
     /// The compliant vehicle; its default for a rigid one.
     pub vehicle: VehicleReport,
+    /// The webs; their default in a column without shear.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub webs: [WebReport; WEBS],
 }
 
 /// What became of a compliant vehicle: arrays over its masses and the springs in front of them, front first.
@@ -140,4 +145,19 @@ pub struct HingeReport {
     pub plastic_rotation: f64,
     /// Plastic elongation at the end \[m\].
     pub plastic_elongation: f64,
+}
+
+/// The history of the web of one bar in a response.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WebReport {
+    /// First plastic flow during this response \[s\].
+    pub first_yield: Option<f64>,
+    /// Largest utilisation.
+    pub max_utilisation: f64,
+    /// Largest dynamic increase factor; 1 without rate dependence.
+    pub max_dynamic_factor: f64,
+    /// Plastic shear angle at the end \[rad\].
+    pub plastic_angle: f64,
+    /// Work dissipated in it, a part of the plastic work \[J\].
+    pub work: f64,
 }

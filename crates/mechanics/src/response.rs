@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
+use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::elastic_motion::Glimpse;
-use super::frame::Frame;
 use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
@@ -13,14 +12,15 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::ColumnProperties;
-use super::rate::HingeStrength;
-use super::report::{End, HingeReport, Outcome, Report, VehicleReport};
-use super::sample::{HINGES, Sample};
-use super::state::{State, Velocity};
+use super::rate::WebState;
+use super::report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
+use super::sample::{HINGES, Sample, WEBS};
+use super::state::{State, Velocity, is_default};
 use super::statics;
 use super::stepping;
 use super::tearing::share_until_torn;
 use super::yield_surface::YieldSurface;
+use super::yielding::{over_hinges, share_until_shear, share_until_yield, yield_sums};
 
 /// Kinetic energy, relative to the impactor's, below which a column and an impactor in contact are at rest.
 const REST_FRACTION: f64 = 1e-9;
@@ -81,6 +81,9 @@ pub struct Response {
     max_sum: [f64; HINGES],
     /// Largest dynamic increase factor of each hinge.
     max_dynamic_factor: [f64; HINGES],
+    /// What has become of the webs, the values at the end not filled in.
+    #[serde(default, skip_serializing_if = "is_default")]
+    webs: [WebReport; WEBS],
 }
 
 /// Why an impact could not be simulated.
@@ -130,6 +133,7 @@ impl Response {
             first_yield: [None; HINGES],
             max_sum: [0.0; HINGES],
             max_dynamic_factor: [1.0; HINGES],
+            webs: [WebReport::default(); WEBS],
         };
         response.record_extremes(&Extremes::of(state), 0.0);
         response.record_residual_and_sums(model, state);
@@ -283,12 +287,22 @@ impl Response {
                 *max = max.max(factor);
             }
         }
+        if IN_FULL && model.properties.shear.is_some() {
+            for (web, state) in self
+                .webs
+                .iter_mut()
+                .zip([&state.webs.below, &state.webs.above])
+            {
+                web.max_dynamic_factor = web.max_dynamic_factor.max(state.dynamic_factor());
+            }
+        }
         if state.is_flowing() {
             self.last_flow = now;
             self.residual_period = None;
             if self.first_yield.contains(&None) {
                 self.record_yield(model, before, state);
             }
+            self.record_shear(model, before, state);
         }
     }
 
@@ -336,6 +350,42 @@ impl Response {
                 .zip(yield_sums(&model.frame, &state.forces, strengths))
         {
             *max = max.max(sum);
+        }
+        if model.properties.shear.is_some() {
+            for (web, used) in self.webs.iter_mut().zip(state.web_utilisations(model)) {
+                web.max_utilisation = web.max_utilisation.max(used);
+            }
+        }
+    }
+
+    /// As [`Response::record_yield`], of the webs.
+    fn record_shear(&mut self, model: &Model, before: &StepStart, state: &State) {
+        let (frame, webs, hinges) = (&model.frame, &state.webs, &state.strength);
+        let [first, second] = &mut self.webs;
+        for (web, bar, own, hinges, start, end, flow) in [
+            (
+                first,
+                &frame.below,
+                &webs.below,
+                &hinges.below,
+                &before.forces.below,
+                &state.forces.below,
+                state.plastic.below.plus(-1.0, &before.plastic.below),
+            ),
+            (
+                second,
+                &frame.above,
+                &webs.above,
+                &hinges.above,
+                &before.forces.above,
+                &state.forces.above,
+                state.plastic.above.plus(-1.0, &before.plastic.above),
+            ),
+        ] {
+            if own.flowing && web.first_yield.is_none() {
+                let share = share_until_shear(bar, own, hinges, start, end, &flow);
+                web.first_yield = Some(model.time_of_step(before.step) + share * before.secs);
+            }
         }
     }
 
@@ -408,9 +458,10 @@ impl Response {
         self.peak_force
     }
 
-    /// Whether a hinge has flowed.
+    /// Whether a hinge or a web has flowed.
     pub(crate) fn has_yielded(&self) -> bool {
         self.first_yield.iter().any(Option::is_some)
+            || self.webs.iter().any(|web| web.first_yield.is_some())
     }
 
     /// The summary of a response that is over, or of what has happened so far.
@@ -420,7 +471,7 @@ impl Response {
         let residual = stands
             .then(|| statics::residual_state(model, state))
             .flatten();
-        let yielded = self.first_yield.iter().any(Option::is_some);
+        let yielded = self.has_yielded();
         let end_time = model.time_of_step(state.step);
         let impactor = state.impactor.as_ref();
         let touched = impactor.and_then(|i| i.touched_at);
@@ -479,6 +530,10 @@ impl Response {
             steps: state.step,
             hinges,
             vehicle: vehicle_report(state),
+            webs: [
+                web_report(&self.webs[0], below, &state.webs.below),
+                web_report(&self.webs[1], above, &state.webs.above),
+            ],
         }
     }
 }
@@ -490,6 +545,15 @@ fn ledger_measure(model: &Model, ledger: &Ledger) -> f64 {
     let elastic = p.resistance_moment * p.resistance_moment * height / p.bending_stiffness;
     let held = ledger.initial_elastic.abs() + ledger.initial_load_work.abs();
     ledger.input.max(LEDGER_FLOOR * (elastic + held))
+}
+
+/// The history of a web with its values at the end.
+fn web_report(history: &WebReport, plastic: &PlasticFlow, web: &WebState) -> WebReport {
+    WebReport {
+        plastic_angle: plastic.shear_angle,
+        work: web.work,
+        ..*history
+    }
 }
 
 /// What has become of a compliant vehicle.
@@ -556,75 +620,6 @@ impl StepStart {
     }
 }
 
-/// One value of each of the hinges 1a, 1b, 2, 3.
-fn over_hinges<T, R>(hinges: &PerBar<[T; 2]>, value: impl Fn(&T) -> R) -> [R; HINGES] {
-    let PerBar { below, above } = hinges;
-    [&below[0], &above[0], &above[1], &below[1]].map(value)
-}
-
-/// `|M/M^p|^alpha + |N/N^p|^beta` of the hinges 1a, 1b, 2, 3, each with the yield surface of its own bar, enlarged by strain
-/// rate and hardening.
-fn yield_sums(
-    frame: &Frame,
-    forces: &PerBar<BarForces>,
-    strengths: Option<&PerBar<[HingeStrength; 2]>>,
-) -> [f64; HINGES] {
-    let PerBar { below, above } = match strengths {
-        None => {
-            let sums = |bar: &Bar, forces: &BarForces| {
-                let axial = bar.surface.axial_term(forces.normal);
-                forces
-                    .moment
-                    .map(|moment| bar.surface.moment_term(moment) + axial)
-            };
-            PerBar {
-                below: sums(&frame.below, &forces.below),
-                above: sums(&frame.above, &forces.above),
-            }
-        }
-        Some(strengths) => {
-            let sums = |bar: &Bar, forces: &BarForces, hinges: &[HingeStrength; 2]| {
-                [0, 1].map(|k| {
-                    let (moment, normal) =
-                        hinges[k].factors.reduced(forces.moment[k], forces.normal);
-                    bar.surface.sum(moment, normal)
-                })
-            };
-            PerBar {
-                below: sums(&frame.below, &forces.below, &strengths.below),
-                above: sums(&frame.above, &forces.above, &strengths.above),
-            }
-        }
-    };
-    [below[0], above[0], above[1], below[1]]
-}
-
-/// The share of a step after which hinge `k` of a bar reached its yield surface, if the stress goes straight from its start
-/// to the elastic trial stress.
-fn share_until_yield(
-    bar: &Bar,
-    k: usize,
-    hinge: &HingeStrength,
-    start: &BarForces,
-    end: &BarForces,
-    flow: &PlasticFlow,
-) -> f64 {
-    let c = &bar.rotational;
-    let trial_moment = end.moment[k] + c[k][0] * flow.rotation[0] + c[k][1] * flow.rotation[1];
-    let trial_normal = end.normal + bar.axial * (flow.elongation[0] + flow.elongation[1]);
-    let sum = |moment, normal| {
-        let (moment, normal) = hinge.factors.reduced(moment, normal);
-        bar.surface.sum(moment, normal)
-    };
-    let at_start = sum(start.moment[k], start.normal);
-    let at_end = sum(trial_moment, trial_normal);
-    if at_end > at_start {
-        ((1.0 - at_start) / (at_end - at_start)).clamp(0.0, 1.0)
-    } else {
-        0.0
-    }
-}
-
 /// Simulates one impact on the virgin column from the event to the end of the response, at most `max_duration` \[s\] after
 /// first contact. `observe` receives a sample of the state at the event and after every step; the approach to the column at
 /// rest is passed in one stride.
@@ -669,54 +664,6 @@ fn follow(
         observe(&model, &state);
         if let Progress::Over(end) = progress {
             return Ok(response.report(&model, &state, end));
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::properties::PLAIN_COLUMN;
-    use crate::yield_surface::YieldSurface;
-    use crate::{ElasticLaw, Scheme, YieldExponents};
-
-    /// Every utilisation was once computed with the surface of the lower bar.
-    #[test]
-    fn every_hinge_is_measured_by_the_yield_surface_of_its_own_bar() {
-        let exponents = YieldExponents {
-            alpha: 1.0,
-            beta: 2.0,
-            gamma: 1.0,
-        };
-        let mut model = Model::new(&ColumnProperties {
-            yield_surface: exponents,
-            elastic_law: ElasticLaw::Coupled,
-            scheme: Scheme::ConservingMidpoint,
-            ..PLAIN_COLUMN
-        })
-        .expect("a column");
-        model.frame.above.surface = YieldSurface::new(1e5, 1e6, exponents);
-        let forces = BarForces {
-            normal: 5e5,
-            moment: [6e4, 3e4],
-        };
-        let sums = yield_sums(
-            &model.frame,
-            &PerBar {
-                below: forces,
-                above: forces,
-            },
-            None,
-        );
-        let square = |x: f64| x * x;
-        let expected = [
-            0.2 + square(0.5 / 3.0),
-            0.6 + square(0.5),
-            0.3 + square(0.5),
-            0.1 + square(0.5 / 3.0),
-        ];
-        for (found, expected) in sums.into_iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
         }
     }
 }

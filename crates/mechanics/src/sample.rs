@@ -2,10 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::state::is_default;
 use super::vehicle::MAX_MASSES;
 
 /// Number of generalised hinges; every array over hinges is in the order of [`HINGE_NAMES`].
 pub const HINGES: usize = 4;
+
+/// Number of webs; every array over webs is in the order of [`WEB_NAMES`].
+pub const WEBS: usize = 2;
+
+/// Names of the webs: of the bar below the impact point and of the one above it.
+pub const WEB_NAMES: [&str; WEBS] = ["a", "b"];
 
 /// Names of the hinges: below and above the impact point, top, base.
 pub const HINGE_NAMES: [&str; HINGES] = ["1a", "1b", "2", "3"];
@@ -90,6 +97,9 @@ pub struct Sample {
     pub vehicle: VehicleSample,
     /// The hinges.
     pub hinges: [HingeSample; HINGES],
+    /// The webs; their default in a column without shear.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub webs: [WebSample; WEBS],
 }
 
 /// A compliant vehicle at one instant: arrays over its masses and the springs in front of them, front first.
@@ -130,6 +140,23 @@ pub struct HingeSample {
     pub utilisation: f64,
     /// Dynamic increase factor of the resistances; 1 without rate dependence.
     pub dynamic_factor: f64,
+    /// Elastic, plastic or unloaded.
+    pub state: HingeState,
+}
+
+/// The web of one bar at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WebSample {
+    /// `(M_i + M_j) / l`: shear force of the bar \[N\].
+    pub shear_force: f64,
+    /// `gamma_p`: plastic shear angle \[rad\].
+    pub plastic_angle: f64,
+    /// Shear force over the resistance as normal force, strain rate and hardening have changed it: 1 where it yields.
+    pub utilisation: f64,
+    /// Dynamic increase factor of the resistance; 1 without rate dependence.
+    pub dynamic_factor: f64,
+    /// Work dissipated in it since the event, a part of the plastic work \[J\].
+    pub work: f64,
     /// Elastic, plastic or unloaded.
     pub state: HingeState,
 }

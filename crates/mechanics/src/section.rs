@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::properties::ShearProperties;
+
 /// Density of structural steel \[kg/m³\] (EN 1991-1-1, table A.4, the value that section tables use).
 pub const STEEL_DENSITY: f64 = 7850.0;
 
@@ -99,6 +101,50 @@ impl RolledSection {
     #[must_use]
     pub fn clear_web_depth(&self) -> f64 {
         self.depth - 2.0 * (self.flange_thickness + self.root_radius)
+    }
+}
+
+impl RolledSection {
+    /// The shear of the web of a column of this section bent about its strong axis: `V_w = (f_y/sqrt 3) t_w (h - t_f)`,
+    /// `m_f = b t_f^2 f_y / 4`, `G A_s` with `A_s = t_w (h - t_f)` and `G = E / (2 (1 + nu))`, hardening
+    /// `A_s b E / 3`, for the yield strength `f_y` \[Pa\], Young's modulus `E` \[Pa\], Poisson's ratio `nu` and the slope
+    /// `b E` after yield, `b` being [`ColumnProperties::hardening_ratio`](super::ColumnProperties::hardening_ratio).
+    /// Without a cap of the hardening, a limit of the angle and a bumper, which the caller sets. The root radius has no
+    /// effect.
+    ///
+    /// ```
+    /// use column_mechanics::RolledSection;
+    ///
+    /// let heb220 = RolledSection {
+    ///     depth: 0.220,
+    ///     width: 0.220,
+    ///     web_thickness: 0.0095,
+    ///     flange_thickness: 0.016,
+    ///     root_radius: 0.018,
+    /// };
+    /// let shear = heb220.shear(355e6, 210e9, 0.3, 0.0);
+    /// assert!((shear.web_resistance - 397.2e3).abs() < 50.0);
+    /// assert!((shear.flange_moment - 4998.0).abs() < 1.0);
+    /// ```
+    #[must_use]
+    pub fn shear(
+        &self,
+        yield_strength: f64,
+        young_modulus: f64,
+        poisson_ratio: f64,
+        hardening_ratio: f64,
+    ) -> ShearProperties {
+        let area = self.web_thickness * (self.depth - self.flange_thickness);
+        let flange = self.flange_thickness;
+        ShearProperties {
+            web_resistance: yield_strength / 3.0_f64.sqrt() * area,
+            flange_moment: 0.25 * self.width * flange * flange * yield_strength,
+            rigidity: area * young_modulus / (2.0 * (1.0 + poisson_ratio)),
+            hardening: area * hardening_ratio * young_modulus / 3.0,
+            max_hardening: 0.0,
+            ultimate_angle: 0.0,
+            bumper_height: 0.0,
+        }
     }
 }
 

@@ -9,8 +9,11 @@ use super::frame;
 use super::geometry::Displacement;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
-use super::rate::{HingeStrength, Strengths};
-use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
+use super::rate::{HingeStrength, Strengths, WebState, Webs};
+use super::sample::{
+    HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEBS, WebSample,
+};
+use super::shear::SliderStrength;
 use super::vehicle::MAX_MASSES;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
@@ -39,6 +42,9 @@ pub struct State {
     /// Strain rate and hardening of the hinges.
     #[serde(default)]
     pub strength: PerBar<[HingeStrength; 2]>,
+    /// Strength and flow of the webs; not written where they have never been strained.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub webs: PerBar<WebState>,
     /// Forces of the bars at the end of the step.
     pub forces: PerBar<BarForces>,
     /// Which hinges flowed in the last step, per bar.
@@ -151,6 +157,11 @@ impl Predictor {
     }
 }
 
+/// What is as at the beginning is not written, so that a column without it is written as before it existed.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 impl State {
     /// The virgin column at rest under its load.
     pub fn at_rest(model: &Model) -> Self {
@@ -170,6 +181,7 @@ impl State {
             velocity: Velocity::default(),
             plastic,
             strength: Strengths::default(),
+            webs: Webs::default(),
             forces: model.frame.elastic_forces(&chords, &displacement, &plastic),
             flowing: PerBar::default(),
             impactor: None,
@@ -190,7 +202,28 @@ impl State {
                 above: plastic.above.rotation.map(f64::abs),
             },
         );
+        if let Some(law) = &model.strength {
+            law.harden(
+                &mut state.webs,
+                &PerBar {
+                    below: plastic.below.shear_angle,
+                    above: plastic.above.shear_angle,
+                },
+            );
+        }
         state
+    }
+
+    /// Sets what the webs of a column at rest remember. [`State::settled`] takes their plastic shear angles as sheared at
+    /// once, which is right unless a web has sheared to and fro.
+    pub fn set_webs(&mut self, model: &Model, webs: &PerBar<WebState>) {
+        self.webs = *webs;
+        for web in [&mut self.webs.below, &mut self.webs.above] {
+            web.begin();
+        }
+        if let Some(law) = &model.strength {
+            law.settle(&mut self.strength, &mut self.webs);
+        }
     }
 
     /// Sets the accumulated plastic rotations \[rad\] of a column at rest, per bar: at the impact point, at the other end.
@@ -206,7 +239,7 @@ impl State {
             });
         }
         if let Some(law) = &model.strength {
-            law.settle(&mut self.strength);
+            law.settle(&mut self.strength, &mut self.webs);
         }
     }
 
@@ -238,6 +271,8 @@ impl State {
         {
             hinge.begin();
         }
+        self.webs.below.begin();
+        self.webs.above.begin();
         self.impactor = Some(impactor);
         let energies = self.energies(model);
         self.ledger = Ledger::open(&energies, energies.impactor_kinetic);
@@ -291,6 +326,37 @@ impl State {
             self.strength.below[k].accumulate(factor * below.rotation[k]);
             self.strength.above[k].accumulate(factor * above.rotation[k]);
         }
+        for (web, bar, flow) in [
+            (&mut self.webs.below, &model.frame.below, below),
+            (&mut self.webs.above, &model.frame.above, above),
+        ] {
+            if flow.shear_angle != 0.0 {
+                web.flowing |= bar.shears(flow);
+            }
+        }
+    }
+
+    /// Books the work of the hinges and of the webs on `factor` times the flow of a part of a step, under the forces at work.
+    pub(crate) fn dissipate(
+        &mut self,
+        below: (&BarForces, &PlasticFlow),
+        above: (&BarForces, &PlasticFlow),
+        factor: f64,
+    ) {
+        for (web, (forces, flow)) in [(&mut self.webs.below, below), (&mut self.webs.above, above)]
+        {
+            if flow.shear_angle != 0.0 {
+                web.work += factor * forces.shear_work(flow);
+            }
+        }
+        self.ledger.plastic_work += factor * (below.0.work(below.1) + above.0.work(above.1));
+    }
+
+    /// Forgets which hinges and webs have flowed: a step begins.
+    pub(crate) fn rest_hinges(&mut self) {
+        self.flowing = PerBar::default();
+        self.webs.below.flowing = false;
+        self.webs.above.flowing = false;
     }
 
     /// Moves a compliant vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
@@ -341,10 +407,10 @@ impl State {
         }
     }
 
-    /// Whether any hinge flowed in the last step.
+    /// Whether any hinge or web flowed in the last step.
     pub fn is_flowing(&self) -> bool {
-        let PerBar { below, above } = self.flowing;
-        below[0] || below[1] || above[0] || above[1]
+        let (PerBar { below, above }, webs) = (self.flowing, &self.webs);
+        below[0] || below[1] || above[0] || above[1] || webs.below.flowing || webs.above.flowing
     }
 
     /// A hash over the bits of the visible motion: equal states have equal hashes on every machine. It leaves out what else
@@ -370,6 +436,12 @@ impl State {
         let struck_by = impactor.map_or([0.0; 2], |i| [i.position, i.velocity]);
         let chain = impactor.and_then(|i| i.vehicle()).map(|(_, chain)| chain);
         let ledger = &self.ledger;
+        // Zeros of a column without shear are left out, so that its hash is what it was before shear existed.
+        let PerBar { below, above } = &self.plastic;
+        let sheared = [below, above].into_iter().flat_map(|plastic| {
+            let numbers = [plastic.shear_angle, plastic.shear_elongation];
+            numbers.into_iter().filter(|number| *number != 0.0)
+        });
         let numbers = [v1, u1, beta1, u2]
             .into_iter()
             .chain([self.velocity.v1, self.velocity.u1, self.velocity.u2])
@@ -378,7 +450,8 @@ impl State {
             .chain(struck_by)
             .chain([self.contact_force, self.impulse, self.percussion_impulse])
             .chain([ledger.plastic_work, ledger.impact_loss, ledger.damping_work])
-            .chain(chain.into_iter().flat_map(Chain::numbers));
+            .chain(chain.into_iter().flat_map(Chain::numbers))
+            .chain(sheared);
         std::iter::once(self.step)
             .chain(numbers.map(f64::to_bits))
             .flat_map(u64::to_le_bytes)
@@ -416,7 +489,74 @@ impl State {
             ledger_residual: self.ledger.residual(&energies),
             vehicle: self.vehicle(),
             hinges: self.hinges(model),
+            webs: self.web_samples(model),
         }
+    }
+
+    /// The webs of both bars; their default where they do not yield.
+    fn web_samples(&self, model: &Model) -> [WebSample; WEBS] {
+        let utilisation = self.web_utilisations(model);
+        let web = |bar: &Bar, forces: &BarForces, plastic: &PlasticFlow, web: &WebState, used| {
+            if bar.slider.is_none() {
+                return WebSample::default();
+            }
+            WebSample {
+                shear_force: (forces.moment[0] + forces.moment[1]) / bar.length,
+                plastic_angle: plastic.shear_angle,
+                utilisation: used,
+                dynamic_factor: web.dynamic_factor(),
+                work: web.work,
+                state: hinge_state(web.flowing, bar.shears(plastic)),
+            }
+        };
+        let Self {
+            forces: f,
+            plastic: p,
+            webs: w,
+            ..
+        } = self;
+        [
+            web(
+                &model.frame.below,
+                &f.below,
+                &p.below,
+                &w.below,
+                utilisation[0],
+            ),
+            web(
+                &model.frame.above,
+                &f.above,
+                &p.above,
+                &w.above,
+                utilisation[1],
+            ),
+        ]
+    }
+
+    /// Which share of the resistance of each web is used, below and above the impact point; 0 where they do not yield.
+    pub(crate) fn web_utilisations(&self, model: &Model) -> [f64; WEBS] {
+        self.web_shares(model, WebState::strength)
+    }
+
+    /// The same share of the resistance of a virgin web at rest.
+    pub(crate) fn web_uses(&self, model: &Model) -> [f64; WEBS] {
+        self.web_shares(model, |_| SliderStrength::VIRGIN)
+    }
+
+    fn web_shares(
+        &self,
+        model: &Model,
+        strength: impl Fn(&WebState) -> SliderStrength,
+    ) -> [f64; WEBS] {
+        let of = |bar: &Bar, forces: &BarForces, web: &WebState, hinges: &[HingeStrength; 2]| {
+            let weakest = hinges[0].factors.dynamic.min(hinges[1].factors.dynamic);
+            bar.web_utilisation(forces, &strength(web), weakest)
+        };
+        let (frame, f, w, s) = (&model.frame, &self.forces, &self.webs, &self.strength);
+        [
+            of(&frame.below, &f.below, &w.below, &s.below),
+            of(&frame.above, &f.above, &w.above, &s.above),
+        ]
     }
 
     fn vehicle(&self) -> VehicleSample {

@@ -137,5 +137,6 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     }
     let mut residual = State::settled(model, displacement, state.plastic);
     residual.set_accumulated_rotation(model, &state.accumulated_rotation());
+    residual.set_webs(model, &state.webs);
     Some(residual)
 }

@@ -1,7 +1,6 @@
 //! The event of an impact and the time step with either scheme: a step is made in parts, which are halved where they do
 //! not converge, a bounded number of times.
 
-use super::bar::PerBar;
 use super::conserving_midpoint;
 use super::contact::Impactor;
 use super::impact::{Impact, ImpactError};
@@ -71,7 +70,7 @@ fn in_parts(
     let whole = f64::from(steps) * model.step_secs;
     let min_secs = whole / f64::from(1_u32 << MAX_HALVINGS);
     state.percussion = 0.0;
-    state.flowing = PerBar::default();
+    state.rest_hinges();
     let mut offset = 0.0;
     let mut secs = whole;
     // What a longer attempt at the present part led to.

@@ -14,46 +14,60 @@
 //! hinges stiffer, `C + diag(m_k g_k)`, and replaces `|p|` in the derivative of `G` by its integral `P = |p| + g p^2 / 2`.
 
 use super::bar::{Bar, BarForces, BarStrain, BarTangent, Place, Returned};
-use super::capped_moments::{CappedMoments, Hardening, cap_moments};
-use super::return_search::{MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, RETURN_TOLERANCE};
-use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
+use super::paired_search::PairSearch;
+use super::shear::{Slider, SliderStrength};
+use super::yield_surface::AxialLead;
 
 /// By how much a stress that follows its tangent may leave the yield surface, in terms of the sum of the yield function.
 const FOLLOWED_TOLERANCE: f64 = 2e-5;
-
-/// A share of an elongation below this may be round-off of the root search.
-const ROUND_OFF: f64 = 1e-6;
 
 /// Strength of a bar's two hinges over one part of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BarStrength {
     /// Factors of `M^p`, `D_k H_k`, and their inverses.
-    moment: [f64; 2],
+    pub moment: [f64; 2],
     per_moment: [f64; 2],
     /// Inverses of the factors of `N^p`, `D_k`.
     per_axial: [f64; 2],
     /// The hinge that is weaker against normal forces.
-    weaker: usize,
+    pub weaker: usize,
     /// Its factor, and that of the other one.
-    weakest: f64,
+    pub weakest: f64,
     strongest: f64,
     /// By how much the other one is stronger, once it is needed.
     lead: Option<AxialLead>,
     /// `g_k`: growth of `H_k`, relative to it, with the plastic rotation \[1/rad\].
-    growth: [f64; 2],
+    pub growth: [f64; 2],
+    /// Of the web.
+    pub slider: SliderStrength,
 }
 
 impl BarStrength {
     /// Of a bar whose hinges have the factors `dynamic` of the whole yield surface, and in addition `hardening` of the
-    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0. `None` where the
-    /// hinges have the resistances of a virgin column at rest.
-    pub(crate) fn new(dynamic: [f64; 2], hardening: [f64; 2], slope: [f64; 2]) -> Option<Self> {
-        if dynamic == [1.0; 2] && hardening == [1.0; 2] && slope == [0.0; 2] {
-            return None;
-        }
+    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0. `slider` is the
+    /// strength of its web. `None` where all have the resistances of a virgin column at rest.
+    pub(crate) fn new(
+        dynamic: [f64; 2],
+        hardening: [f64; 2],
+        slope: [f64; 2],
+        slider: SliderStrength,
+    ) -> Option<Self> {
+        let is_virgin = dynamic == [1.0; 2]
+            && hardening == [1.0; 2]
+            && slope == [0.0; 2]
+            && slider == SliderStrength::VIRGIN;
+        (!is_virgin).then(|| Self::of_factors(dynamic, hardening, slope, slider))
+    }
+
+    fn of_factors(
+        dynamic: [f64; 2],
+        hardening: [f64; 2],
+        slope: [f64; 2],
+        slider: SliderStrength,
+    ) -> Self {
         let weaker = usize::from(dynamic[1] < dynamic[0]);
         let moment = [dynamic[0] * hardening[0], dynamic[1] * hardening[1]];
-        Some(Self {
+        Self {
             moment,
             per_moment: moment.map(|factor| 1.0 / factor),
             per_axial: dynamic.map(|factor| 1.0 / factor),
@@ -62,7 +76,16 @@ impl BarStrength {
             strongest: dynamic[1 - weaker],
             lead: None,
             growth: [slope[0] / hardening[0], slope[1] / hardening[1]],
-        })
+            slider,
+        }
+    }
+
+    /// The lead of the stronger hinge.
+    fn lead(&mut self, bar: &Bar) -> AxialLead {
+        let (weakest, strongest) = (self.weakest, self.strongest);
+        *self
+            .lead
+            .get_or_insert_with(|| bar.surface.axial_lead(weakest, strongest))
     }
 
     /// The lead of the stronger hinge if a stress lies outside of either surface.
@@ -76,10 +99,7 @@ impl BarStrength {
         if m[0] + n[0] <= 1.0 && m[1] + n[1] <= 1.0 {
             return None;
         }
-        let (weakest, strongest) = (self.weakest, self.strongest);
-        let lead = *self
-            .lead
-            .get_or_insert_with(|| surface.axial_lead(weakest, strongest));
+        let lead = self.lead(bar);
         surface
             .either_exceeded(m, n, self.weaker, &lead)
             .then_some(lead)
@@ -142,6 +162,9 @@ impl BarStress {
         for (moment, change) in forces.moment.iter_mut().zip(change_of.moment) {
             *moment += change;
         }
+        if matches!(place, Place::Sheared { .. }) || exceeds_web(bar, None, forces) {
+            return false;
+        }
         if *place == Place::Elastic {
             return !bar.surface.exceeded(forces.moment, forces.normal);
         }
@@ -178,7 +201,21 @@ impl BarStress {
 /// rest. `near` \[N\] is the expected normal force, which only saves iterations.
 // Inlined, measured: a step takes 2 % less.
 #[inline(always)]
-fn return_stress(
+pub(crate) fn return_stress(
+    bar: &Bar,
+    strength: Option<&mut BarStrength>,
+    trial: BarForces,
+    near: f64,
+) -> Returned {
+    match &bar.slider {
+        None => return_to_hinges(bar, strength, trial, near),
+        Some(slider) => return_with_web(bar, slider, strength, trial, near),
+    }
+}
+
+/// As [`return_stress`], for a bar whose web does not yield.
+#[inline(always)]
+fn return_to_hinges(
     bar: &Bar,
     strength: Option<&mut BarStrength>,
     trial: BarForces,
@@ -190,6 +227,64 @@ fn return_stress(
     }
 }
 
+/// Whether a stress exceeds the resistance of the web of a bar with `strength`.
+fn exceeds_web(bar: &Bar, strength: Option<&BarStrength>, stress: &BarForces) -> bool {
+    bar.slider.as_ref().is_some_and(|slider| {
+        let (own, weakest) = strength.map_or((&SliderStrength::VIRGIN, 1.0), |it| {
+            (&it.slider, it.weakest)
+        });
+        let n = bar.surface.relative_axial(stress.normal).abs() / weakest;
+        slider.is_exceeded(stress.moment, own, n)
+    })
+}
+
+/// As [`return_stress`], for a bar whose web may yield: without its hinges, without the web, or with all of them. A return
+/// without a constraint that turns out to hold is the return with it, because the problem is convex.
+#[inline(never)]
+fn return_with_web(
+    bar: &Bar,
+    slider: &Slider,
+    mut strength: Option<&mut BarStrength>,
+    trial: BarForces,
+    near: f64,
+) -> Returned {
+    let (own, weakest) = match strength.as_deref() {
+        None => (SliderStrength::VIRGIN, 1.0),
+        Some(strength) => (strength.slider, strength.weakest),
+    };
+    let n = bar.surface.relative_axial(trial.normal).abs() / weakest;
+    if !slider.is_exceeded(trial.moment, &own, n) {
+        let returned = return_to_hinges(bar, strength.as_deref_mut(), trial, near);
+        if returned.place == Place::Elastic
+            || !exceeds_web(bar, strength.as_deref(), &returned.forces)
+        {
+            return returned;
+        }
+    } else if let Some(returned) =
+        slider.slide_alone(bar, &own, &trial, weakest * bar.surface.resistance_axial)
+    {
+        let exceeded = match strength.as_deref_mut() {
+            None => bar
+                .surface
+                .exceeded(returned.forces.moment, returned.forces.normal),
+            Some(strength) => strength.exceeded(bar, &returned.forces).is_some(),
+        };
+        if !exceeded {
+            return returned;
+        }
+    }
+    let mut virgin;
+    let strength = match strength {
+        Some(strength) => strength,
+        None => {
+            virgin = BarStrength::of_factors([1.0; 2], [1.0; 2], [0.0; 2], SliderStrength::VIRGIN);
+            &mut virgin
+        }
+    };
+    let lead = strength.lead(bar);
+    PairSearch::<true, true>::new(bar, strength, lead, trial).run(near)
+}
+
 impl BarStrength {
     fn return_stress(&mut self, bar: &Bar, trial: BarForces, near: f64) -> Returned {
         let Some(lead) = self.exceeded(bar, &trial) else {
@@ -197,371 +292,10 @@ impl BarStrength {
         };
         // Measured: a step with strain rate alone takes 3 % less.
         if self.growth == [0.0; 2] {
-            PairSearch::<false>::new(bar, self, lead, trial).run(near)
+            PairSearch::<false, false>::new(bar, self, lead, trial).run(near)
         } else {
-            PairSearch::<true>::new(bar, self, lead, trial).run(near)
+            PairSearch::<true, false>::new(bar, self, lead, trial).run(near)
         }
-    }
-}
-
-/// The scalar problem of one return mapping, with `n = |N|` over the resistance of the weaker hinge, for hinges that harden
-/// over the part of a step or do not.
-struct PairSearch<'a, const HARDENS: bool> {
-    bar: &'a Bar,
-    strength: &'a BarStrength,
-    /// By how much the stronger hinge is stronger against normal forces.
-    lead: AxialLead,
-    trial: BarForces,
-    /// Sign of `N`.
-    sign: f64,
-    /// Resistance of the weaker hinge against normal forces \[N\], and its inverse.
-    axial: f64,
-    per_axial: f64,
-    /// Resistances of the hinges against moments \[N m\].
-    moment: [f64; 2],
-    /// `n` of the trial stress.
-    relative: f64,
-    /// `K M_k / N_w^2` \[1/rad\].
-    scale: [f64; 2],
-    /// `K / N_w^2` \[1/J\].
-    per_energy: f64,
-}
-
-/// The problem at one point of the curves.
-struct PairedState {
-    caps: [Jet; 2],
-    /// Caps of the moments before the hinges harden \[N m\].
-    limits: [f64; 2],
-    capped: CappedMoments,
-    /// `C + diag(m_k g_k)`.
-    hardening: Hardening,
-    /// Derivative of the problem along the curves, divided by `N_w^2 / K`. Positive: the root lies at a smaller coordinate.
-    value: f64,
-    /// Its own derivative.
-    slope: f64,
-}
-
-impl<'a, const HARDENS: bool> PairSearch<'a, HARDENS> {
-    #[inline(always)]
-    fn new(bar: &'a Bar, strength: &'a BarStrength, lead: AxialLead, trial: BarForces) -> Self {
-        let axial = strength.weakest * bar.surface.resistance_axial;
-        let per_axial = 1.0 / axial;
-        let per_energy = bar.axial * per_axial * per_axial;
-        let moment = strength
-            .moment
-            .map(|factor| factor * bar.surface.resistance_moment);
-        Self {
-            bar,
-            strength,
-            lead,
-            trial,
-            sign: if trial.normal < 0.0 { -1.0 } else { 1.0 },
-            axial,
-            per_axial,
-            moment,
-            relative: trial.normal.abs() * per_axial,
-            scale: moment.map(|moment| moment * per_energy),
-            per_energy,
-        }
-    }
-
-    #[inline(always)]
-    fn point(&self, branch: Branch, t: f64) -> PairedPoint {
-        self.bar.surface.paired_point(branch, t, &self.lead)
-    }
-
-    #[inline(always)]
-    fn at(&self, point: &PairedPoint) -> PairedState {
-        let (bar, growth) = (self.bar, &self.strength.growth);
-        let caps = if self.strength.weaker == 0 {
-            [point.weaker, point.stronger]
-        } else {
-            [point.stronger, point.weaker]
-        };
-        let limits = [0, 1].map(|k| caps[k].value * self.moment[k]);
-        let c = &bar.rotational;
-        let mut hardening = Hardening {
-            diagonal: [c[0][0], c[1][1]],
-            flexibility: bar.flexibility_alone,
-        };
-        for k in 0..2 {
-            if HARDENS && growth[k] > 0.0 && hardening.flexibility[k] > 0.0 {
-                hardening.diagonal[k] += limits[k] * growth[k];
-                hardening.flexibility[k] = 1.0 / hardening.diagonal[k];
-            }
-        }
-        let moments = self.trial.moment;
-        let capped = cap_moments(
-            &hardening.stiffness(c),
-            hardening.flexibility,
-            moments,
-            limits,
-        );
-        let mut state = PairedState {
-            caps,
-            limits,
-            capped,
-            hardening,
-            value: 0.0,
-            slope: 0.0,
-        };
-        let n = &point.axial;
-        let short = n.value - self.relative;
-        let weight = [0, 1].map(|k| self.scale[k] * self.integral(&state, k));
-        let carried = self.carried(&state);
-        state.value = short * n.first - weight[0] * caps[0].first - weight[1] * caps[1].first;
-        state.slope = n.first * n.first + short * n.second
-            - weight[0] * caps[0].second
-            - weight[1] * caps[1].second
-            + self.per_energy * self.compliance(&state, carried);
-        state
-    }
-
-    /// `P_k`: integral of the hardening over the rotation of hinge `k` \[rad\].
-    fn integral(&self, state: &PairedState, k: usize) -> f64 {
-        let p = state.capped.rotation[k].abs();
-        if HARDENS {
-            p * (1.0 + 0.5 * self.strength.growth[k] * p)
-        } else {
-            p
-        }
-    }
-
-    /// By how much hinge `k` has hardened over its rotation.
-    fn hardened(&self, state: &PairedState, k: usize) -> f64 {
-        if HARDENS {
-            1.0 + self.strength.growth[k] * state.capped.rotation[k].abs()
-        } else {
-            1.0
-        }
-    }
-
-    /// Changes of the moments of the hinges along the curves \[N m\], with the rotations held and with their signs; 0 for a
-    /// hinge that does not rotate.
-    fn carried(&self, state: &PairedState) -> [f64; 2] {
-        [0, 1].map(|k| match state.capped.rotation[k] {
-            0.0 => 0.0,
-            p => (self.moment[k] * state.caps[k].first * self.hardened(state, k)) * p.signum(),
-        })
-    }
-
-    /// `near` \[N\] is the expected normal force, which only saves iterations.
-    fn run(&self, near: f64) -> Returned {
-        let surface = &self.bar.surface;
-        let near = self.sign * near * self.per_axial;
-        let split = surface.split();
-        // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
-        let at_split = || self.point(Branch::Axial, split);
-        if self.relative <= split || self.at(&at_split()).value >= 0.0 {
-            if surface.has_corner_at_zero_axial() {
-                let state = self.at(&self.point(Branch::Axial, 0.0));
-                if state.value >= 0.0 {
-                    return self.at_zero(&state);
-                }
-            }
-            if self.relative <= NEGLIGIBLE_STEP && surface.is_sharp_at_zero_axial() {
-                return self.at_zero(&self.at(&self.point(Branch::Axial, 0.0)));
-            }
-            return self.bisect_newton(Branch::Axial, self.relative.min(split), near);
-        }
-        if self.relative >= 1.0 {
-            let state = self.at(&self.point(Branch::Moment, 0.0));
-            if self.is_at_tip(&state) {
-                return self.at_tip(&state);
-            }
-        }
-        let near = if near >= split && near < 1.0 {
-            surface.cap_of(near)
-        } else {
-            at_split().weaker.value
-        };
-        self.bisect_newton(Branch::Moment, split, near)
-    }
-
-    /// Newton's method on the derivative, kept within a shrinking bracket that begins as `0..high`.
-    #[inline(always)]
-    fn bisect_newton(&self, branch: Branch, mut high: f64, near: f64) -> Returned {
-        let mut low = 0.0;
-        let mut t = if near > low && near < high {
-            near
-        } else {
-            0.5 * (low + high)
-        };
-        let mut last_step = high - low;
-        let mut vertex_excluded = false;
-        for _ in 0..MAX_RETURN_ITERATIONS {
-            let point = self.point(branch, t);
-            let PairedState { value, slope, .. } = self.at(&point);
-            if value > 0.0 {
-                high = t;
-            } else if value < 0.0 {
-                low = t;
-            } else {
-                return self.on_curves(branch, &point);
-            }
-            let newton = value / slope;
-            let inside = t - newton >= low && t - newton <= high;
-            if inside && newton.abs() <= 0.5 * last_step {
-                last_step = newton.abs();
-                t -= newton;
-                if last_step <= (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP) {
-                    return self.on_curves(branch, &point.moved_by(-newton));
-                }
-            } else {
-                if low == 0.0 && !vertex_excluded {
-                    vertex_excluded = true;
-                    if let Some(returned) = self.near_vertex(branch) {
-                        return returned;
-                    }
-                }
-                let middle = 0.5 * (low + high);
-                last_step = (middle - t).abs();
-                t = middle;
-                if last_step <= NEGLIGIBLE_STEP {
-                    break;
-                }
-            }
-        }
-        self.on_curves(branch, &self.point(branch, t))
-    }
-
-    /// The stress at a point of the curves to which the hinges that rotate do so in the normal direction.
-    #[inline(always)]
-    fn on_curves(&self, branch: Branch, point: &PairedPoint) -> Returned {
-        let state = self.at(point);
-        let normal = self.sign * point.axial.value * self.axial;
-        let place = Place::Curves {
-            hardening: state.hardening,
-            axial: self.sign * point.axial.first * self.axial,
-            carried: self.carried(&state),
-            stiffness: state.slope / self.per_energy,
-        };
-        let elongation = match branch {
-            Branch::Axial => self.shared(normal, &state),
-            Branch::Moment => self.shared_steeply(point, normal, &state),
-        };
-        self.returned(normal, &state, elongation, place)
-    }
-
-    /// The stress at a vertex with the normal force `normal` \[N\].
-    fn held(&self, normal: f64, state: &PairedState, elongation: [f64; 2]) -> Returned {
-        let hardening = state.hardening;
-        self.returned(normal, state, elongation, Place::Held { hardening })
-    }
-
-    #[inline(always)]
-    fn returned(
-        &self,
-        normal: f64,
-        state: &PairedState,
-        elongation: [f64; 2],
-        place: Place,
-    ) -> Returned {
-        let limits = [0, 1].map(|k| state.limits[k] * self.hardened(state, k));
-        self.bar
-            .returned(self.trial, normal, limits, state.capped, elongation, |_| {
-                place
-            })
-    }
-
-    /// The stress at the vertex at which a branch begins, if the root lies closer to it than any stress is resolved.
-    #[cold]
-    fn near_vertex(&self, branch: Branch) -> Option<Returned> {
-        let beyond = self.at(&self.point(branch, NEGLIGIBLE_STEP)).value;
-        if beyond.is_nan() || beyond < 0.0 {
-            return None;
-        }
-        let state = self.at(&self.point(branch, 0.0));
-        Some(match branch {
-            Branch::Axial => self.at_zero(&state),
-            Branch::Moment => self.at_tip(&state),
-        })
-    }
-
-    /// The stress at `N = 0`.
-    fn at_zero(&self, state: &PairedState) -> Returned {
-        self.held(0.0, state, self.shared(0.0, state))
-    }
-
-    /// `-dm_k/dn` of both hinges at the tip of the weaker surface, 0 where it is infinite.
-    fn tip_slopes(&self) -> [f64; 2] {
-        let (surface, strength) = (&self.bar.surface, self.strength);
-        [0, 1].map(|k| {
-            if self.lead.rest == 0.0 || k == strength.weaker {
-                self.bar.tip_slope()
-            } else {
-                surface.slope_beyond_tip(&self.lead)
-            }
-        })
-    }
-
-    /// Whether the optimum is the tip of the weaker surface.
-    fn is_at_tip(&self, state: &PairedState) -> bool {
-        let slopes = self.tip_slopes();
-        let is_free = |k: usize| slopes[k] > 0.0 || state.capped.rotation[k] == 0.0;
-        let taken = |k: usize| self.scale[k] * self.integral(state, k) * slopes[k];
-        is_free(0) && is_free(1) && 1.0 - self.relative + taken(0) + taken(1) <= 0.0
-    }
-
-    /// The stress at the tip of the weaker surface. Its hinge takes what is left of the elongation after each hinge has taken
-    /// what normality to its curve asks of its rotation.
-    fn at_tip(&self, state: &PairedState) -> Returned {
-        let (slopes, strength) = (self.tip_slopes(), self.strength);
-        let normal = self.sign * self.axial;
-        let total = (self.trial.normal - normal) * self.bar.axial_flexibility;
-        let mut elongation = [0, 1]
-            .map(|k| self.sign * self.integral(state, k) * slopes[k] * self.moment[k] / self.axial);
-        let rest = total - elongation[0] - elongation[1];
-        if self.lead.rest == 0.0 {
-            elongation = elongation.map(|own| own + 0.5 * rest);
-        } else {
-            elongation[strength.weaker] += rest;
-        }
-        self.held(normal, state, elongation)
-    }
-
-    /// Shares the bar's plastic elongation at the normal force `normal` \[N\] between its hinges as normality does; evenly
-    /// where no hinge rotates.
-    fn shared(&self, normal: f64, state: &PairedState) -> [f64; 2] {
-        let total = (self.trial.normal - normal) * self.bar.axial_flexibility;
-        let weights = [0, 1].map(|k| {
-            let slope = self.moment[k] * state.caps[k].first;
-            self.integral(state, k) * slope.abs()
-        });
-        let sum = weights[0] + weights[1];
-        if sum > 0.0 {
-            let per_weight = total / sum;
-            weights.map(|weight| weight * per_weight)
-        } else {
-            [0.5 * total; 2]
-        }
-    }
-
-    /// As [`PairSearch::shared`] on the steep half of the weaker curve. There the rotation of the weaker hinge may be too
-    /// small for its digits while its elongation is not; that of the other hinge follows from its own slope.
-    fn shared_steeply(&self, point: &PairedPoint, normal: f64, state: &PairedState) -> [f64; 2] {
-        let (weaker, stronger) = (self.strength.weaker, 1 - self.strength.weaker);
-        let shared = self.shared(normal, state);
-        if self.lead.rest == 0.0 {
-            return shared;
-        }
-        let total = shared[0] + shared[1];
-        let slope = self.bar.surface.stronger_slope(point, &self.lead);
-        let own = self.integral(state, stronger) * slope * self.moment[stronger] / self.axial;
-        let own = own.min(total.abs()).copysign(total);
-        if state.capped.rotation[weaker] == 0.0 && (total - own).abs() <= ROUND_OFF * total.abs() {
-            return shared;
-        }
-        let mut elongation = [own; 2];
-        elongation[weaker] = total - own;
-        elongation
-    }
-
-    /// Second derivative of the complementary energy where the moments of the hinges change by `carried` \[N m\]; \[J\].
-    fn compliance(&self, state: &PairedState, carried: [f64; 2]) -> f64 {
-        let c = &self.bar.rotational;
-        let rotation = state.hardening.solved(c, state.capped.rotation, carried);
-        carried[0] * rotation[0] + carried[1] * rotation[1]
     }
 }
 
@@ -595,7 +329,7 @@ mod tests {
     impl Case {
         fn strength(&self) -> Option<BarStrength> {
             let slope = [0, 1].map(|k| self.growth[k] * self.hardening[k]);
-            BarStrength::new(self.dynamic, self.hardening, slope)
+            BarStrength::new(self.dynamic, self.hardening, slope, SliderStrength::VIRGIN)
         }
 
         fn returned(&self) -> Returned {

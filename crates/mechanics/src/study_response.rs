@@ -20,7 +20,7 @@ use super::motion::StepError;
 use super::properties::{ColumnProperties, Scheme};
 use super::report::{End, Outcome};
 use super::response::{Progress, Response, SimulationError};
-use super::sample::HINGES;
+use super::sample::{HINGES, WEBS};
 use super::state::State;
 use super::statics;
 
@@ -51,7 +51,7 @@ const WITH_RATE: StridesPerPeriod = StridesPerPeriod {
     far: 50.0,
 };
 
-/// Plastic rotation of a hinge beyond which the motion of the column is large beside its vibration \[rad\].
+/// Plastic rotation of a hinge, or plastic shear angle of a web, beyond which the motion of the column is large beside its vibration \[rad\].
 const FAR_ROTATION: f64 = 0.01;
 
 /// Relative residual to which the equations of a stride are solved: an error of the forces far below that of the stride.
@@ -88,6 +88,8 @@ pub struct StudyResponse {
     pub peak_contact_force: f64,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 \[rad\].
     pub plastic_rotation: [f64; HINGES],
+    /// Plastic shear angles of the webs of the bars below and above the impact point \[rad\].
+    pub plastic_shear: [f64; WEBS],
     /// The equilibrium in which the column comes to rest; `None` if there is none.
     pub rest: Option<State>,
     /// The state at the end.
@@ -216,7 +218,8 @@ impl Strides {
 
     fn of(&self, state: &State) -> u32 {
         let PerBar { below, above } = &state.plastic;
-        let mut rotations = below.rotation.iter().chain(&above.rotation);
+        let sheared = [&below.shear_angle, &above.shear_angle];
+        let mut rotations = below.rotation.iter().chain(&above.rotation).chain(sheared);
         match rotations.any(|rotation| rotation.abs() > FAR_ROTATION) {
             true => self.far,
             false => self.near,
@@ -385,6 +388,7 @@ impl Course<'_> {
                 above.rotation[1],
                 below.rotation[1],
             ],
+            plastic_shear: [below.shear_angle, above.shear_angle],
             rest,
             last: self.state,
             utilisation_sum: self.utilisation_sum,

@@ -311,6 +311,15 @@ impl YieldSurface {
 }
 
 impl Jet {
+    /// This function of a quantity, `self` being its value and its derivatives by that quantity, which has the jet `inner`.
+    pub(crate) fn of(&self, inner: &Self) -> Self {
+        Self {
+            value: self.value,
+            first: self.first * inner.first,
+            second: self.second * inner.first * inner.first + self.first * inner.second,
+        }
+    }
+
     /// The jet at a coordinate that is larger by `step`, by Taylor's series as [`CurvePoint::moved_by`].
     pub(crate) fn moved_by(&self, step: f64) -> Self {
         Self {

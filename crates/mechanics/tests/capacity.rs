@@ -52,10 +52,12 @@ fn plastic(case: &Value) -> PerBar<PlasticFlow> {
         below: PlasticFlow {
             elongation: [0.5 * a, 0.5 * a],
             rotation: [r1a, r3],
+            ..PlasticFlow::default()
         },
         above: PlasticFlow {
             elongation: [0.5 * b, 0.5 * b],
             rotation: [r1b, r2],
+            ..PlasticFlow::default()
         },
     }
 }
@@ -232,6 +234,7 @@ fn a_push_down_that_straightens_the_column_first_is_followed() {
                 below: PlasticFlow {
                     elongation: [0.0, -0.065 * rotation],
                     rotation: [0.0, rotation],
+                    ..PlasticFlow::default()
                 },
                 above: PlasticFlow::default(),
             },

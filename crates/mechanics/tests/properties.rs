@@ -99,6 +99,7 @@ prop_compose! {
             rate: None,
             hardening_ratio: 0.0,
             ultimate_rotation: 0.0,
+            shear: None,
             scheme,
             step_nanos: step_nanos as u64,
         }

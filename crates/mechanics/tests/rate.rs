@@ -572,6 +572,7 @@ prop_compose! {
             rate,
             hardening_ratio,
             ultimate_rotation,
+            shear: None,
             scheme,
             step_nanos: step_nanos as u64,
         }

@@ -40,6 +40,7 @@ fn rigid_plastic(load: f64) -> ColumnProperties {
         rate: None,
         hardening_ratio: 0.0,
         ultimate_rotation: 0.0,
+        shear: None,
         scheme: Scheme::ConservingMidpoint,
         step_nanos: 1_000,
     }
