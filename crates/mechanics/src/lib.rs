@@ -57,6 +57,7 @@ mod strength;
 mod study_response;
 mod tearing;
 mod vehicle;
+mod web_slide;
 mod yield_surface;
 mod yielding;
 
