@@ -18,6 +18,7 @@
 
 mod accuracy;
 mod bar;
+mod bar_strength;
 mod bracketing;
 mod buckling;
 mod capacity;

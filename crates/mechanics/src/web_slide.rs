@@ -157,8 +157,9 @@ mod tests {
 
     use super::*;
     use crate::bar::BarStrain;
+    use crate::bar_strength::BarStrength;
     use crate::properties::YieldExponents;
-    use crate::strength::{BarStrength, return_stress};
+    use crate::strength::return_stress;
     use crate::yield_surface::YieldSurface;
 
     const MOMENT: f64 = 0.3e6;
