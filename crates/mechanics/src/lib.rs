@@ -18,6 +18,7 @@
 
 mod accuracy;
 mod bar;
+mod bar_strength;
 mod bracketing;
 mod buckling;
 mod capacity;
@@ -57,6 +58,7 @@ mod strength;
 mod study_response;
 mod tearing;
 mod vehicle;
+mod web_slide;
 mod yield_surface;
 mod yielding;
 

@@ -2,11 +2,11 @@
 //! them, `shear.rs`.
 
 use super::bar::{Bar, BarForces, BarTangent, Place, Returned};
+use super::bar_strength::BarStrength;
 use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
 use super::return_search::{MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, RETURN_TOLERANCE};
 use super::shear::{TIP_SLOPE, axial_share_jet};
 use super::sheared_moments::{Mechanisms, WebCap};
-use super::strength::BarStrength;
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
 /// A share of an elongation below this may be round-off of the root search.

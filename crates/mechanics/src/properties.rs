@@ -115,6 +115,11 @@ pub struct YieldExponents {
     pub gamma: f64,
 }
 
+/// What is as at the beginning is not written, so that a column without it is written as before it existed.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 /// What is switched off is not written, so that a column without it is written as before it existed.
 pub(crate) fn is_zero(number: &f64) -> bool {
     *number == 0.0

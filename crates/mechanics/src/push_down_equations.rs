@@ -6,11 +6,12 @@ use std::cell::Cell;
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bar_strength::BarStrength;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::shear::SliderStrength;
-use super::strength::{BarStrength, BarStress};
+use super::strength::BarStress;
 
 /// Bound of the Newton iterations of one increment; two to four are usual.
 const MAX_ITERATIONS: u32 = 30;

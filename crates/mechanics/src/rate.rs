@@ -16,9 +16,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::bar::{PerBar, PlasticFlow};
+use super::bar_strength::BarStrength;
 use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
 use super::shear::SliderStrength;
-use super::strength::BarStrength;
 
 /// Least resistance of a web relative to that of a virgin one, in the direction in which kinematic hardening weakens it: an
 /// unloaded web never yields.

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::contact::MAX_ELASTIC_PERCUSSIONS;
+use super::properties::is_default;
 use super::sample::{HINGES, WEBS};
-use super::state::is_default;
 use super::vehicle::MAX_MASSES;
 
 /// How a response ended.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::state::is_default;
+use super::properties::is_default;
 use super::vehicle::MAX_MASSES;
 
 /// Number of generalised hinges; every array over hinges is in the order of [`HINGE_NAMES`].

@@ -9,6 +9,7 @@ use super::frame;
 use super::geometry::Displacement;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
+use super::properties::is_default;
 use super::rate::{HingeStrength, Strengths, WebState, Webs};
 use super::sample::{
     HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEBS, WebSample,
@@ -155,11 +156,6 @@ impl Predictor {
     pub fn forget(&mut self) {
         *self = Self::default();
     }
-}
-
-/// What is as at the beginning is not written, so that a column without it is written as before it existed.
-pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 impl State {

@@ -14,97 +14,12 @@
 //! hinges stiffer, `C + diag(m_k g_k)`, and replaces `|p|` in the derivative of `G` by its integral `P = |p| + g p^2 / 2`.
 
 use super::bar::{Bar, BarForces, BarStrain, BarTangent, Place, Returned};
+use super::bar_strength::BarStrength;
 use super::paired_search::PairSearch;
 use super::shear::{Slider, SliderStrength};
-use super::yield_surface::AxialLead;
 
 /// By how much a stress that follows its tangent may leave the yield surface, in terms of the sum of the yield function.
 const FOLLOWED_TOLERANCE: f64 = 2e-5;
-
-/// Strength of a bar's two hinges over one part of a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct BarStrength {
-    /// Factors of `M^p`, `D_k H_k`, and their inverses.
-    pub moment: [f64; 2],
-    per_moment: [f64; 2],
-    /// Inverses of the factors of `N^p`, `D_k`.
-    per_axial: [f64; 2],
-    /// The hinge that is weaker against normal forces.
-    pub weaker: usize,
-    /// Its factor, and that of the other one.
-    pub weakest: f64,
-    strongest: f64,
-    /// By how much the other one is stronger, once it is needed.
-    lead: Option<AxialLead>,
-    /// `g_k`: growth of `H_k`, relative to it, with the plastic rotation \[1/rad\].
-    pub growth: [f64; 2],
-    /// Of the web.
-    pub slider: SliderStrength,
-}
-
-impl BarStrength {
-    /// Of a bar whose hinges have the factors `dynamic` of the whole yield surface, and in addition `hardening` of the
-    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0. `slider` is the
-    /// strength of its web. `None` where all have the resistances of a virgin column at rest.
-    pub(crate) fn new(
-        dynamic: [f64; 2],
-        hardening: [f64; 2],
-        slope: [f64; 2],
-        slider: SliderStrength,
-    ) -> Option<Self> {
-        let is_virgin = dynamic == [1.0; 2]
-            && hardening == [1.0; 2]
-            && slope == [0.0; 2]
-            && slider == SliderStrength::VIRGIN;
-        (!is_virgin).then(|| Self::of_factors(dynamic, hardening, slope, slider))
-    }
-
-    fn of_factors(
-        dynamic: [f64; 2],
-        hardening: [f64; 2],
-        slope: [f64; 2],
-        slider: SliderStrength,
-    ) -> Self {
-        let weaker = usize::from(dynamic[1] < dynamic[0]);
-        let moment = [dynamic[0] * hardening[0], dynamic[1] * hardening[1]];
-        Self {
-            moment,
-            per_moment: moment.map(|factor| 1.0 / factor),
-            per_axial: dynamic.map(|factor| 1.0 / factor),
-            weaker,
-            weakest: dynamic[weaker],
-            strongest: dynamic[1 - weaker],
-            lead: None,
-            growth: [slope[0] / hardening[0], slope[1] / hardening[1]],
-            slider,
-        }
-    }
-
-    /// The lead of the stronger hinge.
-    fn lead(&mut self, bar: &Bar) -> AxialLead {
-        let (weakest, strongest) = (self.weakest, self.strongest);
-        *self
-            .lead
-            .get_or_insert_with(|| bar.surface.axial_lead(weakest, strongest))
-    }
-
-    /// The lead of the stronger hinge if a stress lies outside of either surface.
-    fn exceeded(&mut self, bar: &Bar, stress: &BarForces) -> Option<AxialLead> {
-        let surface = &bar.surface;
-        let n = surface.relative_axial(stress.normal).abs();
-        let n = self.per_axial.map(|per_axial| n * per_axial);
-        let m =
-            [0, 1].map(|k| surface.relative_moment(stress.moment[k]).abs() * self.per_moment[k]);
-        // With exponents >= 1 no power of a number below 1 exceeds it.
-        if m[0] + n[0] <= 1.0 && m[1] + n[1] <= 1.0 {
-            return None;
-        }
-        let lead = self.lead(bar);
-        surface
-            .either_exceeded(m, n, self.weaker, &lead)
-            .then_some(lead)
-    }
-}
 
 /// The stress of a bar in the course of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

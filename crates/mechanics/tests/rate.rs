@@ -571,8 +571,7 @@ prop_compose! {
             damping_ratio: 0.0,
             rate,
             hardening_ratio,
-            ultimate_rotation,
-            shear: None,
+            ultimate_rotation, shear: None,
             scheme,
             step_nanos: step_nanos as u64,
         }
