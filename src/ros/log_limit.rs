@@ -1,5 +1,6 @@
 //! A limit on how many messages go into a log per period.
 
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Admits a number of messages per period, and counts those that it hides.
@@ -39,6 +40,34 @@ impl LogLimit {
         }
         self.shown += 1;
         Some(std::mem::take(&mut self.hidden))
+    }
+}
+
+/// A limit on messages about one subject, which several threads may write.
+#[derive(Debug)]
+pub(super) struct SubjectLimit {
+    /// What the messages are about, in the plural.
+    subject: &'static str,
+    limit: Mutex<LogLimit>,
+}
+
+impl SubjectLimit {
+    /// Admits at most `max` messages about a subject, in the plural, per period.
+    pub const fn new(subject: &'static str, max: u64, period: Duration) -> Self {
+        Self {
+            subject,
+            limit: Mutex::new(LogLimit::new(max, period)),
+        }
+    }
+
+    /// Whether to show a message; then with what to append to it about those that were hidden before.
+    pub fn admit(&self, now: Instant) -> Option<String> {
+        let mut limit = self.limit.lock().unwrap_or_else(PoisonError::into_inner);
+        let subject = self.subject;
+        limit.admit(now).map(|hidden| match hidden {
+            0 => String::new(),
+            _ => format!(" ({hidden} messages about {subject} before this one are not shown)"),
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::guid_prefix::GuidPrefix;
-use super::log_limit::LogLimit;
+use super::log_limit::SubjectLimit;
 
 /// Maximum number of log messages about lost peers per [`LIMIT_PERIOD`]; further ones are counted. Without DDS security anyone can
 /// claim to be a peer.
@@ -31,7 +31,7 @@ pub(super) struct LostPeers {
     published: AtomicU64,
     /// Those of them that were published while a peer that has come back was lost.
     published_meanwhile: AtomicU64,
-    limit: Mutex<LogLimit>,
+    limit: SubjectLimit,
 }
 
 /// When a peer was lost.
@@ -52,7 +52,7 @@ impl Default for LostPeers {
             returns: AtomicU64::new(0),
             published: AtomicU64::new(0),
             published_meanwhile: AtomicU64::new(0),
-            limit: Mutex::new(LogLimit::new(MAX_LOGGED, LIMIT_PERIOD)),
+            limit: SubjectLimit::new("lost peers", MAX_LOGGED, LIMIT_PERIOD),
         }
     }
 }
@@ -101,14 +101,13 @@ impl LostPeers {
             }
             lost.insert(peer, loss);
         }
-        if let Some(hidden) = self.admit(now) {
+        if let Some(hidden) = self.limit.admit(now) {
             tracing::warn!(
                 "peer {peer} has been silent for {:.0} s, longer than its lease of {:.0} s, and counts as lost; it was matched on {}. \
-                 Check its machine and the network{}",
+                 Check its machine and the network{hidden}",
                 silence.as_secs_f64(),
                 lease.as_secs_f64(),
-                topics.join(", "),
-                not_shown(hidden)
+                topics.join(", ")
             );
         }
     }
@@ -126,13 +125,12 @@ impl LostPeers {
         let missed = self.published.load(Ordering::Relaxed) - loss.published;
         self.published_meanwhile
             .fetch_add(missed, Ordering::Relaxed);
-        if let Some(hidden) = self.admit(now) {
+        if let Some(hidden) = self.limit.admit(now) {
             tracing::warn!(
                 "peer {peer} is back after {:.0} s; it was found lost {:.0} s ago, and {missed} messages were published since then, \
-                 of which it has received at most the latched ones{}",
+                 of which it has received at most the latched ones{hidden}",
                 (now - loss.last_heard).as_secs_f64(),
-                (now - loss.noticed).as_secs_f64(),
-                not_shown(hidden)
+                (now - loss.noticed).as_secs_f64()
             );
         }
     }
@@ -141,18 +139,6 @@ impl LostPeers {
     pub fn take_left(&self, peer: GuidPrefix) {
         let mut lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
         lost.remove(&peer);
-    }
-
-    fn admit(&self, now: Instant) -> Option<u64> {
-        let mut limit = self.limit.lock().unwrap_or_else(PoisonError::into_inner);
-        limit.admit(now)
-    }
-}
-
-fn not_shown(hidden: u64) -> String {
-    match hidden {
-        0 => String::new(),
-        hidden => format!(" ({hidden} messages about lost peers before this one are not shown)"),
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::ros::guid_prefix::GuidPrefix;
-use crate::ros::log_limit::LogLimit;
+use crate::ros::log_limit::SubjectLimit;
 
 /// Maximum number of log messages about peers per [`LIMIT_PERIOD`]; further ones are counted. A hostile peer may try to join
 /// as often as it likes, so that this bounds what it can write into the log: about 3 MB a day.
@@ -28,7 +28,7 @@ pub struct Peers {
     rejected: AtomicU64,
     /// Subjects of authenticated peers by the prefix of their GUID.
     subjects: Mutex<BTreeMap<GuidPrefix, String>>,
-    limit: Mutex<LogLimit>,
+    limit: SubjectLimit,
 }
 
 impl Default for Peers {
@@ -37,7 +37,7 @@ impl Default for Peers {
             joined: AtomicU64::new(0),
             rejected: AtomicU64::new(0),
             subjects: Mutex::default(),
-            limit: Mutex::new(LogLimit::new(MAX_LOGGED, LIMIT_PERIOD)),
+            limit: SubjectLimit::new("peers", MAX_LOGGED, LIMIT_PERIOD),
         }
     }
 }
@@ -66,12 +66,8 @@ impl Peers {
     pub fn take_joined(&self, prefix: GuidPrefix, subject: &str, now: Instant) {
         self.joined.fetch_add(1, Ordering::Relaxed);
         let subject = printable(subject);
-        if let Some(hidden) = self.admit(now) {
-            tracing::info!(
-                "peer {} joined with the identity {subject}{}",
-                prefix,
-                not_shown(hidden)
-            );
+        if let Some(hidden) = self.limit.admit(now) {
+            tracing::info!("peer {prefix} joined with the identity {subject}{hidden}");
         }
         let mut subjects = self.subjects.lock().unwrap_or_else(PoisonError::into_inner);
         if subjects.len() >= MAX_REMEMBERED {
@@ -83,13 +79,8 @@ impl Peers {
     /// A peer was rejected.
     pub fn take_rejected(&self, prefix: GuidPrefix, reason: &str, now: Instant) {
         self.rejected.fetch_add(1, Ordering::Relaxed);
-        if let Some(hidden) = self.admit(now) {
-            tracing::warn!(
-                "peer {} was rejected: {}{}",
-                prefix,
-                printable(reason),
-                not_shown(hidden)
-            );
+        if let Some(hidden) = self.limit.admit(now) {
+            tracing::warn!("peer {prefix} was rejected: {}{hidden}", printable(reason));
         }
     }
 
@@ -97,21 +88,6 @@ impl Peers {
     pub fn take_lost(&self, prefix: GuidPrefix) {
         let mut subjects = self.subjects.lock().unwrap_or_else(PoisonError::into_inner);
         subjects.remove(&prefix);
-    }
-
-    /// Whether to log a message; then with the number of messages that were hidden before it.
-    fn admit(&self, now: Instant) -> Option<u64> {
-        let mut limit = self.limit.lock().unwrap_or_else(PoisonError::into_inner);
-        limit.admit(now)
-    }
-}
-
-fn not_shown(hidden: u64) -> String {
-    match hidden {
-        0 => String::new(),
-        hidden => {
-            format!(" ({hidden} messages about peers before this one are not shown)")
-        }
     }
 }
 
@@ -130,12 +106,16 @@ mod tests {
     #[test]
     fn a_rejected_peer_cannot_fill_the_log() {
         let (peers, start) = (Peers::default(), Instant::now());
-        let shown = |at| (0..1000).filter(|_| peers.admit(at).is_some()).count();
+        let shown = |at| {
+            (0..1000)
+                .filter(|_| peers.limit.admit(at).is_some())
+                .count()
+        };
         assert_eq!(shown(start), 10);
         assert_eq!(shown(start + Duration::from_secs(59)), 0);
         assert_eq!(
-            peers.admit(start + Duration::from_secs(60)),
-            Some(1990),
+            peers.limit.admit(start + Duration::from_secs(60)),
+            Some(" (1990 messages about peers before this one are not shown)".to_owned()),
             "the hidden ones are counted"
         );
         assert_eq!(shown(start + Duration::from_secs(61)), 9);
