@@ -392,7 +392,15 @@ impl SecureDiscovery {
           );
         }
         // The remote is still there: continue, even if it has not answered so far.
-        self.reset_stored_message_resend_counter(&guid_prefix);
+        // Announcements may come more often than the resends are spent.
+        let is_spent = |message: &StoredAuthenticationMessage| message.remaining_resend_counter == 0;
+        if self
+          .stored_authentication_messages
+          .get(&guid_prefix)
+          .is_some_and(is_spent)
+        {
+          self.reset_stored_message_resend_counter(&guid_prefix);
+        }
         info!("Authenticating with Participant {guid_prefix:?}");
         // Otherwise keep the same authentication status
         AuthenticationStatus::Authenticating
