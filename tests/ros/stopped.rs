@@ -4,7 +4,7 @@
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
@@ -21,8 +21,12 @@ const SHORT: Duration = Duration::from_millis(300);
 /// Longer than the lease of Fast DDS; peers of ours have more patience.
 const LONG: Duration = Duration::from_secs(30);
 
-/// Arguments of a node: no real-time scheduling, no state of a former run, a recording of everything.
-const ARGUMENTS: [&str; 9] = [
+/// How long a vehicle at 1 m/s takes to the column in a response that is interrupted.
+const APPROACH: Duration = Duration::from_secs(3);
+
+/// Arguments of a node: no real-time scheduling, no state of a former run, a recording of everything, and a response that
+/// has time for the approach.
+const ARGUMENTS: [&str; 11] = [
     "--ros-args",
     "-p",
     "real_time.priority:=0",
@@ -32,6 +36,8 @@ const ARGUMENTS: [&str; 9] = [
     "record.mode:=always",
     "-p",
     "record.directory:=recordings",
+    "-p",
+    "response.duration:=10.0",
 ];
 
 fn program(domain: &Domain, folder: &Path, arguments: &[&str]) -> Program {
@@ -102,11 +108,14 @@ impl Exchange {
     /// Stops the node while a response is under way, through the contact, which is completed all the same.
     fn completes_a_response(&mut self, by: By, time: Duration) {
         let states = Incoming::<ColumnState>::start(&mut self.node, &qos::COLUMN_STATE);
-        let event_id = self.is_forecast(0.3);
+        // Far enough that a busy machine stops it before the contact.
+        let begin = Instant::now();
+        let event_id = self.is_forecast(APPROACH.as_secs_f64());
         states.find("a response", |state| {
             state.event_id == event_id && state.phase == ColumnState::APPROACH
         });
-        stop_for(self.program.id(), by, time);
+        let contact = APPROACH.saturating_sub(begin.elapsed());
+        stop_for(self.program.id(), by, contact + time);
         self.reports
             .find(&event_id, |report| report.event_id == event_id);
         drop(states);
