@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 use super::guid_prefix::GuidPrefix;
 use super::log_limit::SubjectLimit;
 
-/// Maximum number of log messages about lost peers per [`LIMIT_PERIOD`]; further ones are counted. Without DDS security anyone can
-/// claim to be a peer.
+/// Maximum number of log messages about lost peers per [`LIMIT_PERIOD`], and of those about peers that came back; further ones are
+/// counted. Without DDS security anyone can claim to be a peer.
 const MAX_LOGGED: u64 = 20;
 
 /// Period of [`MAX_LOGGED`].
@@ -31,7 +31,9 @@ pub(super) struct LostPeers {
     published: AtomicU64,
     /// Those of them that were published while a peer that has come back was lost.
     published_meanwhile: AtomicU64,
-    limit: SubjectLimit,
+    limit_of_losses: SubjectLimit,
+    /// Its own: many losses must not hide that a peer is back.
+    limit_of_returns: SubjectLimit,
 }
 
 /// When a peer was lost.
@@ -52,7 +54,8 @@ impl Default for LostPeers {
             returns: AtomicU64::new(0),
             published: AtomicU64::new(0),
             published_meanwhile: AtomicU64::new(0),
-            limit: SubjectLimit::new("lost peers", MAX_LOGGED, LIMIT_PERIOD),
+            limit_of_losses: SubjectLimit::new("lost peers", MAX_LOGGED, LIMIT_PERIOD),
+            limit_of_returns: SubjectLimit::new("peers that came back", MAX_LOGGED, LIMIT_PERIOD),
         }
     }
 }
@@ -101,7 +104,7 @@ impl LostPeers {
             }
             lost.insert(peer, loss);
         }
-        if let Some(hidden) = self.limit.admit(now) {
+        if let Some(hidden) = self.limit_of_losses.admit(now) {
             tracing::warn!(
                 "peer {peer} has been silent for {:.0} s, longer than its lease of {:.0} s, and counts as lost; it was matched on {}. \
                  Check its machine and the network{hidden}",
@@ -125,7 +128,7 @@ impl LostPeers {
         let missed = self.published.load(Ordering::Relaxed) - loss.published;
         self.published_meanwhile
             .fetch_add(missed, Ordering::Relaxed);
-        if let Some(hidden) = self.limit.admit(now) {
+        if let Some(hidden) = self.limit_of_returns.admit(now) {
             tracing::warn!(
                 "peer {peer} is back after {:.0} s; it was found lost {:.0} s ago, and {missed} messages were published since then, \
                  of which it has received at most the latched ones{hidden}",
@@ -147,6 +150,17 @@ mod tests {
     use super::*;
 
     const LEASE: Duration = Duration::from_secs(20);
+
+    /// Programs that are killed one after the other are many losses.
+    #[test]
+    fn many_losses_do_not_hide_a_return() {
+        let (peers, now) = (LostPeers::default(), Instant::now());
+        for number in 0..=MAX_LOGGED as u8 {
+            peers.take_lost(GuidPrefix([number; 12]), &[], (LEASE, LEASE), now);
+        }
+        assert!(peers.limit_of_losses.admit(now).is_none());
+        assert!(peers.limit_of_returns.admit(now).is_some());
+    }
 
     #[test]
     fn what_is_published_while_a_peer_is_lost_counts_when_it_comes_back() {
