@@ -42,6 +42,8 @@ const LIGNOS: &str = "Lignos et al. 2019, monotonic";
 const PDC: &str = "PDC-TR 06-08, support rotation";
 const TABLE_4_1: &str = "EN 1991-1-7:2006, table 4.1";
 const DAMAGE: &str = "damage index D = 1 - N_u / N_u virgin";
+const LINKS: &str = "ASCE/SEI 41-17, links that yield in shear, rotation b";
+const WEB: &str = "largest plastic shear angle of a web";
 const HINGE: &str = "largest plastic rotation of a hinge";
 const SUPPORT: &str = "largest rotation of a bar at its support";
 const RESERVE: &str =
@@ -83,6 +85,20 @@ pub(super) const DEFINITIONS: &[Definition] = &[
             let rotation = input.largest_rotation();
             let value = if rotation < beyond { beyond } else { rotation };
             Ok((value, input.ultimate_rotation))
+        },
+    },
+    Definition {
+        name: "ultimate_shear_angle",
+        edition: LINKS,
+        tag: Provenance::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: WEB,
+        consequence: "the web is fractured and the column carries nothing",
+        evaluate: |input| {
+            let shear = input.shear.as_ref().ok_or(NO_SHEAR)?;
+            Ok((shear.largest_angle(), shear.ultimate_angle))
         },
     },
     Definition {
@@ -180,6 +196,20 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         value: HINGE,
         consequence: "the steel has yielded; connections and welds must be looked at",
         evaluate: |input| Ok((input.largest_rotation(), 0.0)),
+    },
+    Definition {
+        name: "shear_flow",
+        edition: PROGRAM,
+        tag: Provenance::Assumed,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: WEB,
+        consequence: "the web has yielded in shear; web, base plate, anchors and welds must be looked at",
+        evaluate: |input| {
+            let shear = input.shear.as_ref().ok_or(NO_SHEAR)?;
+            Ok((shear.largest_angle(), 0.0))
+        },
     },
     Definition {
         name: "asce41_cp",
@@ -321,6 +351,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     table_4_1("table_4_1_courtyard_car", |input| Ok((50e3, input.plateau))),
 ];
 
+const NO_SHEAR: &str = "the web of the column is not known, or shear.model is none: a hit near a support may shear the web long before \
+                        the column bends; give section.name, or section.height, section.web_thickness, section.width and \
+                        section.flange_thickness";
 const NO_IMPACT: &str = "no impact is given";
 
 /// A force of Table 4.1, in the direction of the traffic, which does not depend on the impact.

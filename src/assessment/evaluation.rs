@@ -3,9 +3,9 @@
 use super::{Assessment, AssessmentInput, RemainingCapacity, assess};
 use crate::column::{
     self, ColumnProperties, Impact, Model, Outcome, Progress, Report, Response, SimulationError,
-    State, carried_load, plastic_plateau, residual_state, respond, with_half_the_step,
+    State, carried_load, plastic_plateau, residual_without_bumper, respond, with_half_the_step,
 };
-use crate::parameters::Parameters;
+use crate::parameters::{NoShear, Parameters};
 
 /// The hardening ratios between which real steel lies, for the band that reports show.
 pub const HARDENING_BAND: [f64; 2] = [0.0, 0.01];
@@ -40,6 +40,8 @@ pub struct ImpactEvaluation {
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
     pub front_force: Option<f64>,
+    /// Why the webs of the column do not yield in shear; `None` where they do.
+    pub no_shear: Option<NoShear>,
 }
 
 impl ImpactEvaluation {
@@ -55,8 +57,10 @@ impl ImpactEvaluation {
         impact: &Impact,
         (report, rest): (Report, Option<State>),
     ) -> Result<Self, SimulationError> {
+        let properties = &properties.before(impact);
         let model = Model::new(properties)?;
-        let remaining = RemainingCapacity::compute(parameters, &model, rest.as_ref()).ok();
+        let whole = model.without_bumper();
+        let remaining = RemainingCapacity::compute(parameters, &whole, rest.as_ref()).ok();
         let assessment = remaining.map(|remaining| {
             let input =
                 AssessmentInput::of_response(parameters, &model, impact, &report, remaining);
@@ -65,6 +69,7 @@ impl ImpactEvaluation {
         let carried = carried_load(&model, &State::at_rest(&model));
         let duration = parameters.response_duration();
         Ok(Self {
+            no_shear: parameters.shear().err(),
             report,
             remaining,
             assessment,
@@ -81,8 +86,8 @@ impl ImpactEvaluation {
     }
 }
 
-/// The response of the virgin column and the equilibrium in which it comes to rest; `None` if it has collapsed or is
-/// severed.
+/// The response of the virgin column before the bumper of the vehicle, and the equilibrium in which it comes to rest once the
+/// vehicle is gone; `None` if it has collapsed or is severed.
 ///
 /// # Errors
 /// As [`respond`].
@@ -104,7 +109,7 @@ pub fn observe_and_rest(
     max_duration: f64,
     mut observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Option<State>), SimulationError> {
-    let model = Model::new(properties)?;
+    let model = Model::new(&properties.before(impact))?;
     let mut state = State::at_rest(&model);
     let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
     observe(&model, &state);
@@ -114,7 +119,9 @@ pub fn observe_and_rest(
         if let Progress::Over(end) = progress {
             let report = response.report(&model, &state, end);
             let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-            let rest = stands.then(|| residual_state(&model, &state)).flatten();
+            let whole = model.without_bumper();
+            let residual = || residual_without_bumper(&model, &state, &whole);
+            let rest = stands.then(residual).flatten();
             return Ok((report, rest));
         }
     }

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::remaining::{RemainingCapacity, section_dimensions};
-use super::rotation_limits::ULTIMATE_ROTATION;
+use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use crate::column::{
-    HINGES, Impact, Model, Outcome, Report, RolledSection, State, plastic_plateau,
+    ColumnProperties, HINGES, Impact, Model, Outcome, Report, RolledSection, ShearProperties,
+    State, WEBS, plastic_plateau,
 };
 use crate::parameters::Parameters;
 
@@ -18,6 +19,18 @@ pub struct AssessedImpact {
     pub velocity: f64,
     /// Largest force of its front within the given points of the force-crush curve \[N\]; `None` for a rigid vehicle.
     pub front_force: Option<f64>,
+    /// Height of its bumper \[m\].
+    #[serde(default)]
+    pub bumper_height: f64,
+}
+
+/// Shear of the webs of both bars.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AssessedShear {
+    /// Plastic shear angles of the webs of the bars below and above the impact point since the column was new \[rad\].
+    pub plastic_angle: [f64; WEBS],
+    /// Plastic shear angle at which a web is fractured \[rad\].
+    pub ultimate_angle: f64,
 }
 
 /// All that an assessment depends on.
@@ -31,6 +44,8 @@ pub struct AssessmentInput {
     pub plastic_rotation: [f64; HINGES],
     /// Plastic rotation at which a section tears \[rad\].
     pub ultimate_rotation: f64,
+    /// Shear of the webs; `None` where they do not yield in shear.
+    pub shear: Option<AssessedShear>,
     /// Largest `v1` by absolute value \[m\].
     pub max_v1: f64,
     /// `L_a` \[m\].
@@ -64,8 +79,39 @@ impl From<&Impact> for AssessedImpact {
             mass: impact.mass,
             velocity: impact.velocity,
             front_force,
+            bumper_height: impact.bumper_height,
         }
     }
+}
+
+impl AssessedShear {
+    /// With these plastic shear angles \[rad\]; `None` where the webs of the column do not yield in shear.
+    pub(super) fn of(model: &Model, plastic_angle: [f64; WEBS]) -> Option<Self> {
+        let shear = model.properties.shear?;
+        Some(Self {
+            plastic_angle,
+            ultimate_angle: match shear.ultimate_angle > 0.0 {
+                true => shear.ultimate_angle,
+                false => ULTIMATE_SHEAR_ANGLE,
+            },
+        })
+    }
+
+    /// The largest absolute plastic shear angle \[rad\]; NaN if one of them is, which exceeds every limit.
+    pub(super) fn largest_angle(&self) -> f64 {
+        largest(self.plastic_angle)
+    }
+}
+
+/// The largest absolute value; NaN if one of them is.
+fn largest<const N: usize>(values: [f64; N]) -> f64 {
+    let mut largest = 0.0;
+    for value in values.map(f64::abs) {
+        if value > largest || value.is_nan() {
+            largest = value;
+        }
+    }
+    largest
 }
 
 impl AssessmentInput {
@@ -82,6 +128,7 @@ impl AssessmentInput {
             collapsed: report.outcome == Outcome::Collapsed,
             severed: report.outcome == Outcome::Severed,
             plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
+            shear: AssessedShear::of(model, report.webs.map(|web| web.plastic_angle)),
             max_v1: report.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
             ..Self::of_column(parameters, model, remaining)
@@ -104,8 +151,33 @@ impl AssessmentInput {
                 plastic.above.rotation[1],
                 plastic.below.rotation[1],
             ],
+            shear: AssessedShear::of(
+                model,
+                [plastic.below.shear_angle, plastic.above.shear_angle],
+            ),
             max_v1: state.displacement.v1.abs(),
             ..Self::of_column(parameters, model, remaining)
+        }
+    }
+
+    /// The same with what has struck the column of this model last, before whose bumper it has its plastic plateau.
+    pub(crate) fn struck_by(self, model: &Model, impact: AssessedImpact) -> Self {
+        let shear = model.properties.shear.map(|shear| ShearProperties {
+            bumper_height: impact.bumper_height,
+            ..shear
+        });
+        let before = Model::new(&ColumnProperties {
+            shear,
+            ..model.properties
+        });
+        // The parameters may have changed since then, so that the bumper no longer fits.
+        let plateau = before.map_or(self.plateau, |before| {
+            plastic_plateau(&before, self.remaining.carried_load)
+        });
+        Self {
+            plateau,
+            impact: Some(impact),
+            ..self
         }
     }
 
@@ -120,6 +192,7 @@ impl AssessmentInput {
             } else {
                 ULTIMATE_ROTATION
             },
+            shear: AssessedShear::of(model, [0.0; WEBS]),
             max_v1: 0.0,
             length_below: p.length_below,
             length_above: p.length_above,
@@ -135,13 +208,7 @@ impl AssessmentInput {
 
     /// The largest plastic rotation of a hinge \[rad\]; NaN if one of them is, which exceeds every limit.
     pub(super) fn largest_rotation(&self) -> f64 {
-        let mut largest = 0.0;
-        for rotation in self.plastic_rotation.map(f64::abs) {
-            if rotation > largest || rotation.is_nan() {
-                largest = rotation;
-            }
-        }
-        largest
+        largest(self.plastic_rotation)
     }
 
     /// The largest rotation of a bar at its support \[deg\], its shortening neglected.

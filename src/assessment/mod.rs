@@ -34,12 +34,14 @@ use criteria::{DEFINITIONS, Definition, Relation};
 pub use evaluation::{
     HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
 };
-pub use input::{AssessedImpact, AssessmentInput};
+pub use input::{AssessedImpact, AssessedShear, AssessmentInput};
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
 };
-pub use rotation_limits::{HingeSlenderness, RotationLimits, ULTIMATE_ROTATION};
+pub use rotation_limits::{
+    HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,
+};
 
 use crate::parameters::Provenance;
 

@@ -5,10 +5,11 @@ use std::sync::OnceLock;
 
 use super::criteria::{DEFINITIONS, Definition};
 use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
-use super::{AssessedImpact, AssessmentInput, Choice, Severity, decides, measured};
+use super::{AssessedImpact, AssessedShear, AssessmentInput, Choice, Severity, decides, measured};
 use crate::column::{
     BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact, KnownCapacity, Model,
-    Outcome, PerBar, PushDown, State, capacity, capacity_up_to, carried_load, plastic_plateau,
+    Outcome, PerBar, PushDown, State, WEBS, capacity, capacity_up_to, carried_load,
+    plastic_plateau,
 };
 use crate::parameters::Parameters;
 
@@ -49,6 +50,8 @@ pub struct AssessedResponse {
     pub outcome: Outcome,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 \[rad\].
     pub plastic_rotation: [f64; HINGES],
+    /// Plastic shear angles of the webs of the bars below and above the impact point \[rad\].
+    pub plastic_shear: [f64; WEBS],
     /// Largest `v1` \[m\].
     pub max_v1: f64,
 }
@@ -192,6 +195,7 @@ impl PreparedAssessment {
             collapsed: response.outcome == Outcome::Collapsed,
             severed: response.outcome == Outcome::Severed,
             plastic_rotation: response.plastic_rotation,
+            shear: AssessedShear::of(model, response.plastic_shear),
             max_v1: response.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
             plateau: plastic_plateau(model, remaining.carried_load),

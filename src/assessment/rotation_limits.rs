@@ -5,6 +5,10 @@ use crate::column::RolledSection;
 /// `theta_u`: plastic rotation at which a section tears \[rad\] (Lignos et al. 2019).
 pub const ULTIMATE_ROTATION: f64 = 0.15;
 
+/// Plastic shear angle at which a web is fractured unless the user gives another \[rad\]: the rotation `b` at which a link of an
+/// eccentrically braced frame that yields in shear has lost its strength (ASCE/SEI 41-17; recalled, not verified).
+pub const ULTIMATE_SHEAR_ANGLE: f64 = 0.17;
+
 /// What the limits depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeSlenderness {

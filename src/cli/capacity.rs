@@ -11,11 +11,11 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::{
-    Assessment, AssessmentInput, RemainingCapacity, assess, imperfection,
+    Assessment, AssessmentInput, RemainingCapacity, assess, imperfection, respond_and_rest,
 };
 use column_twin::column::{
-    BucklingResistance, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome, Progress,
-    PushDownPoint, Report, Response, SimulationError, State, push_down, residual_state,
+    BucklingResistance, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome,
+    PushDownPoint, Report, SimulationError, State, push_down, residual_state,
 };
 use column_twin::figures::units::{Unit, significant};
 use column_twin::figures::{FigureError, PushDownCurves, push_down_svg};
@@ -173,21 +173,12 @@ impl Column {
     fn after_impact(parameters: Parameters) -> Result<Self, CapacityCommandError> {
         let impact = parameters.impact();
         let mut column = Self::virgin(parameters)?;
-        let model = &column.model;
-        let mut state = State::at_rest(model);
-        let max_duration = column.parameters.response_duration();
-        let mut response = Response::begin(model, &mut state, impact, max_duration)
-            .map_err(SimulationError::from)?;
-        let report = loop {
-            let progress = response
-                .advance(model, &mut state, u64::MAX)
-                .map_err(SimulationError::from)?;
-            if let Progress::Over(end) = progress {
-                break response.report(model, &state, end);
-            }
-        };
-        let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-        column.state = stands.then(|| residual_state(model, &state)).flatten();
+        let (properties, duration) = (
+            column.parameters.column_properties(),
+            column.parameters.response_duration(),
+        );
+        let (report, rest) = respond_and_rest(&properties, &impact, duration)?;
+        column.state = rest;
         let outcome = match report.outcome {
             Outcome::Elastic => "elastic".to_owned(),
             Outcome::Plastic => format!(
@@ -201,7 +192,7 @@ impl Column {
             "after {} kg at {} m/s, {} m above the base: {outcome}",
             short(impact.mass),
             short(impact.velocity),
-            short(model.properties.length_below),
+            short(column.model.properties.length_below),
         );
         column.damaged = report.outcome != Outcome::Elastic;
         column.response = Some((impact, report));
@@ -241,6 +232,9 @@ impl Column {
         let mut state = State::settled(&column.model, saved.displacement, saved.plastic);
         if let Some(accumulated) = saved.accumulated_rotation {
             state.set_accumulated_rotation(&column.model, &accumulated);
+        }
+        if let Some(webs) = &saved.webs {
+            state.set_webs(&column.model, webs);
         }
         column.state = match &saved.condition {
             Condition::Standing => residual_state(&column.model, &state),

@@ -275,8 +275,8 @@ impl Case {
     /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
         let parameters = parameters_of(&arguments.config, &arguments.parameter, &arguments.impact)?;
-        let properties = parameters.column_properties();
         let impact = parameters.impact();
+        let properties = parameters.column_properties().before(&impact);
         let vehicle = &parameters.settings().vehicle.name;
         let title = title(&parameters, vehicle, &impact, properties.length_below);
         let max_duration = parameters.response_duration();

@@ -8,9 +8,10 @@ use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };
 use column_twin::figures::units::{Unit, significant};
+use column_twin::parameters::NoShear;
 use column_twin::report::{EnergyBalance, end_in_words, outcome_in_words};
 use column_twin::results::ImpactFields;
-use column_twin::shape::HINGE_PLACES;
+use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
 /// Width of a terminal \[characters\].
 const WIDTH: usize = 80;
@@ -313,6 +314,40 @@ impl Summary<'_> {
                     plastic_rotation.to_degrees()
                 ),
                 format!("{max_utilisation:.3}"),
+            )?;
+        }
+        self.webs(f)
+    }
+
+    /// The shear of the webs, or why it is not evaluated.
+    fn webs(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if let Some(why) = self.evaluation.no_shear {
+            return match why {
+                NoShear::SwitchedOff => Ok(()),
+                NoShear::WebNotKnown => {
+                    writeln!(f)?;
+                    wrapped(f, "Shear", &format!("not evaluated: {why}."))
+                }
+            };
+        }
+        writeln!(
+            f,
+            "\n{:<24}{:>14}{:>24}{:>16}",
+            "Webs in shear", "first yield", "plastic angle", "utilisation"
+        )?;
+        for (web, place) in self.report().webs.iter().zip(WEB_PLACES) {
+            writeln!(
+                f,
+                "  {:<22}{:>14}{:>24}{:>16}",
+                place,
+                web.first_yield
+                    .map_or("never".into(), |time| self.time(time)),
+                format!(
+                    "{:.5} rad {:>6.2}°",
+                    web.plastic_angle,
+                    web.plastic_angle.to_degrees()
+                ),
+                format!("{:.3}", web.max_utilisation),
             )?;
         }
         Ok(())

@@ -65,11 +65,15 @@ pub struct ColumnParameters {
     pub section_second_moment: f64,
     pub section_mass_per_length: f64,
     pub section_height: f64,
+    pub section_width: f64,
+    pub section_web_thickness: f64,
+    pub section_flange_thickness: f64,
     pub steel_grade: String,
     pub steel_young_modulus: f64,
     pub steel_yield_strength: f64,
     pub resistance_moment: f64,
     pub resistance_axial: f64,
+    pub resistance_shear: f64,
     pub yield_surface_alpha: f64,
     pub yield_surface_beta: f64,
     pub yield_surface_gamma: f64,
@@ -91,6 +95,7 @@ pub struct ColumnParameters {
     pub impact_restitution: f64,
     pub vehicle_name: String,
     pub vehicle_force_factor: f64,
+    pub vehicle_bumper_height: f64,
     pub rate_law: String,
     pub rate_d: f64,
     pub rate_q: f64,
@@ -99,6 +104,8 @@ pub struct ColumnParameters {
     pub rate_time_constant: f64,
     pub rate_max_factor: f64,
     pub rate_hinge_length: f64,
+    pub shear_model: String,
+    pub shear_max_hardening: f64,
     pub hardening_ratio: f64,
     pub solver_scheme: String,
     pub solver_dt: f64,
@@ -106,6 +113,7 @@ pub struct ColumnParameters {
     pub response_duration: f64,
     pub capacity_imperfection: f64,
     pub assessment_ultimate_rotation: f64,
+    pub assessment_ultimate_shear_angle: f64,
 }
 
 impl Default for ColumnParameters {
@@ -121,11 +129,15 @@ impl Default for ColumnParameters {
             section_second_moment: f64::NAN,
             section_mass_per_length: f64::NAN,
             section_height: f64::NAN,
+            section_width: f64::NAN,
+            section_web_thickness: f64::NAN,
+            section_flange_thickness: f64::NAN,
             steel_grade: String::new(),
             steel_young_modulus: f64::NAN,
             steel_yield_strength: f64::NAN,
             resistance_moment: f64::NAN,
             resistance_axial: f64::NAN,
+            resistance_shear: f64::NAN,
             yield_surface_alpha: f64::NAN,
             yield_surface_beta: f64::NAN,
             yield_surface_gamma: f64::NAN,
@@ -147,6 +159,7 @@ impl Default for ColumnParameters {
             impact_restitution: f64::NAN,
             vehicle_name: String::new(),
             vehicle_force_factor: f64::NAN,
+            vehicle_bumper_height: f64::NAN,
             rate_law: String::new(),
             rate_d: f64::NAN,
             rate_q: f64::NAN,
@@ -155,6 +168,8 @@ impl Default for ColumnParameters {
             rate_time_constant: f64::NAN,
             rate_max_factor: f64::NAN,
             rate_hinge_length: f64::NAN,
+            shear_model: String::new(),
+            shear_max_hardening: f64::NAN,
             hardening_ratio: f64::NAN,
             solver_scheme: String::new(),
             solver_dt: f64::NAN,
@@ -162,6 +177,7 @@ impl Default for ColumnParameters {
             response_duration: f64::NAN,
             capacity_imperfection: f64::NAN,
             assessment_ultimate_rotation: f64::NAN,
+            assessment_ultimate_shear_angle: f64::NAN,
         }
     }
 }
@@ -198,11 +214,15 @@ impl ColumnParameters {
             ("section.second_moment", Number(self.section_second_moment)),
             ("section.mass_per_length", Number(self.section_mass_per_length)),
             ("section.height", Number(self.section_height)),
+            ("section.width", Number(self.section_width)),
+            ("section.web_thickness", Number(self.section_web_thickness)),
+            ("section.flange_thickness", Number(self.section_flange_thickness)),
             ("steel.grade", Text(&self.steel_grade)),
             ("steel.young_modulus", Number(self.steel_young_modulus)),
             ("steel.yield_strength", Number(self.steel_yield_strength)),
             ("resistance.moment", Number(self.resistance_moment)),
             ("resistance.axial", Number(self.resistance_axial)),
+            ("resistance.shear", Number(self.resistance_shear)),
             ("yield_surface.alpha", Number(self.yield_surface_alpha)),
             ("yield_surface.beta", Number(self.yield_surface_beta)),
             ("yield_surface.gamma", Number(self.yield_surface_gamma)),
@@ -224,6 +244,7 @@ impl ColumnParameters {
             ("impact.restitution", Number(self.impact_restitution)),
             ("vehicle.name", Text(&self.vehicle_name)),
             ("vehicle.force_factor", Number(self.vehicle_force_factor)),
+            ("vehicle.bumper_height", Number(self.vehicle_bumper_height)),
             ("rate.law", Text(&self.rate_law)),
             ("rate.d", Number(self.rate_d)),
             ("rate.q", Number(self.rate_q)),
@@ -232,6 +253,8 @@ impl ColumnParameters {
             ("rate.time_constant", Number(self.rate_time_constant)),
             ("rate.max_factor", Number(self.rate_max_factor)),
             ("rate.hinge_length", Number(self.rate_hinge_length)),
+            ("shear.model", Text(&self.shear_model)),
+            ("shear.max_hardening", Number(self.shear_max_hardening)),
             ("hardening.ratio", Number(self.hardening_ratio)),
             ("solver.scheme", Text(&self.solver_scheme)),
             ("solver.dt", Number(self.solver_dt)),
@@ -239,6 +262,7 @@ impl ColumnParameters {
             ("response.duration", Number(self.response_duration)),
             ("capacity.imperfection", Number(self.capacity_imperfection)),
             ("assessment.ultimate_rotation", Number(self.assessment_ultimate_rotation)),
+            ("assessment.ultimate_shear_angle", Number(self.assessment_ultimate_shear_angle)),
         ]
         .into_iter()
     }
@@ -314,6 +338,11 @@ pub struct HingeForces {
     pub utilisation: [f64; 4],
     pub state: [u8; 4],
     pub dynamic_factor: [f64; 4],
+    pub shear_force: [f64; 2],
+    pub shear_angle: [f64; 2],
+    pub shear_utilisation: [f64; 2],
+    pub web_state: [u8; 2],
+    pub web_dynamic_factor: [f64; 2],
 }
 
 impl HingeForces {
@@ -321,6 +350,8 @@ impl HingeForces {
     pub const HINGE_1B: u8 = 1;
     pub const HINGE_2: u8 = 2;
     pub const HINGE_3: u8 = 3;
+    pub const WEB_A: u8 = 0;
+    pub const WEB_B: u8 = 1;
     pub const ELASTIC: u8 = 0;
     pub const PLASTIC: u8 = 1;
     pub const UNLOADED: u8 = 2;
@@ -431,6 +462,9 @@ pub struct ImpactReport {
     pub first_yield_time: [f64; 4],
     pub max_utilisation: [f64; 4],
     pub plastic_rotation: [f64; 4],
+    pub web_first_yield_time: [f64; 2],
+    pub web_max_utilisation: [f64; 2],
+    pub shear_angle: [f64; 2],
     pub end: u8,
     pub end_time: f64,
     pub max_crush: PerMass,
@@ -455,6 +489,8 @@ impl ImpactReport {
     pub const HINGE_1B: u8 = 1;
     pub const HINGE_2: u8 = 2;
     pub const HINGE_3: u8 = 3;
+    pub const WEB_A: u8 = 0;
+    pub const WEB_B: u8 = 1;
     pub const FORECAST: u8 = 0;
     pub const RESULT: u8 = 1;
     pub const PREDICTION: u8 = 2;
@@ -535,6 +571,7 @@ pub struct TwinStatus {
     pub plastic_work_since_reset: f64,
     pub plastic_rotation: [f64; 4],
     pub plastic_elongation: [f64; 4],
+    pub shear_angle: [f64; 2],
     pub virgin_capacity: f64,
     pub residual_capacity: f64,
     pub capacity_ratio: f64,

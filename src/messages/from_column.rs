@@ -63,6 +63,11 @@ impl From<&Sample> for HingeForces {
             utilisation: of(|hinge| hinge.utilisation),
             state: each_hinge(&sample.hinges, |hinge| hinge_state_code(hinge.state)),
             dynamic_factor: of(|hinge| hinge.dynamic_factor),
+            shear_force: sample.webs.map(|web| web.shear_force),
+            shear_angle: sample.webs.map(|web| web.plastic_angle),
+            shear_utilisation: sample.webs.map(|web| web.utilisation),
+            web_state: sample.webs.map(|web| hinge_state_code(web.state)),
+            web_dynamic_factor: sample.webs.map(|web| web.dynamic_factor),
             ..Self::default()
         }
     }
@@ -93,6 +98,9 @@ impl From<&Report> for ImpactReport {
             first_yield_time: each_hinge(&report.hinges, |hinge| or_nan(hinge.first_yield)),
             max_utilisation: each_hinge(&report.hinges, |hinge| hinge.max_utilisation),
             plastic_rotation: each_hinge(&report.hinges, |hinge| hinge.plastic_rotation),
+            web_first_yield_time: report.webs.map(|web| or_nan(web.first_yield)),
+            web_max_utilisation: report.webs.map(|web| web.max_utilisation),
+            shear_angle: report.webs.map(|web| web.plastic_angle),
             end: end_code(report.end),
             end_time: report.end_time,
             max_crush: PerMass::first(&vehicle.max_crush, vehicle.masses),

@@ -409,6 +409,7 @@ impl Outgoing {
             plastic_work_since_reset: status.plastic_work_since_reset,
             plastic_rotation: status.plastic_rotation,
             plastic_elongation: status.plastic_elongation,
+            shear_angle: status.shear_angle,
             ..TwinStatus::default()
         }
         .assessed(status)

@@ -1,5 +1,6 @@
 //! A forecast that no longer holds, or that will never be there, as a message.
 
+use crate::column::WEBS;
 use crate::messages::column_twin::ImpactReport;
 use crate::twin::{ForecastEnd, WithdrawnForecast};
 
@@ -27,6 +28,9 @@ impl ImpactReport {
             first_yield_time: unknown,
             max_utilisation: unknown,
             plastic_rotation: unknown,
+            web_first_yield_time: [f64::NAN; WEBS],
+            web_max_utilisation: [f64::NAN; WEBS],
+            shear_angle: [f64::NAN; WEBS],
             end,
             end_time: f64::NAN,
             max_dynamic_factor: unknown,

@@ -2,10 +2,13 @@
 //!
 //! Whether the column carries its load is checked by the mechanics.
 
-use super::settings::{RateLawKind, Settings, SpringSettings, SupportKind};
+use super::catalogue::CatalogueSection;
+use super::settings::{RateLawKind, Settings, ShearModel, SpringSettings, SupportKind};
 use super::value::readable;
 use super::vehicles::VehicleFault;
-use crate::column::{CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError};
+use crate::column::{
+    CrushCurve, CrushSpring, ElasticLaw, MAX_BUMPER_SHARE, MAX_IMPERFECTION, Vehicle, VehicleError,
+};
 
 /// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +29,8 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     vehicle_is_complete(settings, &mut found);
     strain_rate_has_a_height(settings, &mut found);
     imperfection_suits_the_height(settings, &mut found);
+    bumper_leaves_the_bars_clear(settings, &mut found);
+    section_is_a_profile(settings, &mut found);
     found
 }
 
@@ -189,6 +194,70 @@ fn imperfection_suits_the_height(settings: &Settings, found: &mut Vec<Inconsiste
                 readable(largest)
             ),
         });
+    }
+}
+
+fn bumper_leaves_the_bars_clear(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let (geometry, bumper) = (&settings.geometry, settings.vehicle.bumper_height);
+    let shorter = geometry.length_below.min(geometry.length_above);
+    let highest = MAX_BUMPER_SHARE * shorter;
+    if settings.shear.model == ShearModel::Web && bumper > highest {
+        found.push(Inconsistency {
+            names: vec![
+                "vehicle.bumper_height",
+                "vehicle.name",
+                "geometry.length_below",
+                "geometry.length_above",
+            ],
+            message: format!(
+                "is {} m, and half of it leaves less than a tenth of the shorter part of the column clear, which is {} m long; \
+                 give at most {} m, or an impact point farther from the support",
+                readable(bumper),
+                readable(shorter),
+                readable(highest)
+            ),
+        });
+    }
+}
+
+/// The flanges and the web fit into the height and the width.
+fn section_is_a_profile(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let given = &settings.section;
+    let named = CatalogueSection::named(&given.name).map(|section| section.dimensions);
+    let known = |number: f64, of_name: Option<f64>| match number > 0.0 {
+        true => Some(number),
+        false => of_name,
+    };
+    let height = known(given.height, named.map(|it| it.depth));
+    let width = known(given.width, named.map(|it| it.width));
+    let web = known(given.web_thickness, named.map(|it| it.web_thickness));
+    let flange = known(given.flange_thickness, named.map(|it| it.flange_thickness));
+    let pairs = [
+        (
+            ["section.flange_thickness", "section.height"],
+            flange.map(|it| 2.0 * it),
+            height,
+            "two flanges are as thick as the section is high",
+        ),
+        (
+            ["section.web_thickness", "section.width"],
+            web,
+            width,
+            "the web is as thick as the flanges are wide",
+        ),
+    ];
+    for ([name, other], thickness, size, what) in pairs {
+        if let (Some(thickness), Some(size)) = (thickness, size)
+            && thickness >= size
+        {
+            found.push(Inconsistency {
+                names: vec![name, other, "section.name"],
+                message: format!(
+                    "does not suit {other} of {} m: {what}; give a thinner one, or omit it",
+                    readable(size)
+                ),
+            });
+        }
     }
 }
 

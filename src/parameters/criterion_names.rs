@@ -4,6 +4,7 @@
 pub const CRITERION_NAMES: &[&str] = &[
     "collapse",
     "ultimate_rotation",
+    "ultimate_shear_angle",
     "capacity_reserve_1",
     "remaining_resistance",
     "damage_80",
@@ -12,6 +13,7 @@ pub const CRITERION_NAMES: &[&str] = &[
     "damage_50",
     "damage_20",
     "plastic_flow",
+    "shear_flow",
     "asce41_cp",
     "asce41_ls",
     "asce41_io",
@@ -34,6 +36,7 @@ pub const CRITERION_NAMES: &[&str] = &[
 pub const DEFAULT_CRITERIA: &[&str] = &[
     "collapse",
     "ultimate_rotation",
+    "ultimate_shear_angle",
     "capacity_reserve_1",
     "remaining_resistance",
     "damage_80",
@@ -42,4 +45,5 @@ pub const DEFAULT_CRITERIA: &[&str] = &[
     "damage_50",
     "damage_20",
     "plastic_flow",
+    "shear_flow",
 ];

@@ -11,9 +11,10 @@ use super::parameter::Parameter;
 use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_required, with_sensor};
 use super::settings::{SensorSettings, Settings};
 use super::spelling::nearest_word;
+use super::steel::strength_ratio;
 use super::table::PARAMETERS;
 use super::value::Value;
-use super::vehicles::{RIGID, narrow_by_default};
+use super::vehicles::{RIGID, bumper_by_default, narrow_by_default};
 
 /// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long
 /// list of wrong names is rejected quickly.
@@ -101,12 +102,25 @@ impl Draft {
                 draft.of_sensors.insert((sensor.clone(), row), slot);
             }
         }
-        // A value that its vehicle has by default follows a change of the vehicle.
-        let vehicle = &settings.vehicle;
-        if vehicle.narrow_object == narrow_by_default(&vehicle.name)
-            && let Some(index) = Parameter::index_of("vehicle.narrow_object")
-        {
-            draft.slots[index].place = None;
+        // A value that its vehicle or its steel has by default follows a change of those.
+        let (vehicle, steel) = (&settings.vehicle, &settings.steel);
+        for (parameter, is_default) in [
+            (
+                "vehicle.narrow_object",
+                vehicle.narrow_object == narrow_by_default(&vehicle.name),
+            ),
+            (
+                "vehicle.bumper_height",
+                vehicle.bumper_height == bumper_by_default(&vehicle.name),
+            ),
+            (
+                "shear.max_hardening",
+                settings.shear.max_hardening == strength_ratio(&steel.grade, steel.yield_strength),
+            ),
+        ] {
+            if is_default && let Some(index) = Parameter::index_of(parameter) {
+                draft.slots[index].place = None;
+            }
         }
         draft
     }
@@ -250,6 +264,7 @@ impl Draft {
             &[&["vehicle.masses", "vehicle.slack"], SPRINGS.as_flattened()].concat(),
         );
         self.follow_vehicle();
+        self.follow_steel();
         self.report_repeated_sensors();
         self.report_undeclared_sensors();
         self.report_missing_of_sensors();
@@ -421,21 +436,35 @@ impl Draft {
         }
     }
 
-    /// What depends on the vehicle and is not given: whether a column is a narrow object for it, and its mass, which is its
-    /// own unless it is rigid.
+    /// What depends on the vehicle and is not given: whether a column is a narrow object for it, the height of its bumper, and
+    /// its mass, which is its own unless it is rigid.
     fn follow_vehicle(&mut self) {
         let vehicle = self.slot("vehicle.name").map(|it| it.value.plain());
         let name = vehicle.unwrap_or_default();
-        let mut set_default = |parameter: &str, value: Value| {
-            if let Some(index) = Parameter::index_of(parameter)
-                && self.slots[index].place.is_none()
-            {
-                self.slots[index].value = value;
-            }
-        };
-        set_default("vehicle.narrow_object", narrow_by_default(&name).into());
+        self.set_default("vehicle.narrow_object", narrow_by_default(&name).into());
+        self.set_default("vehicle.bumper_height", bumper_by_default(&name).into());
         if name != RIGID {
-            set_default("impact.mass", 0.0.into());
+            self.set_default("impact.mass", 0.0.into());
+        }
+    }
+
+    /// What depends on the steel and is not given: how far a web hardens.
+    fn follow_steel(&mut self) {
+        let grade = self.slot("steel.grade").map(|it| it.value.plain());
+        let yield_strength = match self.slot("steel.yield_strength").map(|it| &it.value) {
+            Some(Value::Double(given)) => *given,
+            _ => 0.0,
+        };
+        let ratio = strength_ratio(&grade.unwrap_or_default(), yield_strength);
+        self.set_default("shear.max_hardening", ratio.into());
+    }
+
+    /// Gives a parameter that is not given the value that follows from others.
+    fn set_default(&mut self, parameter: &str, value: Value) {
+        if let Some(index) = Parameter::index_of(parameter)
+            && self.slots[index].place.is_none()
+        {
+            self.slots[index].value = value;
         }
     }
 

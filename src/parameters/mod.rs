@@ -76,22 +76,22 @@ pub use settings::{
     EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
     RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
     ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
-    SensorsSettings, Settings, SiteSettings, SolverSettings, SpringSettings, StateSettings,
-    SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode,
-    ViewerSettings, YieldSurfaceSettings,
+    SensorsSettings, Settings, ShearModel, ShearSettings, SiteSettings, SolverSettings,
+    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
+    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
 pub use value::{Kind, Value, readable};
 pub use vehicles::{
-    CRUSHED_BY, CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject, Provenance, RIGID,
-    Sourced, SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize, crush_of_name,
-    crushed_name, split_crush, vehicle_catalogue, vehicle_names,
+    BumperHeight, CRUSHED_BY, CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject,
+    Provenance, RIGID, Sourced, SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize,
+    crush_of_name, crushed_name, split_crush, vehicle_catalogue, vehicle_names,
 };
 
 use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
-    RateProperties, Support, Vehicle, YieldExponents,
+    RateProperties, RolledSection, ShearProperties, Support, Vehicle, YieldExponents,
 };
 use crate::senses::Sensor;
 use draft::Draft;
@@ -135,6 +135,23 @@ pub struct ColumnSection {
     /// `W_pl` \[m³\] of a named section.
     pub plastic_modulus: Option<f64>,
 }
+
+/// Why the web of a column does not yield in shear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoShear {
+    /// `shear.model` is `none`.
+    #[error("shear of the web is switched off (shear.model: none)")]
+    SwitchedOff,
+    /// A section by numbers without its web.
+    #[error(
+        "the web is not known: give section.height, section.web_thickness, section.width and section.flange_thickness, or \
+         resistance.shear, or name the section"
+    )]
+    WebNotKnown,
+}
+
+/// `nu` of structural steel (EN 1993-1-1, 3.2.6).
+const POISSON_RATIO: f64 = 0.3;
 
 /// The column's steel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -342,6 +359,13 @@ impl Parameters {
         self.settings.vehicle.vehicle_named(name)
     }
 
+    /// Height of the bumper of the vehicle that an event names \[m\], over which it holds the column straight: see
+    /// [`Impact::bumper_height`]. Names are those of [`vehicle_named`](Self::vehicle_named), one that is not known is rigid.
+    #[must_use]
+    pub fn bumper_named(&self, name: &str) -> f64 {
+        self.settings.vehicle.bumper_named(name)
+    }
+
     /// Maximum duration of a response \[s\].
     #[must_use]
     pub fn response_duration(&self) -> f64 {
@@ -415,7 +439,72 @@ impl Parameters {
         })
     }
 
-    /// The column as the mechanics needs it; a step of 0 ns is still to be chosen, by [`Model::new`].
+    /// Dimensions of the web and the flanges for the shear of the column: those of a named section and the numbers that override
+    /// them, or numbers alone; width and thickness of the flanges are 0 where they are not known. The root radius is that of a
+    /// named section. `None` where the height of the section or the thickness of its web is not known.
+    fn shear_dimensions(&self) -> Option<RolledSection> {
+        let given = &self.settings.section;
+        let named = CatalogueSection::named(&given.name).map(|section| section.dimensions);
+        let dimensions = RolledSection {
+            depth: self.section().height,
+            width: or_of_name(given.width, named.map(|it| it.width)),
+            web_thickness: or_of_name(given.web_thickness, named.map(|it| it.web_thickness)),
+            flange_thickness: or_of_name(
+                given.flange_thickness,
+                named.map(|it| it.flange_thickness),
+            ),
+            root_radius: named.map_or(0.0, |it| it.root_radius),
+        };
+        (dimensions.depth > 0.0 && dimensions.web_thickness > 0.0).then_some(dimensions)
+    }
+
+    /// Shear of the web of each bar, without a bumper before the column.
+    ///
+    /// # Errors
+    /// Why the web of this column does not yield in shear.
+    pub fn shear(&self) -> Result<ShearProperties, NoShear> {
+        if self.settings.shear.model == ShearModel::None {
+            return Err(NoShear::SwitchedOff);
+        }
+        let (given, steel) = (self.settings.resistance.shear, self.steel());
+        let of_section = self.shear_dimensions().map(|section| {
+            section.shear(
+                steel.yield_strength,
+                steel.young_modulus,
+                POISSON_RATIO,
+                self.settings.hardening.ratio,
+            )
+        });
+        let mut shear = match of_section {
+            Some(shear) if given > 0.0 => ShearProperties {
+                web_resistance: given,
+                flange_moment: 0.0,
+                ..shear
+            },
+            Some(shear) => shear,
+            // A web of which only the resistance is known is rigid until it yields.
+            None if given > 0.0 => ShearProperties {
+                web_resistance: given,
+                flange_moment: 0.0,
+                rigidity: 0.0,
+                hardening: 0.0,
+                max_hardening: 0.0,
+                ultimate_angle: 0.0,
+                bumper_height: 0.0,
+            },
+            None => return Err(NoShear::WebNotKnown),
+        };
+        shear.max_hardening = self.settings.shear.max_hardening;
+        let assessment = &self.settings.assessment;
+        shear.ultimate_angle = match assessment.ultimate_rotation > 0.0 {
+            true => assessment.ultimate_shear_angle,
+            false => 0.0,
+        };
+        Ok(shear)
+    }
+
+    /// The column as the mechanics needs it, without the bumper of a vehicle, for which [`ColumnProperties::before`] is; a step
+    /// of 0 ns is still to be chosen, by [`Model::new`].
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
         let Settings {
@@ -462,7 +551,7 @@ impl Parameters {
             rate: self.rate(),
             hardening_ratio: hardening.ratio,
             ultimate_rotation: assessment.ultimate_rotation,
-            shear: None,
+            shear: self.shear().ok(),
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
         }
@@ -545,7 +634,7 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
     };
     let vehicle = settings.vehicle.vehicle()?;
     let rigid = Impact::rigid(given.mass, given.velocity);
-    Ok(specification.complete(&rigid, vehicle)?)
+    Ok(specification.complete(&rigid, vehicle, settings.vehicle.bumper_height)?)
 }
 
 /// The section as given, with the properties that its name gives.

@@ -37,6 +37,7 @@ pub struct Settings {
     pub senders: SendersSettings,
     pub estimation: EstimationSettings,
     pub rate: RateSettings,
+    pub shear: ShearSettings,
     pub hardening: HardeningSettings,
     pub solver: SolverSettings,
     pub damping: DampingSettings,
@@ -82,11 +83,20 @@ groups! {
     /// Lengths of the two bars.
     GeometrySettings { length_below: f64, length_above: f64 }
     /// The section as given: a name, numbers that override its properties, or numbers alone.
-    SectionSettings { name: String, area: f64, second_moment: f64, mass_per_length: f64, height: f64 }
+    SectionSettings {
+        name: String,
+        area: f64,
+        second_moment: f64,
+        mass_per_length: f64,
+        height: f64,
+        width: f64,
+        web_thickness: f64,
+        flange_thickness: f64,
+    }
     /// The steel as given: a grade, numbers that override its properties, or numbers alone.
     SteelSettings { grade: String, young_modulus: f64, yield_strength: f64 }
     /// Resistances as given; 0: computed.
-    ResistanceSettings { moment: f64, axial: f64 }
+    ResistanceSettings { moment: f64, axial: f64, shear: f64 }
     /// Exponents of Eq 28.
     YieldSurfaceSettings { alpha: f64, beta: f64, gamma: f64 }
     /// Elastic law of the hinges.
@@ -107,6 +117,7 @@ groups! {
         spring_3: SpringSettings,
         narrow_object: bool,
         force_factor: f64,
+        bumper_height: f64,
     }
     /// One spring of a vehicle that is given by numbers.
     SpringSettings { crush: Vec<f64>, force: Vec<f64>, unloading_stiffness: f64 }
@@ -121,6 +132,8 @@ groups! {
         max_factor: f64,
         hinge_length: f64,
     }
+    /// Shear of the web.
+    ShearSettings { model: ShearModel, max_hardening: f64 }
     /// Hardening of the steel.
     HardeningSettings { ratio: f64 }
     /// Admissible stamps of impact events.
@@ -145,7 +158,7 @@ groups! {
     /// Remaining axial capacity.
     CapacitySettings { imperfection: f64 }
     /// Assessment of an impact.
-    AssessmentSettings { ultimate_rotation: f64, criteria: Vec<String> }
+    AssessmentSettings { ultimate_rotation: f64, ultimate_shear_angle: f64, criteria: Vec<String> }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
     /// What the solver thread requests from the system.
@@ -219,6 +232,13 @@ words! {
         Pinned,
         /// A spring.
         SemiRigid,
+    }
+    /// Whether the web of the column yields in shear.
+    ShearModel {
+        /// It neither yields nor deforms, as in the paper.
+        None,
+        /// A plastic slider in each bar.
+        Web,
     }
     /// Form of the dynamic increase factor, without its numbers.
     RateLawKind {

@@ -12,15 +12,17 @@ pub struct SteelGrade {
     pub young_modulus: f64,
     /// `f_y` \[Pa\].
     pub yield_strength: f64,
+    /// `f_u`: ultimate strength \[Pa\] (EN 1993-1-1:2005 with AC:2009, table 3.1; recalled, not verified).
+    pub ultimate_strength: f64,
 }
 
 /// Every grade known by name, weakest first.
 pub const STEEL_GRADES: &[SteelGrade] = &[
-    grade("S235", 235e6),
-    grade("S275", 275e6),
-    grade("S355", 355e6),
-    grade("S420", 420e6),
-    grade("S460", 460e6),
+    grade("S235", 235e6, 360e6),
+    grade("S275", 275e6, 430e6),
+    grade("S355", 355e6, 490e6),
+    grade("S420", 420e6, 520e6),
+    grade("S460", 460e6, 540e6),
 ];
 
 /// Increase of the yield strength with the natural logarithm of the strain rate in the form of the CEB,
@@ -47,11 +49,28 @@ pub(super) fn rate_factor_cap(yield_strength: f64) -> f64 {
     strongest[1]
 }
 
-const fn grade(name: &'static str, yield_strength: f64) -> SteelGrade {
+/// The least `f_u/f_y` of structural steel (EN 1993-1-1, 3.2.2; recalled, not verified), for steel without a named grade.
+const LEAST_STRENGTH_RATIO: f64 = 1.1;
+
+/// `f_u/f_y` of the steel of this grade with this yield strength \[Pa\], where 0 is that of the grade; 1 where the yield
+/// strength exceeds the ultimate strength of the grade.
+pub(super) fn strength_ratio(grade: &str, yield_strength: f64) -> f64 {
+    let Some(grade) = SteelGrade::named(grade) else {
+        return LEAST_STRENGTH_RATIO;
+    };
+    let yield_strength = match yield_strength > 0.0 {
+        true => yield_strength,
+        false => grade.yield_strength,
+    };
+    (grade.ultimate_strength / yield_strength).max(1.0)
+}
+
+const fn grade(name: &'static str, yield_strength: f64, ultimate_strength: f64) -> SteelGrade {
     SteelGrade {
         name,
         young_modulus: 210e9,
         yield_strength,
+        ultimate_strength,
     }
 }
 
@@ -78,6 +97,14 @@ mod tests {
         );
         assert_eq!(SteelGrade::named("S350"), None);
         assert_eq!(SteelGrade::named(""), None);
+    }
+
+    #[test]
+    fn a_steel_hardens_up_to_its_ultimate_strength() {
+        assert_eq!(strength_ratio("S355", 0.0), 490.0 / 355.0);
+        assert_eq!(strength_ratio("s 235", 240e6), 1.5);
+        assert_eq!(strength_ratio("S235", 400e6), 1.0);
+        assert_eq!(strength_ratio("", 355e6), 1.1);
     }
 
     #[test]

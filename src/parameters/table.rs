@@ -148,6 +148,42 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "h: height in the plane of bending, for strain rates; overrides that of a named section",
     },
     Parameter {
+        name: "section.width",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.01,
+            max: 10.0,
+            zero: FROM_SECTION,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "b: width of the flanges, for the shear of the web; overrides that of a named section",
+    },
+    Parameter {
+        name: "section.web_thickness",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-4,
+            max: 1.0,
+            zero: FROM_SECTION,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "t_w: thickness of the web, for its shear; overrides that of a named section. A section given by numbers yields in shear if it has this and `section.height`",
+    },
+    Parameter {
+        name: "section.flange_thickness",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-4,
+            max: 1.0,
+            zero: FROM_SECTION,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "t_f: thickness of the flanges, for the shear of the web; overrides that of a named section",
+    },
+    Parameter {
         name: "steel.grade",
         unit: "",
         default: DefaultValue::Text("S355"),
@@ -203,6 +239,18 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "N^p: plastic axial resistance (squash load)",
+    },
+    Parameter {
+        name: "resistance.shear",
+        unit: "N",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1.0,
+            max: 1e11,
+            zero: "from the web and the flanges of the section",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "V_s: plastic resistance of a bar against shear, all of it",
     },
     Parameter {
         name: "yield_surface.alpha",
@@ -508,6 +556,17 @@ pub const PARAMETERS: &[Parameter] = &[
                   variation 20 % for cars (JCSS 2.18), 40 % for lorries (assumed)",
     },
     Parameter {
+        name: "vehicle.bumper_height",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 10.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, it is that of a vehicle of the catalogue, and 0, a force at a point, for a rigid one and one by numbers",
+    },
+    Parameter {
         name: "event.max_age",
         unit: "s",
         default: DefaultValue::Double(5.0),
@@ -722,6 +781,26 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "length over which the rotation of a plastic hinge is spread, for its strain rate",
     },
     Parameter {
+        name: "shear.model",
+        unit: "",
+        default: DefaultValue::Text("web"),
+        admissible: Admissible::Choice(&["none", "web"]),
+        applies: Applies::AfterResponse,
+        meaning: "web: the web of each bar yields in shear and deforms elastically, where its dimensions or `resistance.shear` are known; none: as in the paper, it does neither",
+    },
+    Parameter {
+        name: "shear.max_hardening",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1.0,
+            max: 100.0,
+            zero: "no limit",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for steel given by numbers",
+    },
+    Parameter {
         name: "hardening.ratio",
         unit: "",
         default: DefaultValue::Double(0.0),
@@ -795,13 +874,25 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "theta_u: plastic rotation at which a hinge is torn: the response ends there, and the column is severed (Lignos 2019)",
     },
     Parameter {
+        name: "assessment.ultimate_shear_angle",
+        unit: "rad",
+        default: DefaultValue::Double(0.17),
+        admissible: Admissible::RealOrZero {
+            min: 1e-3,
+            max: 3.0,
+            zero: "no limit",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "plastic shear angle at which the web of a bar is fractured: the response ends there, and the column is severed (ASCE/SEI 41-17, links that yield in shear; recalled). `assessment.ultimate_rotation: 0` lifts this limit, too",
+    },
+    Parameter {
         name: "assessment.criteria",
         unit: "",
         default: DefaultValue::Texts(DEFAULT_CRITERIA),
         admissible: Admissible::List {
             of: &Admissible::Choice(CRITERION_NAMES),
             min_len: 1,
-            max_len: 26,
+            max_len: 28,
         },
         applies: Applies::AtOnce,
         meaning: "criteria that decide the severity; all others are shown only. `collapse` always decides",

@@ -64,6 +64,8 @@ pub struct CatalogueVehicle {
     pub narrow_object: Sourced<NarrowObject>,
     /// Height above the road at which it strikes.
     pub contact_height: Sourced<ContactHeight>,
+    /// Height of its bumper, over which it holds the column straight.
+    pub bumper_height: Sourced<BumperHeight>,
     /// Scatter of its forces.
     pub force_variation: Sourced<ForceVariation>,
     /// Its dimensions, for pictures.
@@ -100,6 +102,13 @@ pub struct NarrowObject {
 /// Height of the contact above the road.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct ContactHeight {
+    /// \[m\]
+    pub height_m: f64,
+}
+
+/// Height of the bumper that presses on a column.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct BumperHeight {
     /// \[m\]
     pub height_m: f64,
 }
@@ -323,6 +332,12 @@ pub(super) fn narrow_by_default(name: &str) -> bool {
     CatalogueVehicle::named(name).is_some_and(|it| it.narrow_object.value.on)
 }
 
+/// Height of the bumper of the vehicle of this name \[m\] unless a parameter gives it: 0 for a rigid mass and for a vehicle by
+/// numbers, which press on the column at a point.
+pub(super) fn bumper_by_default(name: &str) -> f64 {
+    CatalogueVehicle::named(name).map_or(0.0, |it| it.bumper_height.value.height_m)
+}
+
 impl VehicleSettings {
     /// The three springs of the table.
     pub(super) fn springs(&self) -> [&SpringSettings; 3] {
@@ -361,8 +376,22 @@ impl VehicleSettings {
         Ok(Some(vehicle.crushed(&parsed_crush(crush)?)?))
     }
 
+    /// Height of the bumper of the vehicle of this name \[m\], as [`vehicle_named`](Self::vehicle_named) takes it.
+    pub(super) fn bumper_named(&self, name: &str) -> f64 {
+        let (name, _) = split_crush(name);
+        if self.is_own(name) {
+            return self.bumper_height;
+        }
+        bumper_by_default(name)
+    }
+
+    /// Whether a name means the vehicle of the parameters.
+    fn is_own(&self, name: &str) -> bool {
+        name.trim().is_empty() || vehicle_name(name).is_some_and(|it| it == self.name)
+    }
+
     fn new_vehicle_named(&self, name: &str) -> Result<Option<Vehicle>, VehicleFault> {
-        if name.trim().is_empty() || vehicle_name(name).is_some_and(|it| it == self.name) {
+        if self.is_own(name) {
             return self.vehicle();
         }
         self.of_catalogue(name, narrow_by_default(name))

@@ -10,11 +10,11 @@ use super::reported_impact::ReportedImpact;
 use super::uncertainty;
 use super::verdict::Verdict;
 use super::words::end_in_words;
-use crate::column::{HINGE_NAMES, HINGES, Support};
+use crate::column::{HINGE_NAMES, HINGES, Support, WEB_NAMES, WEBS};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
 use crate::parameters::{CatalogueVehicle, split_crush};
-use crate::shape::HINGE_PLACES;
+use crate::shape::{HINGE_PLACES, WEB_PLACES};
 use crate::twin::Nanos;
 
 /// The section; `number` among several impacts.
@@ -55,6 +55,7 @@ pub(super) fn markup(
             (figures.markup("deformed_shape", "Shape of the column before the impact, at its largest displacement and at rest."))
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
             (hinges(impact))
+            (webs(impact))
             (figures.markup("fig8_bending_moments", "Bending moments of the hinges over time; rings mark the first yield."))
             (figures.yield_path(impact.governing_hinge()))
             h3 { "Contact" }
@@ -275,6 +276,44 @@ fn hinges(impact: &ReportedImpact) -> Markup {
                         }
                         td.number { (format!("{:.3}", hinge.max_utilisation)) }
                         @if dynamic { td.number { "× " (format!("{:.3}", report.max_dynamic_factor[index])) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The shear of the webs, or why it is not evaluated.
+fn webs(impact: &ReportedImpact) -> Markup {
+    let report = &impact.report;
+    let time = Unit::time(report.end_time);
+    html! {
+        @match impact.parameters.shear() {
+            Err(why) => {
+                h3 { "Shear of the web" }
+                p { "Not evaluated: " (why) "." }
+            }
+            Ok(shear) => {
+                h3 { "Shear of the web" }
+                table.compact {
+                    thead {
+                        tr { th { "web" } th.number { "resistance" } th.number { "first yield" } th.number { "plastic angle" }
+                            th.number { "utilisation" } }
+                    }
+                    tbody {
+                        @for index in 0..WEBS {
+                            @let web = &report.webs[index];
+                            @let length = impact.model.properties.clear_lengths()[index];
+                            tr {
+                                th scope="row" { (WEB_NAMES[index]) ", " (WEB_PLACES[index]) }
+                                td.number { (Unit::force(shear.resistance(length)).show(shear.resistance(length))) }
+                                td.number { (web.first_yield.map_or("never".to_owned(), |secs| time.show(secs))) }
+                                td.number {
+                                    (significant(web.plastic_angle, 3)) " rad (" (format!("{:.2}", web.plastic_angle.to_degrees())) "°)"
+                                }
+                                td.number { (format!("{:.3}", web.max_utilisation)) }
+                            }
+                        }
                     }
                 }
             }

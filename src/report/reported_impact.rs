@@ -46,7 +46,7 @@ impl ReportedImpact {
     /// The column or the impact is impossible, or a step does not converge.
     pub fn simulated(parameters: &Parameters) -> Result<Self, SimulationError> {
         let impact = parameters.impact();
-        let model = Model::new(&parameters.column_properties())?;
+        let model = Model::new(&parameters.column_properties().before(&impact))?;
         let mut state = State::at_rest(&model);
         let max_duration = parameters.response_duration();
         let response = Response::begin(&model, &mut state, impact, max_duration)?;
@@ -126,6 +126,14 @@ impl ReportedImpact {
             },
             vehicle: self.impact.vehicle,
         }
+    }
+
+    /// The web that has sheared beyond its ultimate angle, if one has.
+    pub(super) fn fractured_web(&self) -> Option<usize> {
+        let ultimate = self.model.properties.shear?.ultimate_angle;
+        let webs = self.report.webs.iter();
+        webs.map(|web| web.plastic_angle.abs())
+            .position(|angle| ultimate > 0.0 && angle >= ultimate)
     }
 
     /// The hinge with the largest plastic rotation or, where none has yielded, with the largest utilisation.

@@ -8,7 +8,7 @@ use super::words::capitalised;
 use crate::assessment::Severity;
 use crate::column::{End, HINGE_NAMES, Outcome};
 use crate::figures::units::{Unit, significant};
-use crate::shape::HINGE_PLACES;
+use crate::shape::{HINGE_PLACES, WEB_PLACES};
 
 /// The verdict on one impact.
 pub(super) struct Verdict {
@@ -108,6 +108,16 @@ fn outcome(impact: &ReportedImpact) -> String {
         .iter()
         .filter(|it| it.first_yield.is_some())
         .count();
+    let sheared: String = report
+        .webs
+        .iter()
+        .zip(WEB_PLACES)
+        .filter(|(web, _)| web.first_yield.is_some())
+        .map(|(web, place)| {
+            let angle = significant(web.plastic_angle, 3);
+            format!(" The web {place} shears by {angle} rad.")
+        })
+        .collect();
     match report.outcome {
         Outcome::Elastic => format!(
             "The model predicts no plastic deformation by this impact: {named} comes closest to yielding, with a utilisation of \
@@ -117,7 +127,7 @@ fn outcome(impact: &ReportedImpact) -> String {
         ),
         Outcome::Plastic => format!(
             "The model predicts a displacement of the impact point of {} at most, of which {}. {yielded} of 4 hinges yield; the \
-             largest plastic rotation is {angle}, at {named}.",
+             largest plastic rotation is {angle}, at {named}.{sheared}",
             length.show(report.max_v1),
             report
                 .residual_v1
@@ -128,6 +138,17 @@ fn outcome(impact: &ReportedImpact) -> String {
         ),
         Outcome::Collapsed => format!(
             "The model predicts that the column loses its shape or its equilibrium {end} after the event."
+        ),
+        Outcome::Severed if impact.fractured_web().is_some() => format!(
+            "The model predicts that the web {} fractures in shear {end} after the event, at a plastic shear angle of {} rad; a \
+             fractured column carries nothing.",
+            impact.fractured_web().map_or("", |web| WEB_PLACES[web]),
+            significant(
+                impact
+                    .fractured_web()
+                    .map_or(f64::NAN, |web| report.webs[web].plastic_angle),
+                3
+            ),
         ),
         Outcome::Severed => format!(
             "The model predicts that {named} tears {end} after the event, at a plastic rotation of {angle}; a torn hinge carries \

@@ -1,7 +1,8 @@
 //! The columns of the history of one impact.
 
 use crate::column::{
-    HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample,
+    HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WEB_NAMES,
+    WebSample,
 };
 
 type Column = (&'static str, fn(&Sample) -> f64);
@@ -10,6 +11,7 @@ type VehicleColumn = (
     &'static str,
     fn(&VehicleSample) -> [f64; MAX_MASSES],
 );
+type WebColumn = (&'static str, &'static str, fn(&WebSample) -> f64);
 type HingeColumn = (&'static str, &'static str, fn(&HingeSample) -> f64);
 
 /// Columns of column and impactor, named as in `tests/data/heb220_ellipse.csv`. `Na` is the normal force of hinges 1a and
@@ -52,12 +54,25 @@ const HINGE_COLUMNS: [HingeColumn; 8] = [
     ("delta_p", "m", |hinge| hinge.plastic_elongation),
     ("utilisation", "-", |hinge| hinge.utilisation),
     ("dynamic_factor", "-", |hinge| hinge.dynamic_factor),
-    // 0 elastic, 1 plastic, 2 unloaded.
-    ("state", "-", |hinge| match hinge.state {
+    ("state", "-", |hinge| state_number(hinge.state)),
+];
+
+/// 0 elastic, 1 plastic, 2 unloaded.
+fn state_number(state: HingeState) -> f64 {
+    match state {
         HingeState::Elastic => 0.0,
         HingeState::Plastic => 1.0,
         HingeState::Unloaded => 2.0,
-    }),
+    }
+}
+
+/// Columns of the web of every bar: text before its name, unit, and value; 0 where the webs do not yield in shear.
+const WEB_COLUMNS: [WebColumn; 5] = [
+    ("V", "N", |web| web.shear_force),
+    ("gamma_p", "rad", |web| web.plastic_angle),
+    ("shear_utilisation", "-", |web| web.utilisation),
+    ("shear_dynamic_factor", "-", |web| web.dynamic_factor),
+    ("shear_state", "-", |web| state_number(web.state)),
 ];
 
 /// Columns of every spring of a compliant vehicle and of the mass behind it, numbered from the front: text before the
@@ -70,7 +85,7 @@ const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
     ("vehicle_velocity", "m_s", |vehicle| vehicle.velocity),
 ];
 
-/// The columns of a history: of column and impactor, of every hinge, and of a compliant vehicle. Their names carry the unit
+/// The columns of a history: of column and impactor, of every hinge and web, and of a compliant vehicle. Their names carry the unit
 /// and are a stable interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HistoryColumns {
@@ -91,11 +106,15 @@ impl HistoryColumns {
     #[must_use]
     pub fn names(self) -> Vec<String> {
         let mut names: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let named = |before: &str, unit: &str, name: &str| match unit {
+            "-" => format!("{before}_{name}"),
+            _ => format!("{before}{name}_{unit}"),
+        };
         for (before, unit, _) in HINGE_COLUMNS {
-            names.extend(HINGE_NAMES.iter().map(|hinge| match unit {
-                "-" => format!("{before}_{hinge}"),
-                _ => format!("{before}{hinge}_{unit}"),
-            }));
+            names.extend(HINGE_NAMES.map(|hinge| named(before, unit, hinge)));
+        }
+        for (before, unit, _) in WEB_COLUMNS {
+            names.extend(WEB_NAMES.map(|web| named(before, unit, web)));
         }
         for (before, unit, _) in VEHICLE_COLUMNS {
             names.extend((1..=self.masses).map(|number| format!("{before}{number}_{unit}")));
@@ -113,6 +132,9 @@ impl HistoryColumns {
         }
         for (_, _, value) in HINGE_COLUMNS {
             sample.hinges.iter().for_each(|hinge| take(value(hinge)));
+        }
+        for (_, _, value) in WEB_COLUMNS {
+            sample.webs.iter().for_each(|web| take(value(web)));
         }
         for (_, _, values) in VEHICLE_COLUMNS {
             let values = values(&sample.vehicle);

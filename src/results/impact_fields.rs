@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::assessment::{Criterion, ImpactEvaluation, Severity};
-use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome};
+use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport};
 
 /// The word for an outcome.
 #[must_use]
@@ -72,6 +72,19 @@ pub struct ImpactFields<'a> {
     reserve: Option<f64>,
     criteria: Option<&'a [Criterion]>,
     hinges: BTreeMap<&'static str, HingeFields>,
+    /// `None` where the webs do not yield in shear.
+    webs: Option<BTreeMap<&'static str, WebFields>>,
+    /// Why they do not; `None` where they do.
+    shear_not_evaluated: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct WebFields {
+    first_yield_s: Option<f64>,
+    plastic_angle_rad: f64,
+    max_utilisation: f64,
+    max_dynamic_factor: f64,
+    work_j: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -153,6 +166,11 @@ impl<'a> ImpactFields<'a> {
                 .into_iter()
                 .zip(report.hinges.iter().map(HingeFields::from))
                 .collect(),
+            webs: evaluation.no_shear.is_none().then(|| {
+                let webs = report.webs.iter().map(WebFields::from);
+                WEB_NAMES.into_iter().zip(webs).collect()
+            }),
+            shear_not_evaluated: evaluation.no_shear.map(|why| why.to_string()),
         }
     }
 }
@@ -164,6 +182,18 @@ impl From<&HingeReport> for HingeFields {
             plastic_rotation_rad: hinge.plastic_rotation,
             plastic_elongation_m: hinge.plastic_elongation,
             max_utilisation: hinge.max_utilisation,
+        }
+    }
+}
+
+impl From<&WebReport> for WebFields {
+    fn from(web: &WebReport) -> Self {
+        Self {
+            first_yield_s: web.first_yield,
+            plastic_angle_rad: web.plastic_angle,
+            max_utilisation: web.max_utilisation,
+            max_dynamic_factor: web.max_dynamic_factor,
+            work_j: web.work,
         }
     }
 }

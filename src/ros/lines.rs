@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use crate::column::HINGE_NAMES;
+use crate::column::{HINGE_NAMES, WEB_NAMES};
 use crate::messages::column_twin::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
@@ -234,12 +234,18 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     } else {
         format!(", plastic rotations [mrad] {}", hinges.join(" "))
     };
+    let webs: String = WEB_NAMES
+        .iter()
+        .zip(report.shear_angle)
+        .filter(|(_, angle)| *angle != 0.0 && angle.is_finite())
+        .map(|(name, angle)| format!(", web {name} sheared by {:.2} mrad", 1e3 * angle))
+        .collect();
     let crush = match &report.max_crush[..] {
         [] => String::new(),
         [front, ..] => format!(", front crushed by {:.0} mm", 1e3 * front),
     };
     format!(
-        "{kind} of {}: severity {}: {} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{crush}, \
+        "{kind} of {}: severity {}: {} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
          N_u {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
         severity_word(report.severity),

@@ -66,4 +66,6 @@ struct ExactImpact {
     #[serde(with = "exact_number")]
     restitution: f64,
     vehicle: Option<Vehicle>,
+    #[serde(with = "exact_number", default)]
+    bumper_height: f64,
 }

@@ -395,7 +395,8 @@ impl Estimator {
         let member = &self.population.members[index];
         let (properties, impact) = self.population.case(member)?;
         let (parameters, prediction) = (&self.parameters, &member.prediction);
-        let model = Model::new(&properties).ok()?;
+        let struck = Model::new(&properties).ok()?;
+        let model = struck.without_bumper();
         let at_rest = State::at_rest(&model);
         let virgin = match self.virgin.at(libm::exp(member.unknowns[3])) {
             Some(virgin) => virgin,
@@ -416,7 +417,7 @@ impl Estimator {
         };
         let remaining = RemainingCapacity::new(parameters, virgin, now, carried);
         let report = &prediction.report;
-        let input = AssessmentInput::of_response(parameters, &model, &impact, report, remaining);
+        let input = AssessmentInput::of_response(parameters, &struck, &impact, report, remaining);
         Some((assess(&input).severity, remaining.ratio))
     }
 

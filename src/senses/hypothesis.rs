@@ -46,6 +46,8 @@ pub struct Hypothesis {
     pub name: String,
     /// What its front does.
     pub front: Front,
+    /// Height of its bumper \[m\].
+    pub bumper_height: f64,
     /// Its probability before anything is measured.
     pub probability: f64,
     /// Medians of the unknowns, as logarithms.
@@ -67,6 +69,7 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
         Hypothesis {
             name: name.to_owned(),
             front,
+            bumper_height: parameters.bumper_named(name),
             probability: weight,
             mean: [ln(mass), ln(VELOCITY[0]), ln(factor), 0.0],
             deviation: [mass_scatter, VELOCITY[1], scatter, YIELD_SCATTER],
@@ -105,13 +108,16 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
         && !all.iter().any(|it| it.name == *name)
     {
         let mass = [vehicle.total_mass(), 0.5];
-        all.push(make(
-            "configured",
-            Front::Vehicle(Box::new(vehicle)),
-            5.0,
-            mass,
-            [1.0, 0.2],
-        ));
+        all.push(Hypothesis {
+            bumper_height: parameters.impact().bumper_height,
+            ..make(
+                "configured",
+                Front::Vehicle(Box::new(vehicle)),
+                5.0,
+                mass,
+                [1.0, 0.2],
+            )
+        });
     }
     let sum: f64 = all.iter().map(|it| it.probability).sum();
     for hypothesis in &mut all {
@@ -140,7 +146,12 @@ impl Hypothesis {
     pub(super) fn impact(&self, unknowns: &[f64; UNKNOWNS]) -> Option<Impact> {
         let [mass, velocity, factor, _] = unknowns.map(libm::exp);
         let vehicle = match &self.front {
-            Front::Rigid => return Some(Impact::rigid(mass, velocity)),
+            Front::Rigid => {
+                return Some(Impact {
+                    bumper_height: self.bumper_height,
+                    ..Impact::rigid(mass, velocity)
+                });
+            }
             Front::Elastic => {
                 let envelope = CrushCurve::new(&[[1.0, factor]]).ok()?;
                 let spring = CrushSpring {
@@ -170,6 +181,7 @@ impl Hypothesis {
         Some(Impact {
             mass: vehicle.total_mass(),
             vehicle: Some(vehicle),
+            bumper_height: self.bumper_height,
             ..Impact::rigid(mass, velocity)
         })
     }

@@ -18,7 +18,7 @@ use super::random::Random;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
 use super::weighing::{Observed, Weighing};
-use crate::column::{ColumnProperties, Impact};
+use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::study::cholesky::cholesky;
 
 /// Effective number of members to which weights are tempered before a distribution is fitted to them.
@@ -337,7 +337,10 @@ impl Population {
     pub fn case(&self, member: &Member) -> Option<(ColumnProperties, Impact)> {
         let factor = libm::exp(member.unknowns[3]);
         let impact = self.hypotheses[member.hypothesis].impact(&member.unknowns)?;
-        Some((with_yield_factor(&self.properties, factor), impact))
+        Some((
+            with_yield_factor(&self.properties, factor).before(&impact),
+            impact,
+        ))
     }
 
     /// Indices of `count` members, chosen by their weights at equal distances.
@@ -607,6 +610,11 @@ pub(super) fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> C
     ColumnProperties {
         resistance_moment: factor * properties.resistance_moment,
         resistance_axial: factor * properties.resistance_axial,
+        shear: properties.shear.map(|shear| ShearProperties {
+            web_resistance: factor * shear.web_resistance,
+            flange_moment: factor * shear.flange_moment,
+            ..shear
+        }),
         ..*properties
     }
 }

@@ -5,7 +5,8 @@ use super::probe::SteppedProbe;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
 use crate::column::{
-    ColumnProperties, End, Impact, Model, Progress, Report, Response, State, residual_state,
+    ColumnProperties, End, Impact, Model, Progress, Report, Response, State,
+    residual_without_bumper,
 };
 
 /// Time after contact that a prediction covers \[s\].
@@ -93,7 +94,7 @@ impl Prediction {
         sensors: &[Sensor],
         grid: &TimeGrid,
     ) -> Option<Self> {
-        let mut properties = *properties;
+        let mut properties = properties.before(impact);
         let recommended = Model::new(&ColumnProperties {
             step_nanos: 0,
             ..properties
@@ -151,7 +152,9 @@ impl Prediction {
         };
         let report = response.report(&model, &state, end);
         let stands = !matches!(end, End::Collapsed | End::Severed);
-        let rest = stands.then(|| residual_state(&model, &state)).flatten();
+        let whole = model.without_bumper();
+        let residual = || residual_without_bumper(&model, &state, &whole);
+        let rest = stands.then(residual).flatten();
         Some(Self {
             at_end: last,
             integrals,

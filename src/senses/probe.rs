@@ -47,14 +47,16 @@ impl Probe {
     pub fn ideal(model: &Model, quantity: Quantity, height: f64) -> Self {
         let p = &model.properties;
         let below = height <= p.length_below;
+        let [clear_below, clear_above] = p.clear_lengths();
         let (length, from_end) = match below {
-            true => (p.length_below, height),
-            false => (p.length_above, p.length_below + p.length_above - height),
+            true => (clear_below, height),
+            false => (clear_above, p.length_below + p.length_above - height),
         };
         Self {
             quantity,
             below,
-            position: from_end / length,
+            // Behind a bumper the column moves as the impact point does.
+            position: (from_end / length).min(1.0),
             length,
             bending_stiffness: p.bending_stiffness,
             axial_rigidity: p.axial_rigidity,

@@ -28,7 +28,7 @@ pub fn simulate_sensors(
     sensors: &[Sensor],
     seed: u64,
 ) -> Result<Readings, SimulationError> {
-    let model = Model::new(properties)?;
+    let model = Model::new(&properties.before(impact))?;
     let secs = 1e-9 * model.properties.step_nanos as f64;
     let mut state = State::at_rest(&model);
     let mut random = Random::new(seed);

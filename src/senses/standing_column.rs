@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 #[cfg(feature = "study")]
-use crate::column::ColumnProperties;
-use crate::column::{Displacement, Model, PerBar, PlasticFlow, State};
+use crate::column::{ColumnProperties, carried_over, residual_state};
+use crate::column::{Displacement, Model, PerBar, PlasticFlow, State, WebState};
 use crate::parameters::Parameters;
 use crate::twin::HEIGHT_TOLERANCE;
 #[cfg(feature = "study")]
@@ -31,6 +31,9 @@ pub struct Damage {
     pub plastic: PerBar<PlasticFlow>,
     /// Accumulated plastic rotations \[rad\], per bar: at the impact point, at the other end.
     pub accumulated_rotation: PerBar<[f64; 2]>,
+    /// Hardening of the webs; `None` where no web has yielded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub webs: Option<PerBar<WebState>>,
 }
 
 impl StandingColumn {
@@ -53,6 +56,7 @@ impl StandingColumn {
                 displacement: state.displacement,
                 plastic: state.plastic,
                 accumulated_rotation: state.accumulated_rotation(),
+                webs: state.sheared_webs(),
             }),
         }
     }
@@ -70,9 +74,17 @@ impl StandingColumn {
         let Some(damage) = &self.damage else {
             return State::at_rest(model);
         };
-        let mut state = State::settled(model, damage.displacement, damage.plastic);
-        state.set_accumulated_rotation(model, &damage.accumulated_rotation);
-        state
+        let own = model.without_bumper();
+        let mut state = State::settled(&own, damage.displacement, damage.plastic);
+        state.set_accumulated_rotation(&own, &damage.accumulated_rotation);
+        if let Some(webs) = &damage.webs {
+            state.set_webs(&own, webs);
+        }
+        if own.frame == model.frame {
+            return state;
+        }
+        let carried = carried_over(&own, &state, model);
+        residual_state(model, &carried).unwrap_or(carried)
     }
 
     /// Whether its hinges 1a and 1b can be there on the column of these parameters.

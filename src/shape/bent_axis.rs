@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::joints::{Joints, PlanePoint};
+use crate::column::WEBS;
 
 /// Length of a bend next to a joint, as a fraction of the shorter bar; at most 0.25 m.
 pub const BEND_LENGTH: f64 = 0.2;
@@ -18,8 +19,10 @@ const BEND_PIECES: usize = 4;
 pub struct Station {
     /// Position \[m\].
     pub place: PlanePoint,
-    /// Unit tangent of the axis, upwards; the section is perpendicular to it.
+    /// Unit tangent of the axis, upwards.
     pub direction: PlanePoint,
+    /// Unit normal of the section, upwards: the tangent, but for a web that is sheared, whose sections stay behind.
+    pub section: PlanePoint,
 }
 
 /// The axis of the deformed column from the base to the top.
@@ -33,9 +36,16 @@ impl BentAxis {
     pub const STATIONS: usize = 4 * BEND_PIECES + 3;
 
     /// The axis through the joints. `rotation` \[rad\] is that of the impact point, positive if the axis leans towards
-    /// positive `x` on its way up; ends that are not fixed turn with their bar.
+    /// positive `x` on its way up; ends that are not fixed turn with their bar. `shear` are the shear angles of the webs below
+    /// and above the impact point \[rad\], by which their sections do not follow the axis.
     #[must_use]
-    pub fn new(joints: &Joints, rotation: f64, base_is_fixed: bool, top_is_fixed: bool) -> Self {
+    pub fn new(
+        joints: &Joints,
+        rotation: f64,
+        shear: [f64; WEBS],
+        base_is_fixed: bool,
+        top_is_fixed: bool,
+    ) -> Self {
         let Joints { base, impact, top } = *joints;
         let (below, above) = (base.direction_to(impact), impact.direction_to(top));
         let up = PlanePoint::new(0.0, 1.0);
@@ -44,18 +54,51 @@ impl BentAxis {
         let at_impact = between(rotation, below, above);
         let bend = bend_length(joints);
         let mut stations = Vec::with_capacity(Self::STATIONS);
-        let mut add = |from: (PlanePoint, PlanePoint), to: (PlanePoint, PlanePoint), first| {
+        // The lean of the axis grows with the shear angle of the bar below, and falls with that of the bar above.
+        let [lag_below, lag_above] = [shear[0], -shear[1]].map(bounded_angle);
+        let mut add = |from: (PlanePoint, PlanePoint),
+                       to: (PlanePoint, PlanePoint),
+                       first: usize,
+                       lag: [f64; 2]| {
             let pieces = first..=BEND_PIECES;
-            stations
-                .extend(pieces.map(|piece| hermite(from, to, piece as f64 / BEND_PIECES as f64)));
+            stations.extend(pieces.map(|piece| {
+                let t = piece as f64 / BEND_PIECES as f64;
+                hermite(from, to, t).sheared(lag[0] + t * (lag[1] - lag[0]))
+            }));
         };
         let bend_of = |place: PlanePoint, factor: f64, direction: PlanePoint| {
             (place.plus(factor * bend, direction), direction)
         };
-        add((base, at_base), bend_of(base, 1.0, below), 0);
-        add(bend_of(impact, -1.0, below), (impact, at_impact), 0);
-        add((impact, at_impact), bend_of(impact, 1.0, above), 1);
-        add(bend_of(top, -1.0, above), (top, at_top), 0);
+        // A free end turns with the sections of its bar.
+        let at_end = |is_fixed: bool, lag: f64| if is_fixed { 0.0 } else { lag };
+        let (base_lag, top_lag) = (
+            at_end(base_is_fixed, lag_below),
+            at_end(top_is_fixed, lag_above),
+        );
+        add(
+            (base, at_base),
+            bend_of(base, 1.0, below),
+            0,
+            [base_lag, lag_below],
+        );
+        add(
+            bend_of(impact, -1.0, below),
+            (impact, at_impact),
+            0,
+            [lag_below, 0.0],
+        );
+        add(
+            (impact, at_impact),
+            bend_of(impact, 1.0, above),
+            1,
+            [0.0, lag_above],
+        );
+        add(
+            bend_of(top, -1.0, above),
+            (top, at_top),
+            0,
+            [lag_above, top_lag],
+        );
         Self { stations }
     }
 
@@ -63,6 +106,31 @@ impl BentAxis {
     #[must_use]
     pub fn stations(&self) -> &[Station] {
         &self.stations
+    }
+}
+
+impl Station {
+    /// The same with its section behind the axis by this angle \[rad\].
+    fn sheared(self, lag: f64) -> Self {
+        if lag == 0.0 {
+            return self;
+        }
+        let (sin, cos) = lag.sin_cos();
+        let PlanePoint { x, z } = self.direction;
+        Self {
+            section: PlanePoint::new(x * cos - z * sin, z * cos + x * sin),
+            ..self
+        }
+    }
+}
+
+/// An angle that can be drawn, whatever the numbers of the model and the magnification.
+fn bounded_angle(angle: f64) -> f64 {
+    const STEEPEST: f64 = 1.2;
+    if angle.is_finite() {
+        angle.clamp(-STEEPEST, STEEPEST)
+    } else {
+        0.0
     }
 }
 
@@ -105,6 +173,7 @@ fn hermite(
         3.0 * square - 4.0 * t + 1.0,
         3.0 * square - 2.0 * t,
     ]);
+    let direction = PlanePoint::default().direction_to(slope);
     Station {
         place: sum([
             2.0 * cube - 3.0 * square + 1.0,
@@ -112,7 +181,8 @@ fn hermite(
             cube - 2.0 * square + t,
             cube - square,
         ]),
-        direction: PlanePoint::default().direction_to(slope),
+        direction,
+        section: direction,
     }
 }
 
@@ -143,7 +213,7 @@ mod tests {
     #[test]
     fn the_axis_passes_through_the_joints() {
         let joints = joints();
-        let axis = BentAxis::new(&joints, 0.03, true, true);
+        let axis = BentAxis::new(&joints, 0.03, [0.0; WEBS], true, true);
         let stations = axis.stations();
         assert_eq!(stations.len(), BentAxis::STATIONS);
         assert!(close(stations[0].place, joints.base));
@@ -158,8 +228,8 @@ mod tests {
     fn fixed_ends_stay_level_and_free_ends_turn_with_their_bar() {
         let joints = joints();
         let up = PlanePoint::new(0.0, 1.0);
-        let fixed = BentAxis::new(&joints, 0.0, true, true);
-        let free = BentAxis::new(&joints, 0.0, false, false);
+        let fixed = BentAxis::new(&joints, 0.0, [0.0; WEBS], true, true);
+        let free = BentAxis::new(&joints, 0.0, [0.0; WEBS], false, false);
         let last = BentAxis::STATIONS - 1;
         assert!(close(fixed.stations()[0].direction, up));
         assert!(close(fixed.stations()[last].direction, up));
@@ -173,7 +243,9 @@ mod tests {
     #[test]
     fn bars_are_straight_and_bends_are_smooth() {
         let joints = joints();
-        let stations = BentAxis::new(&joints, 0.03, true, true).stations().to_vec();
+        let stations = BentAxis::new(&joints, 0.03, [0.0; WEBS], true, true)
+            .stations()
+            .to_vec();
         for (first, bar) in [
             (BEND_PIECES, joints.base.direction_to(joints.impact)),
             (3 * BEND_PIECES + 1, joints.impact.direction_to(joints.top)),
@@ -195,6 +267,27 @@ mod tests {
         }
     }
 
+    /// The sections of a bar whose web is sheared stay upright while its axis leans, and those of the other bar follow theirs.
+    #[test]
+    fn the_sections_of_a_sheared_bar_stay_behind() {
+        let joints = joints();
+        let below = joints.base.direction_to(joints.impact);
+        let lean = below.x.atan2(below.z);
+        let axis = BentAxis::new(&joints, 0.0, [lean, 0.0], true, true);
+        let up = PlanePoint::new(0.0, 1.0);
+        let bar = axis.stations()[BEND_PIECES];
+        assert!(close(bar.direction, below));
+        assert!(close(bar.section, up), "{bar:?}");
+        assert!(close(axis.stations()[0].section, up));
+        let above = axis.stations()[3 * BEND_PIECES + 1];
+        assert!(close(above.section, above.direction));
+        // A positive shear angle of the upper bar belongs to its lean in the other direction.
+        let back = joints.impact.direction_to(joints.top);
+        let lean = -back.x.atan2(back.z);
+        let axis = BentAxis::new(&joints, 0.0, [0.0, lean], true, true);
+        assert!(close(axis.stations()[3 * BEND_PIECES + 1].section, up));
+    }
+
     /// Nothing folds or becomes NaN if the numbers of the model do, or if the magnification is absurd.
     #[test]
     fn absurd_columns_can_be_drawn() {
@@ -209,8 +302,13 @@ mod tests {
                     u1: 0.1,
                     ..Sample::default()
                 };
-                let axis =
-                    BentAxis::new(&Joints::new(lengths, &sample, 1.0), rotation, true, false);
+                let axis = BentAxis::new(
+                    &Joints::new(lengths, &sample, 1.0),
+                    rotation,
+                    [rotation; WEBS],
+                    true,
+                    false,
+                );
                 for station in axis.stations() {
                     assert!(
                         (station.direction.norm() - 1.0).abs() < 1e-12,

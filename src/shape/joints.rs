@@ -1,11 +1,14 @@
 //! The ends of the two bars.
 
-use crate::column::{HINGES, Sample};
+use crate::column::{HINGES, Sample, WEBS};
 use crate::parameters::Parameters;
 use crate::twin::Lengths;
 
 /// Where each hinge is, in the order of [`HINGE_NAMES`](crate::column::HINGE_NAMES).
 pub const HINGE_PLACES: [&str; HINGES] = ["below the impact", "above the impact", "top", "base"];
+
+/// Where the web of each bar is, in the order of [`WEB_NAMES`](crate::column::WEB_NAMES).
+pub const WEB_PLACES: [&str; WEBS] = ["below the impact", "above the impact"];
 
 /// A point in the plane of bending \[m\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -19,7 +19,7 @@ mod yield_curve;
 
 pub use crate::twin::Lengths;
 pub use bent_axis::{BEND_LENGTH, BentAxis, Station};
-pub use joints::{HINGE_PLACES, Joints, PlanePoint};
+pub use joints::{HINGE_PLACES, Joints, PlanePoint, WEB_PLACES};
 pub use outline::{Outline, drawn_section};
 pub use round_number::round_number;
 pub use severity_colour::severity_colour;

@@ -66,7 +66,7 @@ impl Solid {
     }
 
     fn add_end(&mut self, outline: &Outline, station: &Station, outwards: f64) {
-        let up = station.direction;
+        let up = station.section;
         let normal = [outwards * up.x, 0.0, outwards * up.z];
         for [from_a, to_a, from_b, to_b] in outline.plates() {
             for corner in [
@@ -91,7 +91,7 @@ impl Solid {
 
 /// A vector `[a, b]` in the plane of the section, in space.
 fn in_space(station: &Station, [a, b]: [f64; 2]) -> [f64; 3] {
-    let up = station.direction;
+    let up = station.section;
     [a * up.z, b, -a * up.x]
 }
 
@@ -131,7 +131,7 @@ fn triangles(outline: &Outline, stations: usize) -> Vec<[u32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::column::{RolledSection, Sample};
+    use crate::column::{RolledSection, Sample, WEBS};
     use crate::parameters::CatalogueSection;
     use crate::shape::{Joints, Lengths};
 
@@ -146,7 +146,7 @@ mod tests {
         };
         let joints = Joints::new(lengths, sample, 1.0);
         let outline = Outline::new(&heb220());
-        let axis = BentAxis::new(&joints, sample.beta1, true, true);
+        let axis = BentAxis::new(&joints, sample.beta1, [0.0; WEBS], true, true);
         (Solid::swept(&outline, &axis), joints, outline)
     }
 

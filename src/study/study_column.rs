@@ -1,11 +1,14 @@
 //! A column that is prepared once for many impacts, and what one impact on it leads to.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use serde::Serialize;
 
 use crate::assessment::{AssessedResponse, PreparedAssessment, Severity};
 use crate::column::{
-    CapacityError, End, HINGES, Impact, ImpactSpecification, Model, Outcome, PerBar, Scheme,
-    SimulationError, State, StudyModel, StudyResponse,
+    CapacityError, ColumnProperties, End, HINGES, Impact, ImpactSpecification, Model, Outcome,
+    PerBar, Scheme, SimulationError, State, StudyModel, StudyResponse, carried_over,
+    residual_state,
 };
 use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 
@@ -60,6 +63,8 @@ pub struct StudyColumn {
     /// The column at rest, as each impact finds it.
     rest: State,
     assessment: PreparedAssessment,
+    /// The same column before the bumpers of other vehicles, by their height, once an impact has needed them.
+    before_bumpers: Arc<Mutex<Vec<(f64, Arc<Self>)>>>,
 }
 
 /// What one impact leads to, as far as a study compares it.
@@ -99,6 +104,11 @@ pub enum StudyError {
     /// The vehicle.
     #[error(transparent)]
     Vehicle(#[from] VehicleFault),
+    /// A damaged column before a bumper.
+    #[error(
+        "the damaged column has no equilibrium before the bumper of this vehicle; give another vehicle, or its bumper_height"
+    )]
+    NoEquilibrium,
 }
 
 impl StudyColumn {
@@ -128,7 +138,47 @@ impl StudyColumn {
             stepwise_model: StudyModel::stepwise(model),
             rest,
             assessment,
+            before_bumpers: Arc::default(),
         })
+    }
+
+    /// The column before the bumper of this impact, where that is another than the one for which this column was prepared.
+    ///
+    /// # Errors
+    /// The bumper leaves too little of a bar clear, or the damaged column has no equilibrium before it.
+    fn before(&self, impact: &Impact) -> Result<Option<Arc<Self>>, StudyError> {
+        let properties = self.model.properties.before(impact);
+        let height = |properties: &ColumnProperties| properties.shear.map(|it| it.bumper_height);
+        let wanted = height(&properties);
+        let Some(wanted) = wanted.filter(|_| wanted != height(&self.model.properties)) else {
+            return Ok(None);
+        };
+        let lock = || {
+            self.before_bumpers
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        if let Some((_, known)) = lock().iter().find(|(height, _)| *height == wanted) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let model = Model::new(&ColumnProperties {
+            step_nanos: self.step_nanos(),
+            ..properties
+        })
+        .map_err(SimulationError::from)?;
+        let carried = carried_over(&self.model, &self.rest, &model);
+        let rest = match carried.plastic == PerBar::default() {
+            true => carried,
+            false => residual_state(&model, &carried).ok_or(StudyError::NoEquilibrium)?,
+        };
+        let column = Arc::new(Self::at_rest(&self.parameters, model, rest)?);
+        lock().push((wanted, Arc::clone(&column)));
+        Ok(Some(column))
+    }
+
+    /// Length of a step as the parameters give it \[ns\]; 0 where the model chooses it.
+    fn step_nanos(&self) -> u64 {
+        self.parameters.column_properties().step_nanos
     }
 
     /// The parameters.
@@ -159,8 +209,10 @@ impl StudyColumn {
             restitution: None,
             height: None,
         };
-        let vehicle = self.parameters.vehicle_named(vehicle.unwrap_or(""))?;
-        let completed = specification.complete(&defaults, vehicle);
+        let name = vehicle.unwrap_or("");
+        let vehicle = self.parameters.vehicle_named(name)?;
+        let bumper_height = self.parameters.bumper_named(name);
+        let completed = specification.complete(&defaults, vehicle, bumper_height);
         Ok(completed.map_err(VehicleFault::from)?)
     }
 
@@ -174,6 +226,9 @@ impl StudyColumn {
     /// # Errors
     /// An impact that is out of range, or a step that does not converge. A collapse is a result.
     pub fn screen(&self, impact: &Impact) -> Result<Screening, StudyError> {
+        if let Some(column) = self.before(impact)? {
+            return column.screen(impact);
+        }
         if self.has_long_steps() {
             for (model, promise) in [(&self.study_model, &QUICK), (&self.fine_model, &FINE)] {
                 let Ok(response) = self.respond_with(model, impact) else {
@@ -196,6 +251,9 @@ impl StudyColumn {
     /// # Errors
     /// As [`screen`](Self::screen).
     pub fn severity(&self, impact: &Impact) -> Result<Severity, StudyError> {
+        if let Some(column) = self.before(impact)? {
+            return column.severity(impact);
+        }
         if self.has_long_steps()
             && let Ok(quick) = self.respond_with(&self.study_model, impact)
             && let Some(severity) = self.certain_severity(impact, &quick)?
@@ -221,7 +279,7 @@ impl StudyColumn {
         let at_limit = match quick.outcome {
             Outcome::Collapsed | Outcome::Severed => return Ok(Some(Severity::Evacuate)),
             Outcome::Elastic => quick.utilisation_sum > QUICK.near_yield,
-            Outcome::Plastic => largest(&quick.plastic_rotation) < BARELY_PLASTIC,
+            Outcome::Plastic => largest_flow(quick) < BARELY_PLASTIC,
         };
         let Some(rest) = quick
             .rest
@@ -232,6 +290,7 @@ impl StudyColumn {
         let response = AssessedResponse {
             outcome: quick.outcome,
             plastic_rotation: quick.plastic_rotation,
+            plastic_shear: quick.plastic_shear,
             max_v1: quick.max_v1,
         };
         let assessment = &self.assessment;
@@ -267,7 +326,7 @@ impl StudyColumn {
             Outcome::Severed => rates && !promise.tears_with_rate,
             Outcome::Elastic => response.utilisation_sum > promise.near_yield,
             Outcome::Plastic => {
-                let largest = largest(&response.plastic_rotation);
+                let largest = largest_flow(response);
                 largest < BARELY_PLASTIC
                     || (rates && impact.vehicle.is_some() && largest < promise.sensitive_with_rate)
             }
@@ -326,6 +385,7 @@ impl From<&StudyResponse> for Ended {
             response: AssessedResponse {
                 outcome: response.outcome,
                 plastic_rotation: response.plastic_rotation,
+                plastic_shear: response.plastic_shear,
                 max_v1: response.max_v1,
             },
             rest: response.rest,
@@ -342,6 +402,12 @@ enum Certainty {
     CloserLook,
     /// Only the plain one tells.
     PlainOnly,
+}
+
+/// The largest absolute plastic rotation of a hinge or plastic shear angle of a web \[rad\].
+fn largest_flow(response: &StudyResponse) -> f64 {
+    let webs = response.plastic_shear.map(f64::abs).into_iter();
+    webs.fold(largest(&response.plastic_rotation), f64::max)
 }
 
 /// The largest absolute plastic rotation \[rad\].

@@ -192,7 +192,7 @@ pub(super) fn assessed(
     input.severed = *condition == Condition::Severed;
     if let Some(last) = last {
         input.max_v1 = input.max_v1.max(last.max_v1.abs());
-        input.impact = Some(last.impact);
+        input = input.struck_by(model, last.impact);
     }
     Arc::new(Assessed {
         remaining,

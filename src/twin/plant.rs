@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::refusal::{Refusal, RefusalCode};
 use crate::column::{
     ColumnProperties, Displacement, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow,
-    Progress, Report, Response, Scheme, State, StepError, residual_state, with_half_the_step,
+    Progress, Report, Response, Scheme, ShearProperties, State, StepError, WebState, carried_over,
+    residual_state, residual_without_bumper, with_half_the_step,
 };
 
 /// Heights that differ by less than this are the same hinges \[m\].
@@ -41,6 +42,8 @@ pub(super) struct Struck {
     pub model: Model,
     pub state: State,
     pub response: Response,
+    /// The column without the bumper of the vehicle, as it comes to rest.
+    at_rest: Model,
 }
 
 impl Plant {
@@ -61,7 +64,7 @@ impl Plant {
         }
     }
 
-    /// The column with a damage that was saved (`None`: the accumulated rotations \[rad\] are the absolute ones); under another load than then it is in its new equilibrium.
+    /// The column with a damage that was saved (`None`: the accumulated rotations \[rad\] are the absolute ones, and the webs have sheared at once); under another load than then it is in its new equilibrium.
     ///
     /// # Errors
     /// The column is impossible.
@@ -71,12 +74,16 @@ impl Plant {
         displacement: Displacement,
         plastic: PerBar<PlasticFlow>,
         accumulated_rotation: Option<PerBar<[f64; 2]>>,
+        webs: Option<PerBar<WebState>>,
         condition: Condition,
     ) -> Result<Self, ModelError> {
         let model = Model::new(&with_impact_height(properties, impact_height))?;
         let mut state = State::settled(&model, displacement, plastic);
         if let Some(accumulated) = accumulated_rotation {
             state.set_accumulated_rotation(&model, &accumulated);
+        }
+        if let Some(webs) = webs {
+            state.set_webs(&model, &webs);
         }
         let mut restored = Self {
             model,
@@ -127,7 +134,6 @@ impl Plant {
                 "the column has collapsed or cannot be computed; reset the twin first (~/reset)";
             return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
         }
-        let impossible = |error| Refusal::new(RefusalCode::ColumnImpossible, error);
         if !self.is_damaged() {
             return Self::virgin(to).map_err(impossible);
         }
@@ -155,8 +161,9 @@ impl Plant {
         Ok(changed)
     }
 
-    /// A copy of the column with an impactor on its way. `properties` have hinges 1a and 1b at the height of the impact,
-    /// `max_duration` \[s\] bounds the response.
+    /// A copy of the column with an impactor on its way. `properties` have hinges 1a and 1b at the height of the impact and the
+    /// bumper of its vehicle, `max_duration` \[s\] bounds the response. A column that is in motion keeps the bumper of the
+    /// vehicle that set it in motion.
     ///
     /// # Errors
     /// The column cannot take an impact, or not at this height.
@@ -168,12 +175,21 @@ impl Plant {
     ) -> Result<Struck, Refusal> {
         self.check_standing()?;
         let (model, mut state) = self.with_hinges_at_impact(properties)?;
+        let at_rest = match bumper_of(&model.properties) > 0.0 {
+            true => Model::new(&ColumnProperties {
+                step_nanos: properties.step_nanos,
+                ..with_bumper(&model.properties, 0.0)
+            })
+            .map_err(impossible)?,
+            false => model,
+        };
         let response = Response::begin(&model, &mut state, impact, max_duration)
             .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error))?;
         Ok(Struck {
             model,
             state,
             response,
+            at_rest,
         })
     }
 
@@ -234,7 +250,7 @@ impl Plant {
     ) -> Result<(Model, State), Refusal> {
         let (present, wanted) = (self.impact_height(), properties.length_below);
         if is_same_height(wanted, present) {
-            return Ok((self.model, self.state));
+            return self.before_bumper(properties);
         }
         let rejected = |why: &str| {
             let reason = format!(
@@ -250,10 +266,10 @@ impl Plant {
                 "where they are damaged; send impacts at that height, or reset the twin (~/reset)",
             );
         }
-        let model = Model::new(properties)
-            .map_err(|error| Refusal::new(RefusalCode::ColumnImpossible, error))?;
+        let model = Model::new(properties).map_err(impossible)?;
         let mut state = State::at_rest(&model);
         if self.is_damaged() {
+            // Only hinges at the ends are damaged, which stay where they are.
             state.plastic = self.state.plastic;
             state.set_accumulated_rotation(&model, &self.state.accumulated_rotation());
             match equilibrium(&model, &state) {
@@ -263,6 +279,58 @@ impl Plant {
         }
         Ok((model, state))
     }
+
+    /// The column with its hinges where they are, before the bumper of `properties`.
+    ///
+    /// # Errors
+    /// The bumper leaves too little of a bar clear, or the damaged column has no equilibrium before it.
+    fn before_bumper(&self, properties: &ColumnProperties) -> Result<(Model, State), Refusal> {
+        let own = &self.model.properties;
+        if bumper_of(own) == bumper_of(properties)
+            || self.state.sample(&self.model).phase != Phase::Idle
+        {
+            return Ok((self.model, self.state));
+        }
+        let model = Model::new(&ColumnProperties {
+            step_nanos: properties.step_nanos,
+            ..with_bumper(own, bumper_of(properties))
+        })
+        .map_err(impossible)?;
+        let moved = carried_over(&self.model, &self.state, &model);
+        let equilibrium = match self.is_damaged() {
+            true => equilibrium(&model, &moved),
+            false => Some(moved),
+        };
+        match equilibrium {
+            Some(state) => Ok((model, state)),
+            None => {
+                let reason = "the damaged column has no equilibrium before the bumper of this vehicle; reset the twin \
+                              (~/reset)";
+                Err(Refusal::new(RefusalCode::NoEquilibrium, reason))
+            }
+        }
+    }
+}
+
+/// Height of the bumper before a column \[m\].
+fn bumper_of(properties: &ColumnProperties) -> f64 {
+    properties.shear.map_or(0.0, |shear| shear.bumper_height)
+}
+
+/// The same column before a bumper of this height \[m\].
+fn with_bumper(properties: &ColumnProperties, bumper_height: f64) -> ColumnProperties {
+    let shear = properties.shear.map(|shear| ShearProperties {
+        bumper_height,
+        ..shear
+    });
+    ColumnProperties {
+        shear,
+        ..*properties
+    }
+}
+
+fn impossible(error: ModelError) -> Refusal {
+    Refusal::new(RefusalCode::ColumnImpossible, error)
 }
 
 impl Struck {
@@ -291,21 +359,23 @@ impl Struck {
         self.response.report(&self.model, &self.state, end)
     }
 
-    /// The equilibrium that the response leaves behind, if there is one.
+    /// The equilibrium that the response leaves behind once the vehicle and its bumper are gone, if there is one.
     pub fn residual(&self) -> Option<State> {
-        residual_state(&self.model, &self.state)
+        residual_without_bumper(&self.model, &self.state, &self.at_rest)
     }
 
-    /// The column at rest after the response: in its residual equilibrium, or where it was last if there is none.
+    /// The column at rest after the response, without the bumper: in its residual equilibrium, or where it was last if there is
+    /// none.
     pub fn settled(&self, residual: Option<State>, condition: Condition) -> Plant {
+        let model = self.at_rest;
         let state = match residual {
             // The same bits as if there had been no impact.
-            Some(residual) if !is_damaged(&residual) => State::at_rest(&self.model),
+            Some(residual) if !is_damaged(&residual) => State::at_rest(&model),
             Some(residual) => residual,
             None => self.state,
         };
         Plant {
-            model: self.model,
+            model,
             state,
             condition,
         }
@@ -338,7 +408,11 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         step_nanos: 1,
         rate: None,
         ultimate_rotation: 0.0,
-        ..*properties
+        shear: properties.shear.map(|shear| ShearProperties {
+            ultimate_angle: 0.0,
+            ..shear
+        }),
+        ..with_bumper(properties, 0.0)
     }
 }
 
@@ -359,7 +433,8 @@ pub(super) fn is_same_height(a: f64, b: f64) -> bool {
 }
 
 fn is_impact_point_damaged(state: &State) -> bool {
-    state.plastic.below.has_flowed(0) || state.plastic.above.has_flowed(0)
+    let PerBar { below, above } = &state.plastic;
+    below.has_flowed(0) || above.has_flowed(0) || below.has_sheared() || above.has_sheared()
 }
 
 fn is_damaged(state: &State) -> bool {
@@ -373,11 +448,11 @@ fn is_damaged(state: &State) -> bool {
 fn equilibrium(model: &Model, state: &State) -> Option<State> {
     const ROUND_OFF: f64 = 1e-9;
     let residual = residual_state(model, state)?;
-    let hinges = residual.sample(model).hinges;
-    hinges
-        .iter()
-        .all(|hinge| hinge.utilisation <= 1.0 + ROUND_OFF)
-        .then_some(residual)
+    let sample = residual.sample(model);
+    let mut used = sample.hinges.iter().map(|hinge| hinge.utilisation);
+    let mut of_webs = sample.webs.iter().map(|web| web.utilisation);
+    let yields = |utilisation: f64| utilisation > 1.0 + ROUND_OFF;
+    (!used.any(yields) && !of_webs.any(yields)).then_some(residual)
 }
 
 /// Whether two equilibria are the same one, found twice: they are closer than anybody can measure.

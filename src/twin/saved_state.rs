@@ -11,7 +11,7 @@ use super::calibration::Calibration;
 use super::command::Nanos;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
-use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow};
+use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
 use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
 
@@ -45,7 +45,10 @@ pub struct SavedState {
     /// Accumulated plastic rotations \[rad\]; `None` in files of version 1, where they are the absolute plastic rotations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accumulated_rotation: Option<PerBar<[f64; 2]>>,
-    /// Work dissipated in the hinges since the last reset \[J\].
+    /// Hardening of the webs; `None` where no web has yielded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub webs: Option<PerBar<WebState>>,
+    /// Work dissipated in the hinges and webs since the last reset \[J\].
     pub plastic_work_since_reset: f64,
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
@@ -144,6 +147,7 @@ impl SavedState {
             displacement: plant.state.displacement,
             plastic: plant.state.plastic,
             accumulated_rotation: Some(plant.state.accumulated_rotation()),
+            webs: plant.state.sheared_webs(),
             plastic_work_since_reset,
             impacts_since_reset,
             refused_since_reset,
@@ -179,6 +183,7 @@ impl SavedState {
             self.displacement,
             self.plastic,
             self.accumulated_rotation,
+            self.webs,
             self.condition.clone(),
         )
     }

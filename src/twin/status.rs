@@ -10,7 +10,7 @@ use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
 use super::registry::{Counts, LastRefusal, Registry};
-use crate::column::{HINGES, Phase, Sample, VehicleReport};
+use crate::column::{HINGES, Phase, Sample, VehicleReport, WEBS};
 use crate::study::VehicleLimits;
 
 /// Where column and twin are in the course of an impact.
@@ -96,6 +96,8 @@ pub struct Status {
     pub plastic_rotation: [f64; HINGES],
     /// Plastic elongation of each hinge since the last reset \[m\].
     pub plastic_elongation: [f64; HINGES],
+    /// Plastic shear angle of the web of each bar since the last reset \[rad\].
+    pub shear_angle: [f64; WEBS],
     /// The assessment of the column at rest, without the present impact; `None` if the column cannot be computed.
     pub assessed: Option<Arc<Assessed>>,
     /// The critical velocities of the column at rest; `None` if they are not known, and during a response.
@@ -143,12 +145,11 @@ impl Status {
         responses: u64,
     ) -> Self {
         let sample_at_rest = at_rest.state.sample(&at_rest.model);
-        let (hinges, plastic_work) = match struck {
-            None => (sample_at_rest.hinges, 0.0),
-            Some(Struck { model, state, .. }) => {
-                (state.sample(model).hinges, state.ledger.plastic_work)
-            }
+        let (sample, plastic_work) = match struck {
+            None => (sample_at_rest, 0.0),
+            Some(Struck { model, state, .. }) => (state.sample(model), state.ledger.plastic_work),
         };
+        let Sample { hinges, webs, .. } = sample;
         let life = &registry.life;
         let last = life.last_impact.as_ref();
         let refused = registry.last_refusal.as_ref();
@@ -176,6 +177,7 @@ impl Status {
             plastic_work_since_reset: life.plastic_work_since_reset + plastic_work,
             plastic_rotation: hinges.map(|hinge| hinge.plastic_rotation),
             plastic_elongation: hinges.map(|hinge| hinge.plastic_elongation),
+            shear_angle: webs.map(|web| web.plastic_angle),
             assessed: judgement.assessed.map(Arc::clone),
             critical_velocities: judgement.critical.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),

@@ -156,6 +156,7 @@ impl ColumnSnapshot {
             model,
             state,
             response,
+            ..
         } = self.strike(striking.impact, specification.height)?;
         Ok((model, state, response))
     }
@@ -172,9 +173,10 @@ impl ColumnSnapshot {
         specification: &ImpactSpecification,
     ) -> Result<Striking, Refusal> {
         let invalid = |reason| Refusal::new(RefusalCode::VehicleInvalid, reason);
+        let bumper_height = self.parameters.bumper_named(vehicle);
         let (name, vehicle) = self.vehicle_named(vehicle).map_err(invalid)?;
         let impact = specification
-            .complete(&self.parameters.impact(), vehicle)
+            .complete(&self.parameters.impact(), vehicle, bumper_height)
             .map_err(|error| invalid(error.to_string()))?;
         self.checked(name, impact)
     }
@@ -262,7 +264,7 @@ impl ColumnSnapshot {
     /// # Errors
     /// The column cannot take an impact, or not at this height.
     pub(super) fn strike(&self, impact: Impact, height: Option<f64>) -> Result<Struck, Refusal> {
-        let properties = self.properties_for(height)?;
+        let properties = self.properties_for(height)?.before(&impact);
         let max_duration = self.parameters.response_duration();
         self.plant.strike(&properties, impact, max_duration)
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::felt::FeltUpdate;
-use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample};
+use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WebSample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
@@ -162,6 +162,14 @@ fn twin_phase(code: u8) -> TwinPhase {
     }
 }
 
+fn hinge_state(code: u8) -> HingeState {
+    match code {
+        HingeForces::PLASTIC => HingeState::Plastic,
+        HingeForces::UNLOADED => HingeState::Unloaded,
+        _ => HingeState::Elastic,
+    }
+}
+
 fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
     let hinge = |index: usize| HingeSample {
         moment: forces.moment[index],
@@ -172,11 +180,15 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         plastic_elongation: forces.plastic_elongation[index],
         utilisation: forces.utilisation[index],
         dynamic_factor: forces.dynamic_factor[index],
-        state: match forces.state[index] {
-            HingeForces::PLASTIC => HingeState::Plastic,
-            HingeForces::UNLOADED => HingeState::Unloaded,
-            _ => HingeState::Elastic,
-        },
+        state: hinge_state(forces.state[index]),
+    };
+    let web = |index: usize| WebSample {
+        shear_force: forces.shear_force[index],
+        plastic_angle: forces.shear_angle[index],
+        utilisation: forces.shear_utilisation[index],
+        dynamic_factor: forces.web_dynamic_factor[index],
+        state: hinge_state(forces.web_state[index]),
+        ..WebSample::default()
     };
     Sample {
         time: state.time,
@@ -216,7 +228,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
             elastic_energy: state.vehicle_elastic_energy,
         },
         hinges: std::array::from_fn(hinge),
-        webs: Default::default(),
+        webs: std::array::from_fn(web),
     }
 }
 

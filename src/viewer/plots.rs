@@ -207,7 +207,7 @@ impl Ranges {
             gap: 0.0,
             ..*impact
         };
-        let column = parameters.column_properties();
+        let column = parameters.column_properties().before(&impact);
         let longest = MAX_PREDICTED_STEPS * 1e-9 * parameters.step_nanos() as f64;
         let duration = parameters.response_duration().min(longest);
         // If the impact cannot be simulated, the axes follow the states that arrive.
@@ -336,6 +336,7 @@ mod tests {
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        bumper_height: 0.0,
     };
 
     fn samples() -> Vec<Sample> {

@@ -281,7 +281,10 @@ impl Drawing {
         let joints = Joints::new(self.lengths, sample, self.magnification);
         let fixed = |support| support != SupportKind::Pinned;
         let rotation = self.magnification * sample.beta1;
-        let axis = BentAxis::new(&joints, rotation, fixed(self.base), fixed(self.top));
+        let shear = sample
+            .webs
+            .map(|web| self.magnification * web.plastic_angle);
+        let axis = BentAxis::new(&joints, rotation, shear, fixed(self.base), fixed(self.top));
         (joints, axis)
     }
 

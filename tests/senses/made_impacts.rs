@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use column_twin::column::{
-    ColumnProperties, CrushCurve, CrushSpring, Impact, Outcome, Vehicle, simulate,
+    ColumnProperties, CrushCurve, CrushSpring, Impact, Outcome, ShearProperties, Vehicle, simulate,
 };
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::senses::{
@@ -56,6 +56,12 @@ fn real_column(known: &ColumnProperties, normal: &mut Normal) -> ColumnPropertie
         resistance_moment: strength * known.resistance_moment,
         resistance_axial: strength * known.resistance_axial,
         bending_stiffness: stiffness * known.bending_stiffness,
+        shear: known.shear.map(|shear| ShearProperties {
+            web_resistance: strength * shear.web_resistance,
+            flange_moment: strength * shear.flange_moment,
+            rigidity: stiffness * shear.rigidity,
+            ..shear
+        }),
         mass_per_length: mass * known.mass_per_length,
         damping_ratio: DAMPING,
         ..*known

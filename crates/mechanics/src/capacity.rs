@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::bar::{BarForces, PerBar, PlasticFlow};
+use super::bumper::plastic_before_bumper;
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
@@ -639,29 +640,6 @@ fn stress_free_bow(model: &Model, bow: f64) -> PerBar<PlasticFlow> {
     PerBar {
         below: of_bar(model.frame.below.length),
         above: of_bar(model.frame.above.length),
-    }
-}
-
-/// The plastic strains of a column on the same column before another bumper, or before none: the angles of bars of other clear
-/// lengths that leave the impact point where it is. The bits stay where the lengths are the same.
-#[must_use]
-pub fn plastic_before_bumper(
-    model: &Model,
-    other: &Model,
-    plastic: &PerBar<PlasticFlow>,
-) -> PerBar<PlasticFlow> {
-    let of_bar = |clear: f64, other: f64, plastic: &PlasticFlow| {
-        let share = clear / other;
-        PlasticFlow {
-            rotation: plastic.rotation.map(|rotation| share * rotation),
-            shear_angle: share * plastic.shear_angle,
-            ..*plastic
-        }
-    };
-    let (clear, other) = (&model.frame, &other.frame);
-    PerBar {
-        below: of_bar(clear.below.length, other.below.length, &plastic.below),
-        above: of_bar(clear.above.length, other.above.length, &plastic.above),
     }
 }
 

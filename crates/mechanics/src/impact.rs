@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::properties::{ColumnProperties, ShearProperties, is_zero};
 use super::vehicle::{Readable, Vehicle, VehicleError};
 
 /// The specification of an impact, as an event, a command line or a what-if gives it.
@@ -30,8 +31,9 @@ pub struct ImpactSpecification {
 }
 
 impl ImpactSpecification {
-    /// The impact of `vehicle` (`None`: a rigid mass) with the open gap and restitution taken from `defaults`, of which
-    /// nothing else counts. The height does not enter: it belongs to the column model.
+    /// The impact of `vehicle` (`None`: a rigid mass), whose bumper is `bumper_height` \[m\] high, with the open gap and
+    /// restitution taken from `defaults`, of which nothing else counts. The height of the impact point does not enter: it
+    /// belongs to the column model.
     ///
     /// # Errors
     /// A mass that leaves nothing for the rearmost mass of the vehicle.
@@ -39,6 +41,7 @@ impl ImpactSpecification {
         &self,
         defaults: &Impact,
         vehicle: Option<Vehicle>,
+        bumper_height: f64,
     ) -> Result<Impact, VehicleError> {
         let is_open = self.mass == 0.0 || self.mass.is_nan();
         let mass = match vehicle {
@@ -51,6 +54,7 @@ impl ImpactSpecification {
             gap: self.gap.unwrap_or(defaults.gap),
             restitution: self.restitution.unwrap_or(defaults.restitution),
             vehicle: vehicle.map(|it| it.with_total_mass(mass)).transpose()?,
+            bumper_height,
         })
     }
 }
@@ -85,6 +89,11 @@ pub struct Impact {
     /// The compliant vehicle, whose masses add up to `mass`; `None` is the paper's rigid mass.
     #[serde(default)]
     pub vehicle: Option<Vehicle>,
+    /// Height of the bumper, over which the vehicle holds the column straight \[m\], >= 0; 0 is a force at a point. It has an
+    /// effect only on a column whose web yields in shear, by
+    /// [`ColumnProperties::before`](super::ColumnProperties::before).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub bumper_height: f64,
 }
 
 /// Relative difference by which the mass of an impact may differ from the sum of the masses of its vehicle: round-off.
@@ -112,6 +121,7 @@ impl Impact {
             gap: 0.0,
             restitution: 0.0,
             vehicle: None,
+            bumper_height: 0.0,
         }
     }
 
@@ -139,6 +149,12 @@ impl Impact {
                 self.restitution,
                 (0.0..=1.0).contains(&self.restitution),
                 "a number from 0 to 1",
+            ),
+            (
+                "bumper height [m]",
+                self.bumper_height,
+                self.bumper_height >= 0.0,
+                "a finite number >= 0",
             ),
         ];
         for (name, found, right, expected) in checks {
@@ -168,6 +184,18 @@ impl Impact {
     }
 }
 
+impl ColumnProperties {
+    /// The column as it is before the bumper of this impact. Without [`shear`](Self::shear) it is the same.
+    #[must_use]
+    pub fn before(&self, impact: &Impact) -> Self {
+        let shear = self.shear.map(|shear| ShearProperties {
+            bumper_height: impact.bumper_height,
+            ..shear
+        });
+        Self { shear, ..*self }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,6 +208,7 @@ mod tests {
             gap: 0.3,
             restitution: 0.4,
             vehicle: None,
+            bumper_height: 0.0,
         };
         let open = ImpactSpecification {
             mass: 1500.0,
@@ -188,7 +217,7 @@ mod tests {
             restitution: None,
             height: Some(1.2),
         };
-        let completed = open.complete(&defaults, None);
+        let completed = open.complete(&defaults, None, 0.0);
         let expected = Impact {
             mass: 1500.0,
             velocity: 10.0,
@@ -205,9 +234,9 @@ mod tests {
             restitution: 0.0,
             ..expected
         };
-        assert_eq!(given.complete(&defaults, None), Ok(expected));
+        assert_eq!(given.complete(&defaults, None, 0.0), Ok(expected));
         assert_eq!(
-            ImpactSpecification::from(expected).complete(&defaults, None),
+            ImpactSpecification::from(expected).complete(&defaults, None, 0.0),
             Ok(expected)
         );
     }

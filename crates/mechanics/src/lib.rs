@@ -21,6 +21,7 @@ mod bar;
 mod bar_strength;
 mod bracketing;
 mod buckling;
+mod bumper;
 mod capacity;
 mod capped_moments;
 mod chain;
@@ -67,10 +68,11 @@ pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
 };
+pub use bumper::{carried_over, plastic_before_bumper, residual_without_bumper};
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, KnownCapacity, MAX_IMPERFECTION,
     MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, PushDown, PushDownPoint, capacity,
-    capacity_up_to, carried_load, plastic_before_bumper, plastic_plateau, push_down,
+    capacity_up_to, carried_load, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
@@ -80,7 +82,7 @@ pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{Impact, ImpactError, ImpactSpecification};
 pub use ledger::{Energies, Ledger};
-pub use model::{Model, ModelError, RestState};
+pub use model::{MAX_BUMPER_SHARE, Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{
     ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties, Support,

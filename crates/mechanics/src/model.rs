@@ -23,6 +23,9 @@ const MAX_HARDENING_RATIO: f64 = 0.1;
 /// Least share of the length of a bar that a bumper leaves clear. The model of a bar makes no sense where nothing is left.
 const MIN_CLEAR_SHARE: f64 = 0.1;
 
+/// Largest height of a bumper over the length of the shorter bar: half of it leaves the share of it clear that the model needs.
+pub const MAX_BUMPER_SHARE: f64 = 2.0 * (1.0 - MIN_CLEAR_SHARE);
+
 /// A column that can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
@@ -149,7 +152,8 @@ impl Model {
 
     /// The column without the bumper, of which both bars have their whole lengths again. What follows from its motion (period,
     /// damping, length of a step) remains.
-    pub(crate) fn without_bumper(&self) -> Self {
+    #[must_use]
+    pub fn without_bumper(&self) -> Self {
         let mut without = *self;
         if let Some(shear) = &mut without.properties.shear
             && shear.bumper_height > 0.0

@@ -222,6 +222,12 @@ impl State {
         }
     }
 
+    /// What the webs remember; `None` where none of them has yielded.
+    pub fn sheared_webs(&self) -> Option<PerBar<WebState>> {
+        let PerBar { below, above } = &self.plastic;
+        (below.has_sheared() || above.has_sheared()).then_some(self.webs)
+    }
+
     /// Sets the accumulated plastic rotations \[rad\] of a column at rest, per bar: at the impact point, at the other end.
     /// [`State::settled`] takes the absolute plastic rotations, which is right unless a hinge has turned back.
     pub fn set_accumulated_rotation(&mut self, model: &Model, accumulated: &PerBar<[f64; 2]>) {

@@ -113,7 +113,8 @@ prop_compose! {
         gap in or_zero(1e-6, 5.0),
         restitution in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64],
     ) -> Impact {
-        Impact { mass, velocity, gap, restitution, vehicle: None }
+        Impact { mass, velocity, gap, restitution, vehicle: None },
+        bumper_height: 0.0,
     }
 }
 

@@ -149,6 +149,7 @@ fn impact() -> impl Strategy<Value = Impact> {
                 gap,
                 restitution,
                 vehicle: None,
+                bumper_height: 0.0,
             })
     };
     let front =

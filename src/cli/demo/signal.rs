@@ -44,8 +44,8 @@ const SEED: u64 = 4;
 
 /// Column and sensors of the signal, after `config/heb220_s355.yaml` and `config/sensors_industrial.yaml`.
 pub(super) const PARAMETERS: &str = "\
-# The column of the signal: struck 0.8 m above its base, and made of a steel whose strength does not grow with the strain rate, as
-# in the fibre-beam model that has computed the signal. The sensors are where the signal was taken.
+# The column of the signal: struck 0.8 m above its base, and made of a steel whose strength does not grow with the strain rate and
+# whose web does not shear, as in the fibre-beam model that has computed the signal. The sensors are where the signal was taken.
 /**:
   ros__parameters:
     geometry:
@@ -53,6 +53,8 @@ pub(super) const PARAMETERS: &str = "\
       length_above: 3.2
     rate:
       law: none
+    shear:
+      model: none
     sensors:
       accelerometer:
         height: 0.8

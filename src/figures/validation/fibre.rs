@@ -87,6 +87,8 @@ impl FibreCase {
         column.rate = None;
         column.hardening_ratio = self.hardening_ratio();
         column.ultimate_rotation = 0.0;
+        // The fibre beam does not shear.
+        column.shear = None;
         let impact = Impact {
             vehicle: self.vehicle(),
             ..Impact::rigid(self.mass_kg, self.speed_m_s)

@@ -42,6 +42,7 @@ pub fn paper() -> (ColumnProperties, Impact) {
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        bumper_height: 0.0,
     };
     (properties, impact)
 }
