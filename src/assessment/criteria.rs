@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::rotation_limits::{HingeSlenderness, not_compact};
-use super::{AssessmentInput, Severity};
+use super::{AssessedShear, AssessmentInput, Severity};
 use crate::parameters::Provenance;
 
 /// Spring constant of a vehicle in Annex C of EN 1991-1-7 \[N/m\] (JCSS Probabilistic Model Code, 2.18).
@@ -59,7 +59,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
-        value: "collapse or torn hinge in the response (1: yes)",
+        value: "collapse or torn hinge or web in the response (1: yes)",
         consequence: "the column has lost its shape, its equilibrium or a hinge and carries nothing",
         evaluate: |input| {
             let lost = input.collapsed || input.severed;
@@ -77,7 +77,11 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         consequence: "the section is torn and the column carries nothing",
         evaluate: |input| {
             // A torn hinge lies beyond its limit, whatever remains of its rotation.
-            let beyond = if input.severed {
+            let by_shear = input
+                .shear
+                .as_ref()
+                .is_some_and(AssessedShear::is_fractured);
+            let beyond = if input.severed && !by_shear {
                 input.ultimate_rotation * (1.0 + f64::EPSILON)
             } else {
                 0.0

@@ -97,6 +97,11 @@ impl AssessedShear {
         })
     }
 
+    /// Whether a web has sheared beyond its ultimate angle.
+    pub(super) fn is_fractured(&self) -> bool {
+        self.largest_angle() >= self.ultimate_angle
+    }
+
     /// The largest absolute plastic shear angle \[rad\]; NaN if one of them is, which exceeds every limit.
     pub(super) fn largest_angle(&self) -> f64 {
         largest(self.plastic_angle)

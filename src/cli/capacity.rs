@@ -426,7 +426,7 @@ fn capacity_text(capacity: &Capacity) -> String {
             "0 kN: the column has no equilibrium and carries nothing".into()
         }
         CapacityEnd::Severed if capacity.force == 0.0 => {
-            "0 kN: a hinge is torn and the column carries nothing".into()
+            "0 kN: a hinge or web is torn and the column carries nothing".into()
         }
         CapacityEnd::NotFollowed | CapacityEnd::BoundReached => format!(
             "at least {} (the push-down could not be followed to its end)",

@@ -180,7 +180,7 @@ impl Summary<'_> {
             let unit = Unit::length(self.report().max_v1);
             let one = |index: usize| match band.outcome[index] {
                 Outcome::Collapsed => "collapse".to_owned(),
-                Outcome::Severed => "a torn hinge".to_owned(),
+                Outcome::Severed => "a torn hinge or web".to_owned(),
                 Outcome::Elastic | Outcome::Plastic => unit.show(band.max_v1[index]),
             };
             let [without, with] = HARDENING_BAND.map(|it| 100.0 * it);

@@ -517,7 +517,7 @@ fn no_estimates(condition: &Condition) -> String {
     let why = match condition {
         Condition::Standing => "stands",
         Condition::Collapsed => "has collapsed",
-        Condition::Severed => "is severed at a hinge",
+        Condition::Severed => "is severed at a hinge or web",
         Condition::Faulted(fault) => {
             return format!(
                 "impacts are not estimated from the sensors, because the twin cannot continue ({fault}); reset it (~/reset)"

@@ -39,7 +39,8 @@ pub(super) const LIMITS: [(&str, &str); 9] = [
     ),
     (
         "Local failure is not part of the model.",
-        "Dents, tearing, bolts, base plates and welds may fail before the section does.",
+        "Dents, tearing, bolts, base plates and welds may fail before the section does. Crippling of the web and the dent of \
+         the flange under the bumper, and the torsion of a column that is hit beside its axis, are not evaluated.",
     ),
     (
         "The surroundings are a spring, a mass and a load at the top.",

@@ -151,7 +151,7 @@ fn outcome(impact: &ReportedImpact) -> String {
             ),
         ),
         Outcome::Severed => format!(
-            "The model predicts that {named} tears {end} after the event, at a plastic rotation of {angle}; a torn hinge carries \
+            "The model predicts that {named} tears {end} after the event, at a plastic rotation of {angle}; a torn hinge or web carries \
              nothing."
         ),
     }

@@ -9,9 +9,11 @@ use crate::parameters::{Parameters, RIGID};
 pub fn outcome_in_words(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Elastic => "elastic: no hinge has yielded",
-        Outcome::Plastic => "plastic: hinges have yielded",
+        Outcome::Plastic => "plastic: hinges or webs have yielded",
         Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
-        Outcome::Severed => "SEVERED: a hinge has passed its ultimate rotation and is torn",
+        Outcome::Severed => {
+            "SEVERED: a hinge or web has passed its ultimate deformation and is torn"
+        }
     }
 }
 

@@ -117,7 +117,8 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
         ),
         TwinStatus::SEVERED => (
             DiagnosticStatus::ERROR,
-            "a hinge of the column is severed; call ~/reset to start with a new one".to_owned(),
+            "a hinge or web of the column is severed; call ~/reset to start with a new one"
+                .to_owned(),
         ),
         TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),
         _ => (DiagnosticStatus::OK, "response in progress".to_owned()),

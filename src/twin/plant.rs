@@ -127,7 +127,8 @@ impl Plant {
                 return Ok(self.clone());
             }
             if self.condition == Condition::Severed {
-                let reason = "a hinge of the column is severed; reset the twin first (~/reset)";
+                let reason =
+                    "a hinge or web of the column is severed; reset the twin first (~/reset)";
                 return Err(Refusal::new(RefusalCode::ColumnSevered, reason));
             }
             let reason =
@@ -204,7 +205,8 @@ impl Plant {
             ),
             Condition::Severed => (
                 RefusalCode::ColumnSevered,
-                "a hinge of the column is severed; reset the twin first (~/reset)".to_owned(),
+                "a hinge or web of the column is severed; reset the twin first (~/reset)"
+                    .to_owned(),
             ),
             Condition::Faulted(fault) => (
                 RefusalCode::TwinFaulted,

@@ -128,7 +128,7 @@ fn end(report: &ImpactReport) -> String {
     let residual = 1e3 * report.residual_v1;
     match (report.outcome, report.end) {
         (ImpactReport::COLLAPSED, _) => "collapse".to_owned(),
-        (ImpactReport::SEVERED, _) => "severed: a hinge is torn".to_owned(),
+        (ImpactReport::SEVERED, _) => "severed: a hinge or web is torn".to_owned(),
         (_, ImpactReport::END_DURATION_REACHED) => {
             format!("stopped at response.duration; residual v1 = {residual:.1} mm")
         }

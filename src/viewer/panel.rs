@@ -66,7 +66,7 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic, no hinge yields",
         ImpactReport::PLASTIC => "plastic, the column does not collapse in the model",
-        ImpactReport::SEVERED => "SEVERED, a hinge is torn",
+        ImpactReport::SEVERED => "SEVERED, a hinge or web is torn",
         _ => "COLLAPSED",
     }
 }
@@ -316,7 +316,7 @@ mod tests {
         report.residual_capacity = 1.1e6;
         report.reserve = 2.2;
         let text = text(&announced);
-        assert_eq!(heading(&text), "## Result: SEVERED, a hinge is torn");
+        assert_eq!(heading(&text), "## Result: SEVERED, a hinge or web is torn");
         for part in [
             "**Severity: EVACUATE.** hinge rotation.",
             "| Crush of spring 1 | 620 mm, permanent 550 mm |",

@@ -505,7 +505,7 @@ impl PushDown {
         }
     }
 
-    /// The share of the last increment, which began with these strains without stress, after which a hinge is torn.
+    /// The share of the last increment, which began with these strains without stress, after which a hinge or web is torn.
     fn torn_after(&self, before: &PerBar<PlasticFlow>) -> Option<f64> {
         let plastic = |offset: &PerBar<PlasticFlow>| {
             plus(&plus(offset, -1.0, &self.bow), 1.0, &self.before_bumper)

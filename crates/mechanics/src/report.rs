@@ -39,7 +39,7 @@ pub enum End {
 }
 
 /// The outcome of one impact. Times count from the event \[s\]; an event that did not happen is `None`. The largest values of a
-/// response that ends with a torn hinge are those up to the instant of the tear, which is interpolated within its last step.
+/// response that ends with a torn hinge or web are those up to the instant of the tear, which is interpolated within its last step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Elastic, plastic, collapsed or severed.

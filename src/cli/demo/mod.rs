@@ -18,7 +18,7 @@ use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
-use column_twin::parameters::{Parameters, RIGID, Value};
+use column_twin::parameters::{CatalogueVehicle, Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, severity_word,
 };
@@ -31,14 +31,17 @@ pub struct DemoArgs {
     /// Folder for all files; if it exists, a number is appended to its name
     #[arg(long, short, value_name = "FOLDER", default_value = "column_twin_demo")]
     output: PathBuf,
-    /// Mass of the vehicle [kg]
-    #[arg(long, value_name = "KG", default_value = "1500")]
-    mass: f64,
+    /// Vehicle that hits the column at its own height: one of `column-twin vehicles`
+    #[arg(long, value_name = "NAME", default_value = CAR)]
+    vehicle: String,
+    /// Mass of the vehicle [kg]; default: the vehicle's own
+    #[arg(long, value_name = "KG")]
+    mass: Option<f64>,
     /// Speed of the vehicle [m/s]
     #[arg(long, value_name = "M/S", default_value = "10")]
     velocity: f64,
     /// Let sensors on the column feel the impact of a signal instead of sending an event
-    #[arg(long, conflicts_with_all = ["mass", "velocity"])]
+    #[arg(long, conflicts_with_all = ["vehicle", "mass", "velocity"])]
     sensors: bool,
 }
 
@@ -52,17 +55,43 @@ noise, from a signal of a fibre-beam model of other authorship (1.5 t at 36 km/h
 impact, estimates vehicle and outcome with 90 % intervals while the data arrive, and makes an impact of
 it once it is sure enough.
 
-Examples: a van; an impact that only the sensors feel
-  column-twin demo --mass 3500 --velocity 8
+Examples: a lorry; an impact that only the sensors feel
+  column-twin demo --vehicle lorry_8t --velocity 8
   column-twin demo --sensors
 
 Exit codes: 0 done, 1 failed, 2 bad input or usage.";
 
-/// The paper's column.
-const COLUMN: &str = include_str!("../../../config/heb220_paper.yaml");
+/// A real column.
+const COLUMN: &str = include_str!("../../../config/heb220_s355.yaml");
 
-/// The vehicle that the paper's rigid mass is compared with.
-const REAL_CAR: &str = "mid_car";
+/// Its `column_id`.
+const COLUMN_ID: &str = "heb220_s355";
+
+/// The vehicle that hits it unless another one is asked for.
+const CAR: &str = "suv";
+
+impl DemoArgs {
+    /// Height at which the vehicle strikes \[m\]; `None` for one that is not in the catalogue.
+    fn height(&self) -> Option<f64> {
+        CatalogueVehicle::named(&self.vehicle).map(|it| it.contact_height.value.height_m)
+    }
+
+    /// The parameters of the hit.
+    fn changes(&self, column: &Parameters) -> Vec<(&'static str, Value)> {
+        let geometry = &column.settings().geometry;
+        let total = geometry.length_below + geometry.length_above;
+        let mut changes = vec![
+            ("vehicle.name", Value::from(self.vehicle.as_str())),
+            ("impact.velocity", self.velocity.into()),
+        ];
+        changes.extend(self.mass.map(|mass| ("impact.mass", mass.into())));
+        if let Some(height) = self.height() {
+            changes.push(("geometry.length_below", height.into()));
+            changes.push(("geometry.length_above", (total - height).into()));
+        }
+        changes
+    }
+}
 
 /// Maximum wait for the node, and for each of its answers.
 const TIMEOUT: Duration = Duration::from_secs(15);
@@ -137,16 +166,16 @@ fn follow(
     out: &LinePrinter<'_>,
 ) -> Result<(ImpactReport, ImpactReport), Failure> {
     let options = ImpactOptions {
-        column_id: Some("heb220_paper".to_owned()),
+        column_id: Some(COLUMN_ID.to_owned()),
         request: ImpactRequest {
             event_id: Some("demo-1".to_owned()),
-            vehicle: String::new(),
+            vehicle: arguments.vehicle.clone(),
             impact: ImpactSpecification {
-                mass: arguments.mass,
+                mass: arguments.mass.unwrap_or(f64::NAN),
                 velocity: arguments.velocity,
                 gap: None,
                 restitution: None,
-                height: None,
+                height: arguments.height(),
             },
             match_timeout: TIMEOUT,
             answer_timeout: TIMEOUT,
@@ -306,7 +335,7 @@ fn outcome_text(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
-        ImpactReport::SEVERED => "a hinge is severed",
+        ImpactReport::SEVERED => "a hinge or a web is fractured",
         _ => "the column collapses",
     }
 }
@@ -342,31 +371,29 @@ fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrin
     out.print("");
 }
 
-/// Prints what the same mass at the same speed does to the same column with the front of a real car.
+/// Prints what the paper's model, which only bends, says of the same hit.
 fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), Failure> {
     let column = Parameters::from_yaml(Path::new("column.yaml"), COLUMN)?;
-    let evaluated = |vehicle: &str| -> Result<ImpactEvaluation, Failure> {
-        let parameters = column.with_changes([
-            ("vehicle.name", Value::from(vehicle)),
-            ("impact.mass", arguments.mass.into()),
-            ("impact.velocity", arguments.velocity.into()),
-        ])?;
+    let struck = column.with_changes(arguments.changes(&column))?;
+    let evaluated = |shear: &str| -> Result<ImpactEvaluation, Failure> {
+        let parameters = struck.with_changes([("shear.model", Value::from(shear))])?;
         let (properties, impact) = (parameters.column_properties(), parameters.impact());
         respond_and_rest(&properties, &impact, parameters.response_duration())
             .and_then(|ended| ImpactEvaluation::complete(&parameters, &properties, &impact, ended))
             .map_err(|error| Failure::plain(Exit::Failed, error))
     };
-    let both = [evaluated(RIGID)?, evaluated(REAL_CAR)?];
+    let both = [evaluated("none")?, evaluated("web")?];
     out.print(format_args!(
-        "  The paper's vehicle is rigid. The front of a real car gives way, at the same mass and speed:\n"
+        "  The column was hit near its base, where its web yields in shear before it bends. Version 0.1 and the paper\n  \
+         do not know shear; of the same hit they say:\n"
     ));
     let row = |name: &str, words: fn(&ImpactEvaluation) -> String| {
-        let [rigid, car] = both.each_ref().map(words);
-        out.print(format_args!("  {name:26}{rigid:>14}{car:>14}"));
+        let [bending, sheared] = both.each_ref().map(words);
+        out.print(format_args!("  {name:26}{bending:>16}{sheared:>16}"));
     };
     out.print(format_args!(
-        "  {:26}{:>14}{:>14}",
-        "", "rigid mass", REAL_CAR
+        "  {:26}{:>16}{:>16}",
+        "", "bending only", "with shear"
     ));
     row("peak of v1", |it| {
         format!("{:.2} mm", 1e3 * it.report.max_v1)
@@ -381,6 +408,9 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
             "{} of {HINGES}",
             hinges.filter(|it| it.first_yield.is_some()).count()
         )
+    });
+    row("shear angle of the web", |it| {
+        format!("{:.3} rad", it.report.webs[0].plastic_angle)
     });
     row("crush of the front", |it| match it.report.vehicle.masses {
         0 => "none".to_owned(),
@@ -405,12 +435,24 @@ fn draw(arguments: &DemoArgs, stage: &Stage<'_, '_>) -> Result<(), Failure> {
         "simulate".to_owned(),
         "--config".to_owned(),
         inside("column.yaml"),
-        "--mass".to_owned(),
-        arguments.mass.to_string(),
+        "--vehicle".to_owned(),
+        arguments.vehicle.clone(),
         "--velocity".to_owned(),
         arguments.velocity.to_string(),
         "--plots".to_owned(),
         inside("figures"),
     ];
+    let mass = arguments
+        .mass
+        .map(|mass| ["--mass".to_owned(), mass.to_string()]);
+    let height = arguments
+        .height()
+        .map(|it| ["--height".to_owned(), it.to_string()]);
+    let command = [
+        &command[..],
+        mass.as_slice().as_flattened(),
+        height.as_slice().as_flattened(),
+    ]
+    .concat();
     stage.run("figures", &command, "the figures")
 }
