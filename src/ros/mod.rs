@@ -46,6 +46,7 @@ pub mod security;
 mod senders;
 mod sensor_watch;
 mod signals;
+mod skipped_periods;
 mod subscribed;
 mod task;
 mod twin_node;

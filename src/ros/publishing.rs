@@ -28,6 +28,7 @@ use super::parameter_services;
 use super::qos;
 use super::raw::Raw;
 use super::security::{Peers, Protection};
+use super::skipped_periods::SkippedPeriods;
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -61,6 +62,7 @@ pub(super) struct Publishing {
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
     clock_warning: SeldomWarning,
+    skipped_periods: SkippedPeriods,
     /// Stamp of the last state.
     last_state: Option<i64>,
     /// The time to publish is over: the remaining outputs are only recorded.
@@ -112,6 +114,7 @@ impl Publishing {
             peers: node.security_peers(),
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
+            skipped_periods: SkippedPeriods::default(),
             last_state: None,
             is_over: false,
         })
@@ -359,6 +362,7 @@ impl Publishing {
     /// Publishes diagnostics if they have changed, or always if `unconditionally`.
     fn diagnose(&mut self, unconditionally: bool) {
         let health = self.twin.health();
+        self.skipped_periods.look(&health, Instant::now());
         let array = diagnostics(
             self.outgoing.header(self.twin.now()),
             &self.node_name,

@@ -32,6 +32,7 @@ use super::super::parameter_services;
 use super::super::qos;
 use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
+use super::super::skipped_periods::SkippedPeriods;
 use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
 use super::live_fleet::FleetTwin;
@@ -111,6 +112,7 @@ pub(super) struct FleetPublishing {
     last_reader_round: Option<Instant>,
     last_diagnostics: Option<Instant>,
     clock_warning: SeldomWarning,
+    skipped_periods: SkippedPeriods,
     /// The time to publish is over.
     is_over: bool,
 }
@@ -160,6 +162,7 @@ impl FleetPublishing {
             last_reader_round: None,
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
+            skipped_periods: SkippedPeriods::default(),
             is_over: false,
         })
     }
@@ -495,6 +498,7 @@ impl FleetPublishing {
             return;
         }
         let health: Health = self.fleet.health();
+        self.skipped_periods.look(&health, Instant::now());
         if let Some(sensors) = &mut self.sensors {
             sensors.look(self.fleet.now(), |column, problem| {
                 self.board.note_sensors(column as usize, problem);
