@@ -5,8 +5,8 @@ Started by tests/partition with a running node in the domain of ROS_DOMAIN_ID:
 
     answers_with_rclpy.py COLUMN_ID
 
-Prints `sent NUMBER` before it sends an event, `forecast NUMBER` when the forecast of one has arrived, and `diagnostics TEXT` when
-/diagnostics says something else of the messages of the node.
+Prints `sent NUMBER` before it sends an event, `forecast NUMBER` when the forecast of one has arrived, `rejected COUNT` when the column
+has rejected more of them, and `diagnostics TEXT` when /diagnostics says something else of the messages of the node.
 """
 
 import sys
@@ -14,7 +14,7 @@ import sys
 import rclpy
 from rclpy.qos import QoSProfile
 
-from column_twin.msg import ImpactEvent, ImpactReport
+from column_twin.msg import ImpactEvent, ImpactReport, TwinStatus
 from diagnostic_msgs.msg import DiagnosticArray
 
 PERIOD = 0.5
@@ -25,7 +25,7 @@ def main():
     node = rclpy.create_node("persistent_peer")
     events = node.create_publisher(ImpactEvent, "impact_event", QoSProfile(depth=10))
     number = 0
-    last = None
+    last, rejected = None, 0
 
     def send():
         nonlocal number
@@ -47,8 +47,15 @@ def main():
                 last = status.message
                 print("diagnostics", last, flush=True)
 
+    def count(status):
+        nonlocal rejected
+        if status.column_id == sys.argv[1] and status.events_refused > rejected:
+            rejected = status.events_refused
+            print("rejected", rejected, flush=True)
+
     node.create_subscription(ImpactReport, "impact_forecast", receive, QoSProfile(depth=10))
     node.create_subscription(DiagnosticArray, "/diagnostics", diagnose, QoSProfile(depth=10))
+    node.create_subscription(TwinStatus, "twin_status", count, QoSProfile(depth=10))
     node.create_timer(PERIOD, send)
     rclpy.spin(node)
 

@@ -98,8 +98,12 @@ fn stop_while_followed(process: u32, by: By, time: Duration, peer: &mut Peer) {
     stop.join().unwrap();
 }
 
-/// Number of messages of which this log says that they were lost for a peer, or were rejected.
-fn told(log: &[String]) -> u64 {
+/// The log shows at most so many similar messages in a row.
+const MAX_LOGGED: usize = 20;
+
+/// Number of messages of which this log says that they were lost for a peer, or were rejected, unless the peer counts those; many if
+/// the log does not show all.
+fn told(log: &[String], peer_counts_rejected: bool) -> u64 {
     let number = |line: &String, text: &str| {
         let before = line.split_once(text)?.0;
         before.rsplit(' ').next()?.parse::<u64>().ok()
@@ -107,9 +111,14 @@ fn told(log: &[String]) -> u64 {
     let in_line = |line: &String| {
         number(line, " messages on impact_event were lost")
             .or_else(|| number(line, " messages were published since then"))
-            .or_else(|| line.contains("was rejected").then_some(1))
     };
-    log.iter().filter_map(in_line).sum()
+    let lost = log.iter().filter_map(in_line).sum::<u64>();
+    let rejected = log.iter().filter(|it| it.contains("was rejected")).count();
+    match rejected {
+        _ if peer_counts_rejected => lost,
+        MAX_LOGGED.. => u64::MAX / 2,
+        rejected => lost + rejected as u64,
+    }
 }
 
 /// What came of a trouble.
@@ -176,7 +185,7 @@ impl Healing {
         while Instant::now() < deadline {
             peer.follow_until(Instant::now() + SHORT);
             unanswered = peer.unanswered(began, healed);
-            lost = told(node.log_so_far()) + peer.missed();
+            lost = told(node.log_so_far(), peer.counts_rejected()) + peer.missed();
             // What is sent to a stopped process waits in its sockets.
             let is_overrun = matches!(trouble, Trouble::Cut(time) if time >= FORGOTTEN);
             let is_overrun = is_overrun && !peer.is_sent_to();

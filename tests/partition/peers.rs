@@ -157,7 +157,7 @@ pub struct Peer<'a> {
     answered: BTreeSet<String>,
     /// The last thing that `/diagnostics` said of the messages of the node.
     diagnostics: Option<String>,
-    /// Forecasts that the peer itself said were lost.
+    /// Forecasts that the peer itself said were lost, or impacts that the column rejected.
     missed: u64,
     /// Sends impacts, where the peer does not.
     sender: Option<Sender<'a>>,
@@ -246,6 +246,11 @@ impl<'a> Peer<'a> {
         self.sender.is_some()
     }
 
+    /// Whether the peer counts the impacts that were rejected, as ROS 2 does.
+    pub fn counts_rejected(&self) -> bool {
+        matches!(self.kind, Kind::Rclpy | Kind::RclpyOfFleet)
+    }
+
     /// Number of impacts sent between two instants whose forecasts have not arrived.
     pub fn unanswered(&self, from: Instant, until: Instant) -> u64 {
         let sent = self.sent.iter();
@@ -259,7 +264,7 @@ impl<'a> Peer<'a> {
         self.diagnostics.as_deref()
     }
 
-    /// Forecasts that the peer itself said were lost; only one of our own does.
+    /// Forecasts that the peer itself said were lost, as one of our own does, or impacts that were rejected, as ROS 2 tells.
     pub fn missed(&self) -> u64 {
         self.missed
     }
@@ -311,6 +316,9 @@ impl<'a> Peer<'a> {
         }
         if let Some(text) = line.strip_prefix("diagnostics ") {
             self.diagnostics = Some(text.to_owned());
+        }
+        if let Some(count) = line.strip_prefix("rejected ") {
+            self.missed = count.parse().unwrap_or(0);
         }
         if line.contains("messages were lost")
             && let Some((before, _)) = line.split_once(" on impact_forecast")

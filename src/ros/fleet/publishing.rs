@@ -25,6 +25,7 @@ use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, Status, Tw
 use super::super::clock_watch::SeldomWarning;
 use super::super::diagnostics::NodeCounters;
 use super::super::live_twin::Health;
+use super::super::loss_log::LossLog;
 use super::super::matches::Matches;
 use super::super::measurements::SensedColumns;
 use super::super::node::{Node, NodeError};
@@ -32,7 +33,6 @@ use super::super::parameter_services;
 use super::super::qos;
 use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
-use super::super::skipped_periods::SkippedPeriods;
 use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
 use super::live_fleet::FleetTwin;
@@ -112,7 +112,7 @@ pub(super) struct FleetPublishing {
     last_reader_round: Option<Instant>,
     last_diagnostics: Option<Instant>,
     clock_warning: SeldomWarning,
-    skipped_periods: SkippedPeriods,
+    loss_log: LossLog,
     /// The time to publish is over.
     is_over: bool,
 }
@@ -162,7 +162,7 @@ impl FleetPublishing {
             last_reader_round: None,
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
-            skipped_periods: SkippedPeriods::default(),
+            loss_log: LossLog::default(),
             is_over: false,
         })
     }
@@ -498,7 +498,7 @@ impl FleetPublishing {
             return;
         }
         let health: Health = self.fleet.health();
-        self.skipped_periods.look(&health, Instant::now());
+        self.loss_log.look(&health, &self.counters, Instant::now());
         if let Some(sensors) = &mut self.sensors {
             sensors.look(self.fleet.now(), |column, problem| {
                 self.board.note_sensors(column as usize, problem);
