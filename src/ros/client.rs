@@ -17,6 +17,7 @@ use crate::messages::std_msgs::Header;
 use crate::parameters::readable;
 use crate::printable::Printable;
 
+use super::dds_threads::DdsThreads;
 use super::environment::Environment;
 use super::fleet_view::FleetView;
 use super::lines::{Seen, WatchLines};
@@ -153,6 +154,11 @@ pub enum ClientError {
         /// The longest \[s\].
         most: f64,
     },
+    /// A thread of the DDS library panicked.
+    #[error(
+        "a thread of the DDS library panicked, so that nothing more is received; start it again, and report what is printed above"
+    )]
+    Deaf,
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
@@ -233,13 +239,14 @@ pub fn send_impact(
 /// or `show` returns `Break`.
 ///
 /// # Errors
-/// The node cannot be created.
+/// The node cannot be created, or a thread of the DDS library panics.
 pub fn watch(
     environment: &Environment,
     rules: &[RemapRule],
     show: &mut dyn FnMut(Shown<'_>) -> ControlFlow<()>,
 ) -> Result<(), ClientError> {
     let signals = StopSignals::listen()?;
+    let dds_threads = DdsThreads::stop_on_panic();
     let names = Names::new(&environment.namespace, "column_twin_watch", rules)?;
     let mut node = Node::new(environment, names)?;
     let subscribed = Subscribed {
@@ -316,7 +323,10 @@ pub fn watch(
         }
     }
     task.stop();
-    Ok(())
+    match dds_threads.has_panicked() {
+        true => Err(ClientError::Deaf),
+        false => Ok(()),
+    }
 }
 
 /// Publishes an event and passes on all messages of the twin until the report of the response. `hear` receives each message
@@ -360,8 +370,8 @@ pub fn follow_impact(
                 (Seen::Status(status), _) if status.phase == TwinStatus::FAULTED => {
                     Relation::Last(Err(ClientError::Faulted(status.fault.clone())))
                 }
-                // It arrives every second, whether or not the impact is handled.
-                (Seen::Status(_), _) => Relation::None,
+                // A status arrives every second, whether or not the impact is handled.
+                (Seen::Status(_) | Seen::Missed { .. }, _) => Relation::None,
                 _ => Relation::OfEvent,
             }
         },

@@ -27,13 +27,20 @@ pub enum Seen {
     Estimate(Box<ImpactEstimate>),
     /// Status of columns of a fleet.
     Fleet(FleetStatus),
+    /// Messages on a reliable topic were lost before the next one.
+    Missed {
+        /// Name of the topic.
+        topic: &'static str,
+        /// Number of lost messages.
+        count: u64,
+    },
 }
 
 impl Seen {
     /// Topic, column and stamp \[ns\] of a message that publishers keep for late joiners; `None` for the others.
     fn kept(&self) -> Option<(u8, &str, Option<i64>)> {
         let (topic, header, column_id) = match self {
-            Seen::State(_) | Seen::Forces(_) | Seen::Fleet(_) => return None,
+            Seen::State(_) | Seen::Forces(_) | Seen::Fleet(_) | Seen::Missed { .. } => return None,
             Seen::Forecast(report) => (0, &report.header, &report.column_id),
             Seen::Report(report) => (1, &report.header, &report.column_id),
             Seen::Status(status) => (2, &status.header, &status.column_id),
@@ -45,6 +52,9 @@ impl Seen {
 
 /// Minimum time between two lines of state.
 const STATE_LINES: Duration = Duration::from_millis(100);
+
+/// Minimum time between two lines about lost messages. What is lost meanwhile is part of the next one.
+const MISSED_LINES: Duration = Duration::from_secs(1);
 
 /// Maximum number of columns whose last critical velocities are kept: anybody may send names of columns.
 const MAX_COLUMNS: usize = 2_000;
@@ -71,6 +81,9 @@ pub(super) struct WatchLines {
     last_status: Option<(u8, u64, u64)>,
     /// The last critical velocities that were shown, by column.
     last_critical: BTreeMap<String, Vec<CriticalVelocities>>,
+    /// Lost messages that have not been shown yet, by topic, and when the last ones were shown.
+    missed: BTreeMap<&'static str, u64>,
+    last_missed: Option<Instant>,
 }
 
 impl Default for WatchLines {
@@ -80,6 +93,8 @@ impl Default for WatchLines {
             last_state: None,
             last_status: None,
             last_critical: BTreeMap::new(),
+            missed: BTreeMap::new(),
+            last_missed: None,
         }
     }
 }
@@ -105,10 +120,31 @@ impl WatchLines {
             due = newest;
         }
         due.extend(seen.and_then(|seen| self.not_history(seen, now)));
-        due.iter()
-            .flat_map(|seen| [self.line(seen, now), self.critical_line(seen)])
-            .flatten()
-            .collect()
+        let lines = due
+            .iter()
+            .flat_map(|seen| [self.line(seen, now), self.critical_line(seen)]);
+        let mut lines: Vec<_> = lines.flatten().collect();
+        lines.extend(self.missed_line(now));
+        lines
+    }
+
+    /// The line about lost messages.
+    fn missed_line(&mut self, now: Instant) -> Option<String> {
+        let since = self
+            .last_missed
+            .map(|last| now.saturating_duration_since(last));
+        if self.missed.is_empty() || since.is_some_and(|since| since < MISSED_LINES) {
+            return None;
+        }
+        self.last_missed = Some(now);
+        let missed = std::mem::take(&mut self.missed);
+        let counts = missed
+            .iter()
+            .map(|(topic, count)| format!("{count} on {topic}"));
+        Some(format!(
+            "messages were lost, while the network was interrupted or this program was stopped or too slow: {}",
+            counts.collect::<Vec<_>>().join(", ")
+        ))
     }
 
     /// Returns the message unless it is, or may be, one that is kept for late joiners.
@@ -172,6 +208,10 @@ impl WatchLines {
             Seen::Report(report) => Some(report_line("result", report)),
             Seen::Estimate(estimate) => Some(estimate_line(estimate)),
             Seen::Forces(_) | Seen::Fleet(_) => None,
+            Seen::Missed { topic, count } => {
+                *self.missed.entry(topic).or_default() += count;
+                None
+            }
             Seen::Status(status) => {
                 let state = (
                     status.phase,
@@ -354,6 +394,22 @@ mod tests {
         let steps = [(2, 0), (2, 50), (3, 60), (3, 100), (3, 160)];
         let seen = steps.map(|(phase, millis)| shown(phase, millis));
         assert_eq!(seen, [true, false, true, false, true]);
+    }
+
+    #[test]
+    fn lost_messages_are_shown_once_and_not_too_often() {
+        let (mut lines, start) = (WatchLines::default(), Instant::now());
+        let mut shown = |missed: Option<(&'static str, u64)>, millis| {
+            let seen = missed.map(|(topic, count)| Seen::Missed { topic, count });
+            let lines = lines.lines(seen, start + Duration::from_millis(millis));
+            lines.concat().split_once(": ").map(|it| it.1.to_owned())
+        };
+        assert_eq!(shown(None, 0), None);
+        assert_eq!(shown(Some(("b", 3)), 1).as_deref(), Some("3 on b"));
+        assert_eq!(shown(Some(("b", 4)), 2), None);
+        assert_eq!(shown(Some(("a", 1)), 3), None);
+        assert_eq!(shown(None, 1001).as_deref(), Some("1 on a, 4 on b"));
+        assert_eq!(shown(None, 9000), None);
     }
 
     /// A status with so many impacts since the last reset, and its stamp \[s\].

@@ -24,6 +24,7 @@ mod library_log;
 mod lines;
 mod live_twin;
 mod log_limit;
+mod loss_log;
 mod lost_peers;
 mod matches;
 mod measure;

@@ -22,6 +22,7 @@ use crate::twin::{
 use super::clock_watch::SeldomWarning;
 use super::diagnostics::{NodeCounters, Observed, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
+use super::loss_log::LossLog;
 use super::matches::Matches;
 use super::node::{Node, NodeError};
 use super::parameter_services;
@@ -61,6 +62,7 @@ pub(super) struct Publishing {
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
     clock_warning: SeldomWarning,
+    loss_log: LossLog,
     /// Stamp of the last state.
     last_state: Option<i64>,
     /// The time to publish is over: the remaining outputs are only recorded.
@@ -112,6 +114,7 @@ impl Publishing {
             peers: node.security_peers(),
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
+            loss_log: LossLog::default(),
             last_state: None,
             is_over: false,
         })
@@ -359,6 +362,7 @@ impl Publishing {
     /// Publishes diagnostics if they have changed, or always if `unconditionally`.
     fn diagnose(&mut self, unconditionally: bool) {
         let health = self.twin.health();
+        self.loss_log.look(&health, &self.counters, Instant::now());
         let array = diagnostics(
             self.outgoing.header(self.twin.now()),
             &self.node_name,

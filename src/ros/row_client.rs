@@ -54,7 +54,10 @@ pub fn send_row_impact(
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let events = node.participant_events();
     let task = Task::start("column_twin/see", move || async move {
-        join!(events, pass(&forecasts, &sender, Seen::Forecast));
+        join!(
+            events,
+            pass(&forecasts, &qos::IMPACT_FORECAST, &sender, Seen::Forecast)
+        );
     })?;
     let outcome = (|| {
         let search = Search {

@@ -14,8 +14,9 @@ use crate::messages::column_twin::{
 use super::client::ClientError;
 use super::environment::Environment;
 use super::lines::Seen;
+use super::missed::Missed;
 use super::node::{Node, NodeError};
-use super::qos::Endpoint;
+use super::qos::{self, Endpoint};
 use super::signals::StopSignals;
 
 /// Maximum number of messages that wait to be shown; further ones are dropped.
@@ -55,19 +56,23 @@ impl Subscribed {
     /// Passes on all messages indefinitely.
     pub async fn show(self, to: SyncSender<Seen>) {
         join!(
-            pass(&self.state, &to, Seen::State),
-            pass(&self.forces, &to, Seen::Forces),
-            pass(&self.forecast, &to, Seen::Forecast),
-            pass(&self.report, &to, Seen::Report),
-            pass(&self.status, &to, Seen::Status),
-            pass(&self.estimate, &to, |it| Seen::Estimate(Box::new(it))),
-            pass(&self.fleet, &to, Seen::Fleet),
+            pass(&self.state, &qos::COLUMN_STATE, &to, Seen::State),
+            pass(&self.forces, &qos::HINGE_FORCES, &to, Seen::Forces),
+            pass(&self.forecast, &qos::IMPACT_FORECAST, &to, Seen::Forecast),
+            pass(&self.report, &qos::IMPACT_REPORT, &to, Seen::Report),
+            pass(&self.status, &qos::TWIN_STATUS, &to, Seen::Status),
+            pass(&self.estimate, &qos::IMPACT_ESTIMATE, &to, |it| {
+                Seen::Estimate(Box::new(it))
+            }),
+            pass(&self.fleet, &qos::FLEET_STATUS, &to, Seen::Fleet),
         );
     }
 }
 
+/// Passes on all messages of a topic, and how many of them were lost.
 pub(super) async fn pass<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Option<Subscription<M>>,
+    endpoint: &Endpoint,
     to: &SyncSender<Seen>,
     seen: impl Fn(M) -> Seen,
 ) {
@@ -76,11 +81,25 @@ pub(super) async fn pass<M: serde::de::DeserializeOwned + 'static>(
     };
     let messages = subscription.async_stream();
     pin_mut!(messages);
+    let mut missed = Missed::default();
+    // Not told yet.
+    let mut count = 0;
     while let Some(message) = messages.next().await {
-        // When the queue is full, further lines are dropped; unreadable messages are ignored.
-        if let Ok((message, _)) = message {
-            let _ = to.try_send(seen(message));
+        // Unreadable messages are ignored.
+        let Ok((message, info)) = message else {
+            missed.unreadable();
+            continue;
+        };
+        let before = missed.before(&info);
+        // Where only the newest message counts, nobody misses the others.
+        count += if endpoint.qos.depth > 1 { before } else { 0 };
+        let topic = endpoint.name;
+        if count > 0 && to.try_send(Seen::Missed { topic, count }).is_ok() {
+            count = 0;
         }
+        // When the queue is full, further messages are dropped.
+        let is_dropped = to.try_send(seen(message)).is_err();
+        count += u64::from(is_dropped);
     }
 }
 

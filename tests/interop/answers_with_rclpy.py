@@ -5,7 +5,8 @@ Started by tests/partition with a running node in the domain of ROS_DOMAIN_ID:
 
     answers_with_rclpy.py COLUMN_ID
 
-Prints `sent NUMBER` before it sends an event, and `forecast NUMBER` when the forecast of one has arrived.
+Prints `sent NUMBER` before it sends an event, `forecast NUMBER` when the forecast of one has arrived, `rejected COUNT` when the column
+has rejected more of them, and `diagnostics TEXT` when /diagnostics says something else of the messages of the node.
 """
 
 import sys
@@ -13,7 +14,8 @@ import sys
 import rclpy
 from rclpy.qos import QoSProfile
 
-from column_twin.msg import ImpactEvent, ImpactReport
+from column_twin.msg import ImpactEvent, ImpactReport, TwinStatus
+from diagnostic_msgs.msg import DiagnosticArray
 
 PERIOD = 0.5
 
@@ -23,6 +25,7 @@ def main():
     node = rclpy.create_node("persistent_peer")
     events = node.create_publisher(ImpactEvent, "impact_event", QoSProfile(depth=10))
     number = 0
+    last, rejected = None, 0
 
     def send():
         nonlocal number
@@ -37,7 +40,22 @@ def main():
     def receive(report):
         print("forecast", report.event_id, flush=True)
 
+    def diagnose(array):
+        nonlocal last
+        for status in array.status:
+            if status.name.endswith(": ros") and status.message != last:
+                last = status.message
+                print("diagnostics", last, flush=True)
+
+    def count(status):
+        nonlocal rejected
+        if status.column_id == sys.argv[1] and status.events_refused > rejected:
+            rejected = status.events_refused
+            print("rejected", rejected, flush=True)
+
     node.create_subscription(ImpactReport, "impact_forecast", receive, QoSProfile(depth=10))
+    node.create_subscription(DiagnosticArray, "/diagnostics", diagnose, QoSProfile(depth=10))
+    node.create_subscription(TwinStatus, "twin_status", count, QoSProfile(depth=10))
     node.create_timer(PERIOD, send)
     rclpy.spin(node)
 

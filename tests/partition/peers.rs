@@ -1,7 +1,8 @@
 //! Nodes, and peers of theirs that keep exchanging messages with them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
@@ -66,6 +67,8 @@ impl Kind {
         }
         command.arg("--ros-args").args(self.enclave("/column_twin"));
         command.args(["-p", "state.directory:=''", "-p", "real_time.priority:=0"]);
+        // Long enough for a vehicle that comes from afar.
+        command.args(["-p", "response.duration:=10.0"]);
         if self != Self::RclpyOfFleet {
             command.args(["-p", &format!("column_id:={COLUMN}")]);
         }
@@ -76,6 +79,8 @@ impl Kind {
     fn own_program(self, network: &Network, machine: usize, folder: &Path) -> Command {
         let mut command = network.on(machine, "env");
         command.arg("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET");
+        // Of its own, so that a terminal's stop has an effect.
+        command.process_group(0);
         if self.is_secured() {
             let keystore = folder.join("keystore");
             command.args(["ROS_SECURITY_ENABLE=true", "ROS_SECURITY_STRATEGY=Enforce"]);
@@ -148,6 +153,12 @@ pub struct Peer<'a> {
     lines: Receiver<String>,
     /// When each impact was sent, by its identifier.
     sent: BTreeMap<String, Instant>,
+    /// Impacts whose forecasts have arrived.
+    answered: BTreeSet<String>,
+    /// The last thing that `/diagnostics` said of the messages of the node.
+    diagnostics: Option<String>,
+    /// Forecasts that the peer itself said were lost, or impacts that the column rejected.
+    missed: u64,
     /// Sends impacts, where the peer does not.
     sender: Option<Sender<'a>>,
 }
@@ -196,6 +207,9 @@ impl<'a> Peer<'a> {
             child,
             lines,
             sent: BTreeMap::new(),
+            answered: BTreeSet::new(),
+            diagnostics: None,
+            missed: 0,
             sender: kind.script().is_none().then(|| Sender {
                 network,
                 domain,
@@ -222,6 +236,64 @@ impl<'a> Peer<'a> {
         None
     }
 
+    /// The process id.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Whether the impacts come from the machine of the node, where the test sends them.
+    pub fn is_sent_to(&self) -> bool {
+        self.sender.is_some()
+    }
+
+    /// Whether the peer counts the impacts that were rejected, as ROS 2 does.
+    pub fn counts_rejected(&self) -> bool {
+        matches!(self.kind, Kind::Rclpy | Kind::RclpyOfFleet)
+    }
+
+    /// Number of impacts sent between two instants whose forecasts have not arrived.
+    pub fn unanswered(&self, from: Instant, until: Instant) -> u64 {
+        let sent = self.sent.iter();
+        let open = sent
+            .filter(|(id, at)| (from..until).contains(*at) && !self.answered.contains(id.as_str()));
+        open.count() as u64
+    }
+
+    /// What `/diagnostics` said last of the messages of the node, where the peer tells it.
+    pub fn diagnostics(&self) -> Option<&str> {
+        self.diagnostics.as_deref()
+    }
+
+    /// Forecasts that the peer itself said were lost, as one of our own does, or impacts that were rejected, as ROS 2 tells.
+    pub fn missed(&self) -> u64 {
+        self.missed
+    }
+
+    /// Sends an impact from a distance \[m\] at 1 m/s; it must be one to which the test sends. Returns its identifier.
+    pub fn send_from(&mut self, gap: f64) -> String {
+        let sender = self.sender.as_mut().expect("the test sends");
+        let gap = gap.to_string();
+        let event_id = sender.send(self.kind, &["--velocity", "1", "--gap", &gap]);
+        self.sent.insert(event_id.clone(), Instant::now());
+        event_id
+    }
+
+    /// Waits for a line; `false` at the deadline.
+    pub fn says(&mut self, text: &str, deadline: Instant) -> bool {
+        while let Some(rest) = deadline.checked_duration_since(Instant::now()) {
+            match self.lines.recv_timeout(rest) {
+                Ok(line) => {
+                    self.take(&line);
+                    if line.contains(text) {
+                        return true;
+                    }
+                }
+                Err(_) => return false,
+            }
+        }
+        false
+    }
+
     /// Reads what it prints.
     pub fn follow_until(&mut self, end: Instant) {
         while Instant::now() < end {
@@ -234,51 +306,66 @@ impl<'a> Peer<'a> {
         self.send_if_due();
         let rest = deadline.saturating_duration_since(Instant::now());
         let line = self.lines.recv_timeout(rest.min(INTERVAL)).ok()?;
+        self.take(&line)
+    }
+
+    /// Takes a line; returns the identifier of a forecast.
+    fn take(&mut self, line: &str) -> Option<String> {
         if let Some(event_id) = line.strip_prefix("sent ") {
             self.sent.insert(event_id.to_owned(), Instant::now());
+        }
+        if let Some(text) = line.strip_prefix("diagnostics ") {
+            self.diagnostics = Some(text.to_owned());
+        }
+        if let Some(count) = line.strip_prefix("rejected ") {
+            self.missed = count.parse().unwrap_or(0);
+        }
+        if line.contains("messages were lost")
+            && let Some((before, _)) = line.split_once(" on impact_forecast")
+        {
+            let count = before.rsplit(' ').next().and_then(|it| it.parse().ok());
+            self.missed += count.unwrap_or(0);
         }
         // As the scripts tell it, or as `column-twin watch` does.
         let event_id = line.strip_prefix("forecast ")?;
         let event_id = event_id.strip_prefix("of ").unwrap_or(event_id);
-        Some(event_id.split(':').next()?.to_owned())
+        let event_id = event_id.split(':').next()?.to_owned();
+        self.answered.insert(event_id.clone());
+        Some(event_id)
     }
 
     fn send_if_due(&mut self) {
-        let Some(Sender {
-            network,
-            domain,
-            folder,
-            due,
-        }) = &mut self.sender
-        else {
+        let kind = self.kind;
+        let Some(sender) = self.sender.as_mut().filter(|it| Instant::now() >= it.due) else {
             return;
         };
-        if Instant::now() < *due {
-            return;
-        }
-        let mut command = self.kind.own_program(network, NODE, folder);
-        command.args([
-            "impact",
-            "--mass",
-            "10",
-            "--velocity",
-            "0.5",
-            "--column",
-            COLUMN,
-        ]);
         let sent = Instant::now();
+        let event_id = sender.send(kind, &["--velocity", "0.5"]);
+        sender.due = Instant::now() + INTERVAL;
+        self.sent.insert(event_id, sent);
+    }
+}
+
+impl Sender<'_> {
+    /// Sends a light impact, which leaves no damage, and returns its identifier once its forecast is there.
+    fn send(&self, kind: Kind, arguments: &[&str]) -> String {
+        let mut command = kind.own_program(self.network, NODE, self.folder);
+        command.args(["impact", "--mass", "10", "--column", COLUMN]);
         let output = command
+            .args(arguments)
             .arg("--ros-args")
-            .args(self.kind.enclave("/operator"))
-            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+            .args(kind.enclave("/operator"))
+            .env(
+                "ROS_DOMAIN_ID",
+                self.domain.environment.domain_id.to_string(),
+            )
             .output()
             .unwrap();
         assert!(output.status.success(), "{output:?}");
-        *due = Instant::now() + INTERVAL;
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         let event_id = said.split('"').nth(1);
         let event_id = event_id.unwrap_or_else(|| panic!("no identifier in {said}"));
-        self.sent.insert(event_id.to_owned(), sent);
+        event_id.to_owned()
     }
 }
 

@@ -40,6 +40,12 @@ const ARGUMENTS: [&str; 11] = [
     "response.duration:=10.0",
 ];
 
+/// The columns of a fleet.
+const TABLE: &str = "namespace,column_id\n/hall/a,column\n/hall/b,b\n";
+
+/// A fleet of two columns.
+const FLEET: [&str; 3] = ["fleet", "--columns", "fleet.csv"];
+
 fn program(domain: &Domain, folder: &Path, arguments: &[&str]) -> Program {
     let mut command = Command::new("sh");
     // What `watch` shows goes to its standard output, and the log is read.
@@ -67,8 +73,7 @@ struct Exchange {
 impl Exchange {
     fn start(domain: &Domain, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let table = "namespace,column_id\n/hall/a,column\n/hall/b,b\n";
-        std::fs::write(folder.path().join("fleet.csv"), table).unwrap();
+        std::fs::write(folder.path().join("fleet.csv"), TABLE).unwrap();
         let all = [arguments, &ARGUMENTS[..]].concat();
         let mut program = program(domain, folder.path(), &all);
         program.wait_for("is ready in domain");
@@ -122,6 +127,19 @@ impl Exchange {
         self.works();
     }
 
+    /// The periods that passed during a stop were skipped and counted.
+    fn tells_skipped_periods(&mut self, diagnostics: &Incoming<DiagnosticArray>) {
+        diagnostics.find("skipped periods", |array| {
+            let mut statuses = array.status.iter();
+            statuses.any(|it| it.message == "periods were skipped")
+        });
+        let is_told = |line: &String| line.contains("[WARN]") && line.contains("and skipped ");
+        if !self.program.log_so_far().iter().any(is_told) {
+            let line = self.program.wait_for("and skipped ");
+            assert!(is_told(&line), "{line}");
+        }
+    }
+
     /// Every impact is in the recording, which is verified by recomputation.
     fn ends_with_a_good_recording(self) {
         let impacts = self.number;
@@ -159,11 +177,7 @@ fn a_node_that_was_stopped_hears_records_and_answers() {
         exchange.works();
     }
     exchange.completes_a_response(By::Stop, SHORT);
-    // The periods that passed meanwhile were skipped and counted.
-    diagnostics.find("skipped periods", |array| {
-        let mut statuses = array.status.iter();
-        statuses.any(|it| it.message == "periods were skipped")
-    });
+    exchange.tells_skipped_periods(&diagnostics);
     drop(diagnostics);
     exchange.ends_with_a_good_recording();
 }
@@ -171,10 +185,13 @@ fn a_node_that_was_stopped_hears_records_and_answers() {
 #[test]
 fn a_fleet_that_was_stopped_hears_records_and_answers() {
     let domain = Domain::fresh();
-    let mut exchange = Exchange::start(&domain, &["fleet", "--columns", "fleet.csv"]);
+    let mut exchange = Exchange::start(&domain, &FLEET);
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut exchange.node, &qos::DIAGNOSTICS);
     stop_for(exchange.program.id(), By::Stop, SHORT);
     exchange.works();
     exchange.completes_a_response(By::Terminal, SHORT);
+    exchange.tells_skipped_periods(&diagnostics);
+    drop(diagnostics);
     exchange.ends_with_a_good_recording();
 }
 
@@ -212,8 +229,18 @@ fn a_watch_that_was_stopped_goes_on() {
 #[test]
 #[ignore = "slow: stops of 30 s; needs gdb and strace"]
 fn long_stops_and_debuggers_do_no_harm() {
+    long_stops_and_debuggers_do_no_harm_to(&["run"]);
+}
+
+#[test]
+#[ignore = "slow: stops of 30 s; needs gdb and strace"]
+fn long_stops_and_debuggers_do_no_harm_to_a_fleet() {
+    long_stops_and_debuggers_do_no_harm_to(&FLEET);
+}
+
+fn long_stops_and_debuggers_do_no_harm_to(arguments: &[&str]) {
     let domain = Domain::fresh();
-    let mut exchange = Exchange::start(&domain, &["run"]);
+    let mut exchange = Exchange::start(&domain, arguments);
     let mut watch = watch(&domain, &mut exchange);
     for by in [By::Gdb, By::Strace] {
         stop_for(exchange.program.id(), by, SHORT);
@@ -226,4 +253,67 @@ fn long_stops_and_debuggers_do_no_harm() {
     exchange.completes_a_response(By::Stop, LONG);
     watches_on(&mut exchange, &mut watch, By::Stop, LONG);
     exchange.ends_with_a_good_recording();
+}
+
+/// Has a process close one of the descriptors with which a thread waits, as a fault of the library would.
+fn close_in(process: u32, descriptor: &str) {
+    let process = process.to_string();
+    let call = format!("call ((int (*)(int)) close)({descriptor})");
+    let arguments = [
+        "-nx", "-batch", "-p", &process, "-ex", &call, "-ex", "detach",
+    ];
+    let output = Command::new("gdb").args(arguments).output();
+    let output = output.expect("this test needs gdb");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        said.contains("= 0") && said.contains("detached"),
+        "{output:?}"
+    );
+}
+
+/// The descriptors with which threads of a process wait for several events: those of the two loops of the library.
+fn waits_of(process: u32) -> Vec<String> {
+    let descriptors = std::fs::read_dir(format!("/proc/{process}/fd")).unwrap();
+    let descriptors = descriptors.map(|it| it.unwrap());
+    let is_wait = |it: &std::fs::DirEntry| {
+        let target = std::fs::read_link(it.path()).unwrap_or_default();
+        target.to_string_lossy().contains("[eventpoll]")
+    };
+    let waits = descriptors.filter(is_wait);
+    waits
+        .map(|it| it.file_name().into_string().unwrap())
+        .collect()
+}
+
+/// A loop that could not wait any more ended with a message at a level that is not shown, and the program went on, deaf.
+#[test]
+#[ignore = "needs gdb"]
+fn a_program_whose_library_can_no_longer_wait_ends_with_an_error() {
+    for arguments in [&["run"][..], &FLEET, &["watch"]] {
+        for loop_of_library in 0..2 {
+            let domain = Domain::fresh();
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("fleet.csv"), TABLE).unwrap();
+            let is_node = arguments[0] != "watch";
+            let node_arguments = if is_node { &ARGUMENTS[..] } else { &[] };
+            let mut program = program(
+                &domain,
+                folder.path(),
+                &[arguments, node_arguments].concat(),
+            );
+            program.wait_for(if is_node {
+                "is ready in domain"
+            } else {
+                "watching "
+            });
+            let waits = waits_of(program.id());
+            assert_eq!(waits.len(), 2, "one for each loop");
+            close_in(program.id(), &waits[loop_of_library]);
+            let (ended, log) = program.end();
+            let log = log.join("\n");
+            assert_eq!(ended.code(), Some(1), "{arguments:?}: {log}");
+            let is_logged = !is_node || log.contains("[ERROR]");
+            assert!(is_logged && log.contains("RustDDS"), "{log}");
+        }
+    }
 }

@@ -265,7 +265,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             Seen::Report(report) => self.outcome = Some(report.clone()),
             Seen::State(state) => self.state(state),
             Seen::Forces(forces) => self.forces(forces),
-            Seen::Status(_) | Seen::Estimate(_) | Seen::Fleet(_) => {}
+            Seen::Status(_) | Seen::Estimate(_) | Seen::Fleet(_) | Seen::Missed { .. } => {}
         }
     }
 

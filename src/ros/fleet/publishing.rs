@@ -25,6 +25,7 @@ use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, Status, Tw
 use super::super::clock_watch::SeldomWarning;
 use super::super::diagnostics::NodeCounters;
 use super::super::live_twin::Health;
+use super::super::loss_log::LossLog;
 use super::super::matches::Matches;
 use super::super::measurements::SensedColumns;
 use super::super::node::{Node, NodeError};
@@ -111,6 +112,7 @@ pub(super) struct FleetPublishing {
     last_reader_round: Option<Instant>,
     last_diagnostics: Option<Instant>,
     clock_warning: SeldomWarning,
+    loss_log: LossLog,
     /// The time to publish is over.
     is_over: bool,
 }
@@ -160,6 +162,7 @@ impl FleetPublishing {
             last_reader_round: None,
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
+            loss_log: LossLog::default(),
             is_over: false,
         })
     }
@@ -495,6 +498,7 @@ impl FleetPublishing {
             return;
         }
         let health: Health = self.fleet.health();
+        self.loss_log.look(&health, &self.counters, Instant::now());
         if let Some(sensors) = &mut self.sensors {
             sensors.look(self.fleet.now(), |column, problem| {
                 self.board.note_sensors(column as usize, problem);
