@@ -237,6 +237,7 @@ fn forces_are_compared_with_the_plateau() {
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        transverse_force: 0.0,
     };
     let last = State::at_rest(&model);
     let report = simulate(&model.properties, &impact, 2.0, &mut |_| {}).expect("a response");

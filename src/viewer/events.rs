@@ -170,6 +170,7 @@ mod tests {
             gap: 0.005,
             restitution: 0.0,
             vehicle: None,
+            transverse_force: 0.0,
         };
         let mut samples = Vec::new();
         let column = Parameters::default().column_properties();

@@ -336,6 +336,7 @@ mod tests {
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        transverse_force: 0.0,
     };
 
     fn samples() -> Vec<Sample> {

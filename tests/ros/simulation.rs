@@ -22,6 +22,7 @@ pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expecte
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        transverse_force: 0.0,
     };
     let properties = parameters.column_properties();
     let mut steps: Vec<Sample> = Vec::new();

@@ -84,6 +84,7 @@ const RIGHT: Impact = Impact {
     gap: 0.0,
     restitution: 0.0,
     vehicle: None,
+    transverse_force: 0.0,
 };
 const WRONG: Impact = Impact {
     mass: 1100.0,

@@ -13,6 +13,7 @@ const IMPACT: Impact = Impact {
     gap: 0.0,
     restitution: 0.0,
     vehicle: None,
+    transverse_force: 0.0,
 };
 
 /// Computes two impacts with the mechanics alone, the second after `first_steps`: the plastic work of the first, and the

@@ -19,6 +19,7 @@ fn impact() -> (Vec<Sample>, Report) {
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        transverse_force: 0.0,
     };
     let mut samples = Vec::new();
     let column = Parameters::default().column_properties();

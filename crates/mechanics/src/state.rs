@@ -7,6 +7,7 @@ use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
 use super::frame;
 use super::geometry::Displacement;
+use super::impact::time_of_travel;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
 use super::properties::is_default;
@@ -297,7 +298,11 @@ impl State {
                 + frame.above.elastic_energy(&self.forces.above)
                 + 0.5 * frame.top_spring_stiffness * square(u2),
             vehicle_elastic,
-            load_work: model.properties.top_load * u2,
+            load_work: model.properties.top_load * u2
+                + self
+                    .impactor
+                    .as_ref()
+                    .map_or(0.0, |i| i.transverse_work(self.displacement.v1)),
         }
     }
 
@@ -390,7 +395,8 @@ impl State {
             return None;
         }
         // One step less than the quotient: its rounding must not let the impactor through.
-        let steps = self.gap() / impactor.velocity / model.step_secs;
+        let acceleration = impactor.impact.acceleration();
+        let steps = time_of_travel(self.gap(), impactor.velocity, acceleration) / model.step_secs;
         Some((steps.floor() as u64).saturating_sub(1))
     }
 

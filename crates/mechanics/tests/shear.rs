@@ -135,6 +135,7 @@ fn case(case: &Value, scheme: Scheme) -> (ColumnProperties, Impact) {
         gap: 0.0,
         restitution: 0.0,
         vehicle: vehicle(case),
+        transverse_force: 0.0,
     };
     (properties, impact)
 }

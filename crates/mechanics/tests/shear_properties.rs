@@ -149,6 +149,7 @@ fn impact() -> impl Strategy<Value = Impact> {
                 gap,
                 restitution,
                 vehicle: None,
+                transverse_force: 0.0,
             })
     };
     let front =

@@ -106,6 +106,7 @@ mod tests {
             gap: 0.0,
             restitution: 0.0,
             vehicle: None,
+            transverse_force: 0.0,
         };
         let struck = Plant::virgin(&properties)
             .expect("stands")

@@ -42,6 +42,7 @@ pub fn paper() -> (ColumnProperties, Impact) {
         gap: 0.0,
         restitution: 0.0,
         vehicle: None,
+        transverse_force: 0.0,
     };
     (properties, impact)
 }
@@ -116,6 +117,7 @@ pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
             "impact.velocity" => impact.velocity = number(),
             "impact.gap" => impact.gap = number(),
             "impact.restitution" => impact.restitution = number(),
+            "impact.transverse_force" => impact.transverse_force = number(),
             "vehicle.name" if value == "lorry" => {
                 impact.vehicle = Some(lorry());
                 impact.mass = lorry().total_mass();
