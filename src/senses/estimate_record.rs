@@ -66,4 +66,11 @@ struct ExactImpact {
     #[serde(with = "exact_number")]
     restitution: f64,
     vehicle: Option<Vehicle>,
+    // Absent in recordings of programs that know no such force, and 0 in every estimate.
+    #[serde(default, with = "exact_number", skip_serializing_if = "is_zero")]
+    transverse_force: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }

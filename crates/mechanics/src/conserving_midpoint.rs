@@ -159,7 +159,12 @@ impl NonlinearSystem for Conserving<'_> {
             contact,
         } = point;
         let followed = below.follow(&frame.below, [-u1, v1], -beta1, &forces.below)
-            && above.follow(&frame.above, [u1 - u2, v1], beta1, &forces.above);
+            && above.follow(
+                &frame.above,
+                [u1 - u2, frame.across_above(v1)],
+                beta1,
+                &forces.above,
+            );
         if followed {
             self.motion.residual(to, contact);
         }

@@ -292,7 +292,7 @@ impl State {
         Energies {
             column_kinetic: 0.5
                 * (model.impact_point_mass * (square(velocity.v1) + square(velocity.u1))
-                    + model.properties.top_mass * square(velocity.u2)),
+                    + model.top_mass() * square(velocity.u2)),
             impactor_kinetic,
             elastic: frame.below.elastic_energy(&self.forces.below)
                 + frame.above.elastic_energy(&self.forces.above)
@@ -597,7 +597,11 @@ impl State {
 
     fn hinges(&self, model: &Model) -> [HingeSample; HINGES] {
         let chords = model.frame.chords(&self.displacement);
-        let total = frame::strains(&chords, &frame::angles(&chords), self.displacement.beta1);
+        let mut total = frame::strains(&chords, &frame::angles(&chords), self.displacement.beta1);
+        if model.frame.top_is_free {
+            // Bar b turns with the impact point.
+            total.above.rotation = [0.0; 2];
+        }
         let hinge = |bar: &Bar,
                      forces: &BarForces,
                      plastic: &PlasticFlow,
