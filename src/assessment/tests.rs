@@ -238,6 +238,7 @@ fn forces_are_compared_with_the_plateau() {
         restitution: 0.0,
         vehicle: None,
         bumper_height: 0.0,
+        transverse_force: 0.0,
     };
     let last = State::at_rest(&model);
     let report = simulate(&model.properties, &impact, 2.0, &mut |_| {}).expect("a response");

@@ -162,6 +162,7 @@ fn support(support: &Support) -> String {
     match support {
         Support::BuiltIn => "built in".to_owned(),
         Support::Pinned => "pinned".to_owned(),
+        Support::Free => "free".to_owned(),
         Support::SemiRigid { stiffness } => {
             format!("semi-rigid ({} kN m/rad)", significant(stiffness * 1e-3, 4))
         }

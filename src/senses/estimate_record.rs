@@ -68,4 +68,11 @@ struct ExactImpact {
     vehicle: Option<Vehicle>,
     #[serde(with = "exact_number", default)]
     bumper_height: f64,
+    // Absent in recordings of programs that know no such force, and 0 in every estimate.
+    #[serde(default, with = "exact_number", skip_serializing_if = "is_zero")]
+    transverse_force: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }

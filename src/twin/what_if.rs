@@ -42,7 +42,7 @@ pub struct Striking {
 impl Striking {
     /// Time until the vehicle touches a column that stands still \[ns\].
     pub(super) fn approach_nanos(&self) -> i64 {
-        (1e9 * self.impact.gap / self.impact.velocity).round() as i64
+        (1e9 * self.impact.approach_secs()).round() as i64
     }
 }
 
@@ -220,7 +220,7 @@ impl ColumnSnapshot {
     /// The vehicle would not reach the column within `response.duration`, if the column stood still.
     fn check_approach(&self, impact: &Impact) -> Result<(), Refusal> {
         let Impact { gap, velocity, .. } = impact;
-        let (approach, longest) = (gap / velocity, self.parameters.response_duration());
+        let (approach, longest) = (impact.approach_secs(), self.parameters.response_duration());
         if approach <= longest {
             return Ok(());
         }

@@ -337,6 +337,7 @@ mod tests {
         restitution: 0.0,
         vehicle: None,
         bumper_height: 0.0,
+        transverse_force: 0.0,
     };
 
     fn samples() -> Vec<Sample> {

@@ -23,6 +23,7 @@ pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expecte
         restitution: 0.0,
         vehicle: None,
         bumper_height: 0.0,
+        transverse_force: 0.0,
     };
     let properties = parameters.column_properties();
     let mut steps: Vec<Sample> = Vec::new();

@@ -85,6 +85,7 @@ const RIGHT: Impact = Impact {
     restitution: 0.0,
     vehicle: None,
     bumper_height: 0.0,
+    transverse_force: 0.0,
 };
 const WRONG: Impact = Impact {
     mass: 1100.0,

@@ -14,6 +14,7 @@ const IMPACT: Impact = Impact {
     restitution: 0.0,
     vehicle: None,
     bumper_height: 0.0,
+    transverse_force: 0.0,
 };
 
 /// Computes two impacts with the mechanics alone, the second after `first_steps`: the plastic work of the first, and the

@@ -20,6 +20,7 @@ fn impact() -> (Vec<Sample>, Report) {
         restitution: 0.0,
         vehicle: None,
         bumper_height: 0.0,
+        transverse_force: 0.0,
     };
     let mut samples = Vec::new();
     let column = Parameters::default().column_properties();

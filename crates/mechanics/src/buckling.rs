@@ -116,8 +116,9 @@ impl BucklingCurve {
     }
 }
 
-/// `K`: the buckling length of a column held against sway at both ends, relative to its length `length` \[m\]; exact for
-/// elastic rotational springs at the ends, 0.5 for two built-in ends, 0.699 for one, 1 for none. `bending_stiffness` is
+/// `K`: the buckling length of a column held against sway at its base, and at its top unless that is free, relative to its
+/// length `length` \[m\]; exact for elastic rotational springs at the ends, 0.5 for two built-in ends, 0.699 for one, 1 for
+/// none, 2 for a free top above a built-in base. `bending_stiffness` is
 /// `EI` \[N m²\] about the axis of bending.
 #[must_use]
 pub fn effective_length_factor(
@@ -129,9 +130,12 @@ pub fn effective_length_factor(
     // Fixity k / (k + EI/L): 0 pinned, 1 built in.
     let fixity = |support| match support {
         Support::BuiltIn => 1.0,
-        Support::Pinned => 0.0,
+        Support::Pinned | Support::Free => 0.0,
         Support::SemiRigid { stiffness } => stiffness / (stiffness + bending_stiffness / length),
     };
+    if top == Support::Free {
+        return cantilever_length_factor(fixity(base));
+    }
     let (a, b) = (fixity(base), fixity(top));
     let (free, mixed, held) = ((1.0 - a) * (1.0 - b), a * (1.0 - b) + b * (1.0 - a), a * b);
     // The determinant of the beam-column's stiffness with its end springs, freed of its poles; x = pi / K.
@@ -143,6 +147,22 @@ pub fn effective_length_factor(
     for _ in 0..f64::MANTISSA_DIGITS {
         let middle = 0.5 * (low + high);
         if determinant(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    PI / high
+}
+
+/// `K` of a column that is held at its base alone, with the fixity `a` of its rotational spring `k`, so that
+/// `x tan x = k L / EI`, `x = pi / K`: 2 if it is built in, and without bound as the spring becomes soft.
+fn cantilever_length_factor(a: f64) -> f64 {
+    let determinant = |x: f64| (1.0 - a) * x * libm::sin(x) - a * libm::cos(x);
+    let (mut low, mut high) = (0.0, 0.5 * PI);
+    for _ in 0..f64::MANTISSA_DIGITS {
+        let middle = 0.5 * (low + high);
+        if determinant(middle) < 0.0 {
             low = middle;
         } else {
             high = middle;
@@ -250,6 +270,11 @@ mod tests {
         let factor = |base, top| effective_length_factor(base, top, 17e6, 4.0);
         assert!((factor(Support::Pinned, Support::Pinned) - 1.0).abs() < 1e-12);
         assert!((factor(Support::BuiltIn, Support::BuiltIn) - 0.5).abs() < 1e-12);
+        assert!((factor(Support::BuiltIn, Support::Free) - 2.0).abs() < 1e-12);
+        // x tan x = 1 at x = 0.8603.
+        let as_stiff = Support::SemiRigid { stiffness: 1.0 };
+        let soft = effective_length_factor(as_stiff, Support::Free, 4.0, 4.0);
+        assert!((soft - PI / 0.860_333_589).abs() < 1e-8);
         // tan x = x.
         let one = PI / 4.493_409_457_909_064;
         assert!((factor(Support::BuiltIn, Support::Pinned) - one).abs() < 1e-12);

@@ -163,6 +163,12 @@ pub struct PushDownPoint {
 /// Why a push-down was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CapacityError {
+    /// A load on a free top would sway with it.
+    #[error(
+        "the axial capacity is not evaluated: the top is free, and the model does not follow a load that sways with it; \
+         hold the top if the column carries one"
+    )]
+    FreeTop,
     /// The bow is not a length of the right size.
     #[error(
         "the imperfection is {found} m; expected a length > 0 and at most {max} m, a tenth of the height. \
@@ -217,8 +223,11 @@ impl PushDown {
     /// side of `v1`.
     ///
     /// # Errors
-    /// An imperfection out of its range.
+    /// An imperfection out of its range, or a free top.
     pub fn new(model: &Model, state: &State, imperfection: f64) -> Result<Self, CapacityError> {
+        if model.frame.top_is_free {
+            return Err(CapacityError::FreeTop);
+        }
         let height = model.frame.below.length + model.frame.above.length;
         let max = MAX_IMPERFECTION * height;
         if !(imperfection > 0.0 && imperfection <= max) {
@@ -611,14 +620,16 @@ pub fn carried_load(model: &Model, state: &State) -> f64 {
 
 /// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
 /// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
-/// share away. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar bears no more than its
+/// share away; with a free top `M(N)/L_a` is left. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar bears no more than its
 /// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts.
 #[must_use]
 pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
+    let at_impact = if model.frame.top_is_free { 0.0 } else { 1.0 };
     [&model.frame.below, &model.frame.above]
         .into_iter()
         .map(|bar| {
-            let hinges = if bar.rotational[1][1] > 0.0 { 2.0 } else { 1.0 };
+            let at_end = if bar.rotational[1][1] > 0.0 { 1.0 } else { 0.0 };
+            let hinges = at_impact + at_end;
             let moments = hinges * bar.surface.moment_resistance(normal_force);
             let n = bar.surface.relative_axial(normal_force).abs();
             let web = bar.slider.as_ref().map(|slider| slider.limit(1.0, n));

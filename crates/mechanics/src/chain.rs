@@ -47,6 +47,16 @@ impl Chain {
         self.springs[0] = SpringState::open_by(gap);
     }
 
+    /// How far the centre of mass has come nearer to the column since all springs were uncrushed, less the gap then \[m\].
+    pub(crate) fn mean_crush(&self, vehicle: &Vehicle) -> f64 {
+        let (mut moment, mut crush) = (0.0, 0.0);
+        for (mass, spring) in vehicle.masses().iter().zip(&self.springs) {
+            crush += spring.crush;
+            moment += mass * crush;
+        }
+        moment / vehicle.total_mass()
+    }
+
     /// Force between vehicle and column \[N\], >= 0.
     pub(crate) fn contact_force(&self, vehicle: &Vehicle) -> f64 {
         self.springs[0].force(&vehicle.springs()[0])
@@ -104,8 +114,15 @@ impl Chain {
         }
     }
 
-    /// Moves the vehicle to the end of a part of a step of `secs` seconds that has been solved.
-    pub(crate) fn follow(&mut self, vehicle: &Vehicle, secs: f64, point: &ChainPoint) -> Crushed {
+    /// Moves the vehicle, on which a force acts that alone would give it `acceleration` \[m/s²\], to the end of a part of a step
+    /// of `secs` seconds that has been solved.
+    pub(crate) fn follow(
+        &mut self,
+        vehicle: &Vehicle,
+        acceleration: f64,
+        secs: f64,
+        point: &ChainPoint,
+    ) -> Crushed {
         let start = self.springs[0];
         let mut crushed = Crushed {
             impulse: secs * point.force(),
@@ -117,6 +134,7 @@ impl Chain {
                 self.springs[index].crushed_by(spring, point.increment[index]);
             let behind = point.mean.get(index + 1).map_or(0.0, |mean| mean.force);
             self.velocity[index] += secs * (behind - point.mean[index].force) / mass;
+            self.velocity[index] += secs * acceleration;
         }
         let end = &self.springs[0];
         // The crush grows or shrinks evenly over the part.
@@ -240,7 +258,8 @@ struct Residual {
 }
 
 impl<'a> ChainPart<'a> {
-    pub(crate) fn new(vehicle: &'a Vehicle, from: &Chain, secs: f64) -> Self {
+    /// `acceleration` \[m/s²\] is that of the free flight.
+    pub(crate) fn new(vehicle: &'a Vehicle, from: &Chain, acceleration: f64, secs: f64) -> Self {
         let springs = vehicle.springs();
         let mut part = Self {
             count: springs.len(),
@@ -260,6 +279,8 @@ impl<'a> ChainPart<'a> {
             part.free[index] = secs * (from.velocity[index] - before);
             before = from.velocity[index];
         }
+        // All masses gain the same velocity, so that only the distance to the column changes.
+        part.free[0] += 0.5 * acceleration * secs * secs;
         part
     }
 

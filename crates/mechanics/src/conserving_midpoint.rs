@@ -159,7 +159,12 @@ impl NonlinearSystem for Conserving<'_> {
             contact,
         } = point;
         let followed = below.follow(&frame.below, [-u1, v1], -beta1, &forces.below)
-            && above.follow(&frame.above, [u1 - u2, v1], beta1, &forces.above);
+            && above.follow(
+                &frame.above,
+                [u1 - u2, frame.across_above(v1)],
+                beta1,
+                &forces.above,
+            );
         if followed {
             self.motion.residual(to, contact);
         }
@@ -485,10 +490,9 @@ impl Part<'_> {
             }
             if impactor.closed {
                 impactor.position = trial.end.v1;
-                state.impulse += impactor.slow_down(trial.velocity.v1);
+                state.impulse += impactor.slow_down(trial.velocity.v1, trial.secs);
             } else {
-                let offset = self.offset_secs + trial.secs;
-                impactor.position = impactor.position_in_flight(self.model, state.step, offset);
+                impactor.fly(self.model, state.step, self.offset_secs + trial.secs);
             }
         }
         Ok(trial.secs)
@@ -554,9 +558,9 @@ pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events:
     let Some(mut impactor) = state.impactor else {
         return;
     };
+    impactor.reach(state.displacement.v1);
     let speed = impactor.closing_speed(state.velocity.v1);
     impactor.touch(model, state.step, offset_secs);
-    impactor.position = state.displacement.v1;
     let mut restitution = 0.0;
     if speed > 0.0 {
         if !events.exhausted() && state.percussions < MAX_ELASTIC_PERCUSSIONS {

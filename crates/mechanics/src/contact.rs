@@ -13,9 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::chain::{Chain, ChainPart, ChainPoint, Crushed};
 use super::impact::Impact;
 use super::model::Model;
+use super::properties::is_zero;
 use super::vehicle::Vehicle;
 
-/// A closing speed whose rebound is below this fraction of the impactor's initial speed does not rebound: contact is
+/// A closing speed whose rebound is below this fraction of the impactor's speed of arrival does not rebound: contact is
 /// taken as persistent from there on, because rebounds with restitution accumulate, infinitely many in finite time.
 pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 
@@ -52,6 +53,22 @@ struct Flight {
     position: f64,
     step: u64,
     offset_secs: f64,
+    /// Velocity at its beginning where a transverse force changes it; otherwise 0, and the velocity of the impactor holds
+    /// throughout \[m/s\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    velocity: f64,
+}
+
+impl Flight {
+    fn new(impact: &Impact, position: f64, velocity: f64, step: u64, offset_secs: f64) -> Self {
+        let is_pushed = impact.transverse_force != 0.0;
+        Self {
+            position,
+            step,
+            offset_secs,
+            velocity: if is_pushed { velocity } else { 0.0 },
+        }
+    }
 }
 
 /// What an impactor adds to the equation of motion of the impact point over one part of a step.
@@ -74,11 +91,7 @@ impl Impactor {
             closed: false,
             touched_at: None,
             released_at: None,
-            flight: Flight {
-                position,
-                step: 0,
-                offset_secs: 0.0,
-            },
+            flight: Flight::new(&impact, position, impact.velocity, 0, 0.0),
             chain: impact
                 .vehicle
                 .as_ref()
@@ -100,7 +113,12 @@ impl Impactor {
     #[inline]
     pub(crate) fn chain_part(&self, secs: f64) -> Option<ChainPart<'_>> {
         let (vehicle, chain) = self.vehicle()?;
-        Some(ChainPart::new(vehicle, chain, secs))
+        Some(ChainPart::new(
+            vehicle,
+            chain,
+            self.impact.acceleration(),
+            secs,
+        ))
     }
 
     /// Moves a compliant vehicle to the end of a part of a step that has been solved, which began `offset_secs` into step
@@ -115,7 +133,7 @@ impl Impactor {
         let (Some(vehicle), Some(chain)) = (&self.impact.vehicle, &mut self.chain) else {
             return Crushed::default();
         };
-        let crushed = chain.follow(vehicle, secs, point);
+        let crushed = chain.follow(vehicle, self.impact.acceleration(), secs, point);
         self.velocity = chain.mean_velocity(vehicle);
         self.position = v1 - chain.gap();
         self.closed = chain.contact_force(vehicle) > 0.0;
@@ -129,7 +147,7 @@ impl Impactor {
     /// \[m\]: `chain` of a compliant vehicle, the free flight of a rigid mass.
     pub(crate) fn arrive(&mut self, model: &Model, step: u64, v1: f64, chain: Option<Chain>) {
         let (Some(vehicle), Some(chain)) = (&self.impact.vehicle, chain) else {
-            self.position = self.position_in_flight(model, step, 0.0);
+            self.fly(model, step, 0.0);
             return;
         };
         self.velocity = chain.mean_velocity(vehicle);
@@ -154,8 +172,25 @@ impl Impactor {
         }
     }
 
+    /// Work that the transverse force does on its way to where it is, from where its centre of mass would be at the undeformed
+    /// column, where the column is at `v1` \[m\] \[J\].
+    pub(crate) fn transverse_work(&self, v1: f64) -> f64 {
+        if self.impact.transverse_force == 0.0 {
+            return 0.0;
+        }
+        let position = match self.vehicle() {
+            Some((vehicle, chain)) => v1 + chain.mean_crush(vehicle),
+            None => self.position,
+        };
+        self.impact.transverse_force * position
+    }
+
     /// Whether it will never touch a column at rest again.
     pub(crate) fn recedes_for_good(&self) -> bool {
+        if self.impact.transverse_force > 0.0 {
+            // It comes back.
+            return false;
+        }
         match self.vehicle() {
             Some((vehicle, chain)) => chain.recedes_for_good(vehicle),
             None => self.velocity <= 0.0,
@@ -187,34 +222,46 @@ impl Impactor {
     /// In persistent contact a rigid impactor moves with the impact point as one mass.
     pub(crate) fn coupling(&self) -> Coupling {
         let moves_along = self.closed && self.chain.is_none();
-        let mass = if moves_along { self.impact.mass } else { 0.0 };
-        Coupling { mass, force: 0.0 }
+        let (mass, force) = match moves_along {
+            true => (self.impact.mass, self.impact.transverse_force),
+            false => (0.0, 0.0),
+        };
+        Coupling { mass, force }
     }
 
     /// The coupling that reverses the closing speed to `-restitution` times its value within `secs`.
     pub(crate) fn rebound_coupling(&self, closing_speed: f64, secs: f64) -> Coupling {
         let Impact {
-            mass, restitution, ..
+            mass,
+            restitution,
+            transverse_force,
+            ..
         } = self.impact;
         Coupling {
             mass,
-            force: mass * (1.0 + restitution) * closing_speed / secs,
+            force: mass * (1.0 + restitution) * closing_speed / secs + transverse_force,
         }
     }
 
     /// Force of persistent contact \[N\], where the column resists with `resistance` \[N\]: both masses share the
-    /// acceleration that it gives them. Negative where they would separate.
+    /// acceleration that it and the transverse force give them. Negative where they would separate.
     pub(crate) fn contact_force(&self, model: &Model, resistance: f64) -> f64 {
         if !self.closed {
             return 0.0;
         }
-        let mass = self.impact.mass;
-        resistance * mass / (mass + model.impact_point_mass)
+        let (mass, own) = (self.impact.mass, model.impact_point_mass);
+        (resistance * mass + self.impact.transverse_force * own) / (mass + own)
     }
 
-    /// Takes a new velocity \[m/s\] and returns the impulse that this took from the impactor \[N s\].
-    pub(crate) fn slow_down(&mut self, velocity: f64) -> f64 {
-        let impulse = self.impact.mass * (self.velocity - velocity);
+    /// Takes a new velocity \[m/s\] after `secs` \[s\] and returns the impulse that the column took from the impactor
+    /// \[N s\].
+    pub(crate) fn slow_down(&mut self, velocity: f64, secs: f64) -> f64 {
+        let Impact {
+            mass,
+            transverse_force,
+            ..
+        } = self.impact;
+        let impulse = mass * (self.velocity - velocity) + transverse_force * secs;
         self.velocity = velocity;
         impulse
     }
@@ -235,6 +282,17 @@ impl Impactor {
         percussion(mass, model.impact_point_mass, closing_speed, restitution)
     }
 
+    /// Moves it by the little by which it lies away from the column at `v1` \[m\]: the round-off of the instant of an event, or
+    /// what it penetrates after the last event of a step. The work of the transverse force on that way changes its velocity.
+    pub(crate) fn reach(&mut self, v1: f64) {
+        let square = self.velocity * self.velocity;
+        let work = 2.0 * self.impact.acceleration() * (v1 - self.position);
+        if work != 0.0 {
+            self.velocity = (square + work).max(0.0).sqrt().copysign(self.velocity);
+        }
+        self.position = v1;
+    }
+
     /// Records a touch `offset_secs` into step `step` \[s\].
     pub(crate) fn touch(&mut self, model: &Model, step: u64, offset_secs: f64) {
         self.touched_at
@@ -245,31 +303,60 @@ impl Impactor {
     pub(crate) fn release(&mut self, model: &Model, step: u64, offset_secs: f64) {
         self.closed = false;
         self.released_at = Some(model.time_of_step(step) + offset_secs);
-        self.flight = Flight {
-            position: self.position,
+        self.flight = Flight::new(
+            &self.impact,
+            self.position,
+            self.velocity,
             step,
             offset_secs,
-        };
+        );
     }
 
     /// Position in free flight `offset_secs` into step `step` \[m\].
     pub(crate) fn position_in_flight(&self, model: &Model, step: u64, offset_secs: f64) -> f64 {
+        let secs = self.secs_of_flight(model, step, offset_secs);
+        if self.impact.transverse_force == 0.0 {
+            return self.flight.position + self.velocity * secs;
+        }
+        let mean = self.flight.velocity + 0.5 * self.impact.acceleration() * secs;
+        self.flight.position + mean * secs
+    }
+
+    fn secs_of_flight(&self, model: &Model, step: u64, offset_secs: f64) -> f64 {
         let steps = model.time_of_step(step - self.flight.step);
-        self.flight.position + self.velocity * (steps + (offset_secs - self.flight.offset_secs))
+        steps + (offset_secs - self.flight.offset_secs)
+    }
+
+    /// Moves a rigid impactor in free flight to `offset_secs` into step `step` \[s\].
+    pub(crate) fn fly(&mut self, model: &Model, step: u64, offset_secs: f64) {
+        self.position = self.position_in_flight(model, step, offset_secs);
+        self.velocity = self.velocity_in_flight(model, step, offset_secs);
+    }
+
+    /// Velocity in free flight `offset_secs` into step `step` \[m/s\].
+    pub(crate) fn velocity_in_flight(&self, model: &Model, step: u64, offset_secs: f64) -> f64 {
+        if self.impact.transverse_force == 0.0 {
+            return self.velocity;
+        }
+        let secs = self.secs_of_flight(model, step, offset_secs);
+        self.flight.velocity + self.impact.acceleration() * secs
     }
 
     /// Lets it fly freely to the beginning of step `step`, towards a column that rests at `v1` \[m\].
     pub(crate) fn coast(&mut self, model: &Model, step: u64, v1: f64) {
-        self.position = self.position_in_flight(model, step, 0.0);
+        self.fly(model, step, 0.0);
         if let Some(chain) = &mut self.chain {
             chain.come_near(v1 - self.position);
+            if self.impact.transverse_force != 0.0 {
+                chain.velocity = chain.velocity.map(|_| self.velocity);
+            }
         }
     }
 
     /// Restitution at a closing speed: Newton's, or 0 where the rebound would be too small to follow.
     pub(crate) fn effective_restitution(&self, closing_speed: f64) -> f64 {
         let rebound = self.impact.restitution * closing_speed;
-        if rebound < PERSISTENT_CONTACT_FRACTION * self.impact.velocity {
+        if rebound < PERSISTENT_CONTACT_FRACTION * self.impact.arrival_velocity() {
             0.0
         } else {
             self.impact.restitution

@@ -92,7 +92,7 @@ impl ElasticMotion {
             return None;
         }
         let (frame, mass) = (&model.frame, model.impact_point_mass);
-        let top_mass = model.properties.top_mass;
+        let top_mass = model.top_mass();
         let (below, above, spring) = (
             frame.below.axial,
             frame.above.axial,
@@ -214,7 +214,7 @@ impl<'a> Run<'a> {
     }
 
     fn per_mass(&self) -> Vector3<f64> {
-        let top = self.model.properties.top_mass;
+        let top = self.model.top_mass();
         let per = 1.0 / self.model.impact_point_mass;
         Vector3::new(per, per, if top > 0.0 { 1.0 / top } else { 0.0 })
     }

@@ -17,6 +17,9 @@ pub struct Frame {
     pub above: Bar,
     /// `k_s` \[N/m\].
     pub top_spring_stiffness: f64,
+    /// Whether nothing holds the top. Bar b then rides on the impact point: its chord does not see `v1`, its hinges have no
+    /// stiffness, and without a load it has no force.
+    pub top_is_free: bool,
 }
 
 impl Frame {
@@ -33,11 +36,17 @@ impl Frame {
         ]
     }
 
+    /// Extent of bar b across the column where the impact point is at `v1` \[m\].
+    #[inline(always)]
+    pub(crate) fn across_above(&self, v1: f64) -> f64 {
+        if self.top_is_free { 0.0 } else { v1 }
+    }
+
     /// Chords of both bars (Eqs 3-4, 7-8).
     pub(crate) fn chords(&self, u: &Displacement) -> PerBar<Chord> {
         PerBar {
             below: Chord::new(self.below.length, u.u1, u.v1),
-            above: Chord::new(self.above.length, u.u2 - u.u1, u.v1),
+            above: Chord::new(self.above.length, u.u2 - u.u1, self.across_above(u.v1)),
         }
     }
 
@@ -46,7 +55,7 @@ impl Frame {
         let Displacement { v1, u1, u2, .. } = *increment;
         PerBar {
             below: chords.below.turn_for(-u1, v1),
-            above: chords.above.turn_for(u1 - u2, v1),
+            above: chords.above.turn_for(u1 - u2, self.across_above(v1)),
         }
     }
 
@@ -111,13 +120,16 @@ impl Frame {
             &tangents.below,
             -1.0,
         );
-        let b = BarStiffness::new(
+        let mut b = BarStiffness::new(
             &left.above,
             &right.above,
             &forces.above,
             &tangents.above,
             1.0,
         );
+        if self.top_is_free {
+            b = b.along_only();
+        }
         // x_a = L_a - u1, x_b = L_b + u1 - u2.
         Matrix4::new(
             a.vv + b.vv,
@@ -202,6 +214,22 @@ pub(crate) struct BarStiffness {
 }
 
 impl BarStiffness {
+    /// Of a bar whose chord stays parallel to the column.
+    fn along_only(self) -> Self {
+        let Self { xx, .. } = self;
+        Self {
+            xx,
+            xv: 0.0,
+            xt: 0.0,
+            vx: 0.0,
+            vv: 0.0,
+            vt: 0.0,
+            tx: 0.0,
+            tv: 0.0,
+            tt: 0.0,
+        }
+    }
+
     /// `turn` is the sign of `beta1` in the rotation of the hinge at the impact point.
     pub(crate) fn new(
         left: &ChordGradient,

@@ -10,7 +10,7 @@ use super::vehicle::{Readable, Vehicle, VehicleError};
 ///
 /// The velocity is always given, and the mass unless a compliant vehicle has one of its own.
 /// [`ImpactSpecification::complete`] takes the gap and the restitution that are left open from the defaults of the column,
-/// and the vehicle that strikes. The height belongs to the column model, because it divides the column into
+/// with them the transverse force, and the vehicle that strikes. The height belongs to the column model, because it divides the column into
 /// the two bars; `None` keeps the height of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,8 +32,8 @@ pub struct ImpactSpecification {
 
 impl ImpactSpecification {
     /// The impact of `vehicle` (`None`: a rigid mass), whose bumper is `bumper_height` \[m\] high, with the open gap and
-    /// restitution taken from `defaults`, of which nothing else counts. The height of the impact point does not enter: it
-    /// belongs to the column model.
+    /// restitution, and the transverse force, taken from `defaults`, of which nothing else counts. The height of the impact
+    /// point does not enter: it belongs to the column model.
     ///
     /// # Errors
     /// A mass that leaves nothing for the rearmost mass of the vehicle.
@@ -55,6 +55,7 @@ impl ImpactSpecification {
             restitution: self.restitution.unwrap_or(defaults.restitution),
             vehicle: vehicle.map(|it| it.with_total_mass(mass)).transpose()?,
             bumper_height,
+            transverse_force: defaults.transverse_force,
         })
     }
 }
@@ -94,10 +95,19 @@ pub struct Impact {
     /// [`ColumnProperties::before`](super::ColumnProperties::before).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub bumper_height: f64,
+    /// Constant force on the vehicle in its direction of travel \[N\], >= 0, on each of its masses by its share of the total
+    /// mass; 0 in the paper. It acts for as long as the vehicle exists, thus before, during and after contact: the weight
+    /// `m g` of a mass that falls on a horizontal member. At most 100 m/s² times the mass.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub transverse_force: f64,
 }
 
 /// Relative difference by which the mass of an impact may differ from the sum of the masses of its vehicle: round-off.
 const MASS_TOLERANCE: f64 = 1e-12;
+
+/// Largest acceleration by the transverse force \[m/s²\], ten times that of free fall, with which no brake, motor or weight
+/// pushes a vehicle. A much larger one would move it by more than its contact resolves within a step.
+const MAX_ACCELERATION: f64 = 100.0;
 
 /// Why an impact is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -122,7 +132,27 @@ impl Impact {
             restitution: 0.0,
             vehicle: None,
             bumper_height: 0.0,
+            transverse_force: 0.0,
         }
+    }
+
+    /// Acceleration that the transverse force gives the vehicle in free flight \[m/s²\], >= 0.
+    pub(crate) fn acceleration(&self) -> f64 {
+        self.transverse_force / self.mass
+    }
+
+    /// Velocity with which the vehicle arrives at a column at rest \[m/s\].
+    pub(crate) fn arrival_velocity(&self) -> f64 {
+        if self.transverse_force == 0.0 {
+            return self.velocity;
+        }
+        (self.velocity * self.velocity + 2.0 * self.acceleration() * self.gap).sqrt()
+    }
+
+    /// Time that the vehicle needs for its gap, towards a column at rest \[s\].
+    #[must_use]
+    pub fn approach_secs(&self) -> f64 {
+        time_of_travel(self.gap, self.velocity, self.acceleration())
     }
 
     /// Checks the numbers.
@@ -155,6 +185,12 @@ impl Impact {
                 self.bumper_height,
                 self.bumper_height >= 0.0,
                 "a finite number >= 0",
+            ),
+            (
+                "transverse force [N]",
+                self.transverse_force,
+                (0.0..=MAX_ACCELERATION * self.mass).contains(&self.transverse_force),
+                "a number from 0 to 100 m/s^2 times the mass: in the direction of travel",
             ),
         ];
         for (name, found, right, expected) in checks {
@@ -196,6 +232,16 @@ impl ColumnProperties {
     }
 }
 
+/// Time for a `distance` \[m\], >= 0, that begins with `velocity` \[m/s\], > 0, under a constant `acceleration` \[m/s²\], >= 0.
+/// The form of the root does not cancel.
+pub(crate) fn time_of_travel(distance: f64, velocity: f64, acceleration: f64) -> f64 {
+    if acceleration == 0.0 {
+        return distance / velocity;
+    }
+    let arrival = (velocity * velocity + 2.0 * acceleration * distance).sqrt();
+    2.0 * distance / (velocity + arrival)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,6 +255,7 @@ mod tests {
             restitution: 0.4,
             vehicle: None,
             bumper_height: 0.0,
+            transverse_force: 50.0,
         };
         let open = ImpactSpecification {
             mass: 1500.0,
@@ -238,6 +285,32 @@ mod tests {
         assert_eq!(
             ImpactSpecification::from(expected).complete(&defaults, None, 0.0),
             Ok(expected)
+        );
+    }
+
+    #[test]
+    fn a_falling_mass_needs_the_time_of_its_fall() {
+        let (gap, gravity) = (3.26, 9.81);
+        let falls = Impact {
+            gap,
+            transverse_force: 600.0 * gravity,
+            ..Impact::rigid(600.0, 1e-9)
+        };
+        let expected = (2.0 * gap / gravity).sqrt();
+        assert!((falls.approach_secs() - expected).abs() < 1e-9 * expected);
+        let flies = Impact {
+            transverse_force: 0.0,
+            ..falls
+        };
+        assert_eq!(flies.approach_secs(), gap / 1e-9);
+        let pulled_back = Impact {
+            transverse_force: -1.0,
+            ..falls
+        };
+        let error = pulled_back.check().expect_err("a force backwards");
+        assert!(
+            error.to_string().contains("transverse force [N] is -1"),
+            "{error}"
         );
     }
 }

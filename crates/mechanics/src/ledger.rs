@@ -1,5 +1,5 @@
 //! Energy balance: kinetic + elastic (column and vehicle) + plastic work + impact loss + damping work + crush of the
-//! vehicle - P u2 is constant.
+//! vehicle - P u2 - F x_c is constant, with the transverse force `F` on the vehicle and the position `x_c` of its centre of mass.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct Ledger {
     pub input: f64,
     /// Elastic energy at the event.
     pub initial_elastic: f64,
-    /// `P u2` at the event.
+    /// `P u2 + F x_c` at the event.
     pub initial_load_work: f64,
     /// The constant of the balance.
     pub initial_total: f64,
@@ -37,7 +37,7 @@ pub struct Energies {
     pub elastic: f64,
     /// Elastic energy of the springs of a compliant vehicle.
     pub vehicle_elastic: f64,
-    /// `P u2`.
+    /// `P u2 + F x_c`: the load on the top, and the transverse force on the vehicle times the position of its centre of mass.
     pub load_work: f64,
 }
 

@@ -19,7 +19,7 @@ use super::state::{State, Velocity};
 use super::statics::{self, Settled};
 use super::strength::BarStress;
 
-/// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
+/// A closing speed above this fraction of the impactor's speed of arrival is an impact, below it round-off of
 /// persistent contact.
 const IMPACT_FRACTION: f64 = 1e-9;
 
@@ -125,7 +125,8 @@ pub(crate) fn part(
     let closing_speed = impactor.closing_speed(state.velocity.v1);
     let rebound = impactor.impact.restitution * closing_speed;
     let pressing = impactor.rebound_coupling(closing_speed, secs);
-    let velocity = impactor.velocity;
+    // What it has at the end if the column does not press on it.
+    let velocity = impactor.velocity + impactor.impact.acceleration() * secs;
     if impactor.closed {
         let pressed = solver.attempt(state, pressing)?;
         if velocity >= pressed.velocity.v1 - rebound {
@@ -215,8 +216,7 @@ impl Part<'_> {
             if impactor.closed {
                 impactor.release(self.model, state.step, self.offset_secs);
             }
-            let offset = self.offset_secs + self.secs;
-            impactor.position = impactor.position_in_flight(self.model, state.step, offset);
+            impactor.fly(self.model, state.step, self.offset_secs + self.secs);
         }
         Ok(())
     }
@@ -229,12 +229,13 @@ impl Part<'_> {
         };
         let restitution = impactor.impact.restitution;
         let before = impactor.velocity;
-        let impulse = impactor.slow_down(state.velocity.v1 - restitution * closing_speed);
+        let end = state.velocity.v1 - restitution * closing_speed;
+        let impulse = impactor.slow_down(end, self.secs);
         impactor.position += 0.5 * self.secs * (before + impactor.velocity);
         impactor.closed = true;
         impactor.touch(self.model, state.step, self.offset_secs);
         let mut percussion = 0.0;
-        if closing_speed > IMPACT_FRACTION * impactor.impact.velocity {
+        if closing_speed > IMPACT_FRACTION * impactor.impact.arrival_velocity() {
             percussion = impactor
                 .percussion(self.model, closing_speed, restitution)
                 .impulse

@@ -33,7 +33,8 @@ pub struct Model {
     pub properties: ColumnProperties,
     /// The two bars with their hinges, and the spring at the top.
     pub frame: Frame,
-    /// `m_1`: a third of the column's mass, at the impact point \[kg\].
+    /// `m_1`: a third of the column's mass, at the impact point; if the top is free, the mass there that gives the column
+    /// its moment of inertia about the base \[kg\].
     pub impact_point_mass: f64,
     /// Static equilibrium of the virgin column under its load.
     pub rest: RestState,
@@ -78,6 +79,12 @@ pub enum ModelError {
         /// What is expected instead.
         expected: &'static str,
     },
+    /// Supports, load and spring that do not belong together.
+    #[error("{reason}")]
+    Incompatible {
+        /// What is wrong, and what to do.
+        reason: &'static str,
+    },
     /// Stiffness given directly together with the coupled law.
     #[error(
         "the stiffness of hinge {hinge} is given directly, which the coupled elastic law cannot use; \
@@ -118,8 +125,9 @@ impl Model {
         check(properties)?;
         let mut p = *properties;
         let frame = frame_of(&p);
-        let impact_point_mass = p.mass_per_length * (p.length_below + p.length_above) / 3.0;
-        let masses = [impact_point_mass, impact_point_mass, 0.0, p.top_mass];
+        let impact_point_mass = impact_point_mass(&p);
+        let top_mass = if frame.top_is_free { 0.0 } else { p.top_mass };
+        let masses = [impact_point_mass, impact_point_mass, 0.0, top_mass];
         let rest = rest_state(&p, &frame)?;
         let at_rest = rest.displacement();
         let stiffness = modes::transverse_stiffness(&frame, &at_rest);
@@ -164,15 +172,31 @@ impl Model {
         without
     }
 
+    /// The column whose equations are solved as exactly as those of a single impact.
+    pub(crate) fn solved_exactly(mut self) -> Self {
+        self.tolerance = TOLERANCE;
+        self.linear_residual = 0.0;
+        self
+    }
+
     /// Whether `u2` is an algebraic unknown.
     pub(crate) fn top_is_massless(&self) -> bool {
-        self.properties.top_mass == 0.0
+        self.top_mass() == 0.0
+    }
+
+    /// Mass that moves with `u2` \[kg\]; that of a free top sways with the impact point and is part of `m_1`.
+    pub(crate) fn top_mass(&self) -> f64 {
+        if self.frame.top_is_free {
+            0.0
+        } else {
+            self.properties.top_mass
+        }
     }
 
     /// Masses of the displacements `v1, u1, beta1, u2` \[kg\].
     pub(crate) fn masses(&self) -> Masses {
         let mass = self.impact_point_mass;
-        [mass, mass, 0.0, self.properties.top_mass]
+        [mass, mass, 0.0, self.top_mass()]
     }
 
     /// Which time-stepping scheme.
@@ -192,6 +216,17 @@ impl RestState {
     }
 }
 
+/// `m_1` \[kg\]. Both bars of a column that is held at its top move as a mechanism, of which a third of the mass counts.
+/// A cantilever turns about its base as a whole, with its mass and the one at its top.
+fn impact_point_mass(p: &ColumnProperties) -> f64 {
+    let height = p.length_below + p.length_above;
+    if p.top != Support::Free {
+        return p.mass_per_length * height / 3.0;
+    }
+    let lever = height / p.length_below;
+    (p.mass_per_length * height / 3.0 + p.top_mass) * lever * lever
+}
+
 /// Stiffness of a bar's hinges, index 0 at the impact point, index 1 at the supported end; `c = EI/L`.
 ///
 /// With `r = k / (k + 4c)` (1 built-in, 0 pinned) the elastic beam with a support spring `k` at one end, condensed to
@@ -206,6 +241,7 @@ fn rotational_stiffness(
     let r = match support {
         Support::BuiltIn => 1.0,
         Support::Pinned => 0.0,
+        Support::Free => return [[0.0; 2]; 2],
         Support::SemiRigid { stiffness } => stiffness / (stiffness + 4.0 * c),
     };
     match law {
@@ -221,15 +257,26 @@ fn rotational_stiffness(
 fn frame_of(p: &ColumnProperties) -> Frame {
     let surface = YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface);
     let [stiffness_1a, stiffness_1b, stiffness_2, stiffness_3] = p.hinge_stiffness;
-    let bar = |length: f64, support, given| {
+    let is_cantilever = p.top == Support::Free;
+    let bar = |length: f64, support, given: [Option<f64>; 2]| {
         let c = p.bending_stiffness / length;
-        let rotational = match shear_deformation(p, length) {
-            0.0 => rotational_stiffness(p.elastic_law, c, support, given),
-            phi => sheared_stiffness(p.elastic_law, c, phi, support, given),
+        let of_law = |law, given| match shear_deformation(p, length) {
+            0.0 => rotational_stiffness(law, c, support, given),
+            phi => sheared_stiffness(law, c, phi, support, given),
         };
+        let mut rotational = of_law(p.elastic_law, given);
+        if is_cantilever && p.elastic_law == ElasticLaw::Uncoupled && given[1].is_none() {
+            // The springs of the paper are exact where both ends turn with the chord, but the end of a cantilever turns
+            // so that it bears no moment.
+            let [[joint, carried], [_, end]] = of_law(ElasticLaw::Coupled, [None; 2]);
+            if joint > 0.0 {
+                rotational[1][1] = end - carried * carried / joint;
+            }
+        }
         let mut bar = Bar::new(length, p.axial_rigidity / length, rotational, surface);
         bar.slider = p
             .shear
+            .filter(|_| support != Support::Free)
             .map(|shear| Slider::new(shear.resistance(length), length, &rotational));
         bar
     };
@@ -238,6 +285,7 @@ fn frame_of(p: &ColumnProperties) -> Frame {
         below: bar(below, p.base, [stiffness_1a, stiffness_3]),
         above: bar(above, p.top, [stiffness_1b, stiffness_2]),
         top_spring_stiffness: p.top_spring_stiffness,
+        top_is_free: is_cantilever,
     }
 }
 
@@ -267,6 +315,7 @@ fn sheared_stiffness(
     let r = match support {
         Support::BuiltIn => 1.0,
         Support::Pinned => 0.0,
+        Support::Free => return [[0.0; 2]; 2],
         Support::SemiRigid { stiffness } => stiffness / (stiffness + a),
     };
     let joint = a - (1.0 - r) * (b * b / a);
@@ -383,6 +432,39 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
     Ok(())
 }
 
+fn check_free_top(p: &ColumnProperties) -> Result<(), ModelError> {
+    let is_free = p.top == Support::Free;
+    let given = p.hinge_stiffness;
+    let wrong = [
+        (
+            p.base == Support::Free,
+            "the base is free, but only the top may be; build the base in, or make it semi-rigid or pinned",
+        ),
+        (
+            is_free && p.base == Support::Pinned,
+            "the top is free and the base pinned, so that nothing holds the column; build the base in, or make it semi-rigid",
+        ),
+        (
+            is_free && p.top_load > 0.0,
+            "the top is free, and a load on it would sway with it, which the model does not follow; set the load on the \
+             top to 0, or hold the top",
+        ),
+        (
+            is_free && p.top_spring_stiffness > 0.0,
+            "the top is free, so that there is nothing above it to which a spring could be fixed; set the stiffness of the \
+             top spring to 0, or hold the top",
+        ),
+        (
+            is_free && (given[1].is_some() || given[2].is_some()),
+            "the top is free, so that the hinges 1b and 2 bear no moment; leave out their stiffness, or hold the top",
+        ),
+    ];
+    match wrong.into_iter().find(|(is_wrong, _)| *is_wrong) {
+        Some((_, reason)) => Err(ModelError::Incompatible { reason }),
+        None => Ok(()),
+    }
+}
+
 fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
     for (name, support) in [
         ("stiffness of the base", p.base),
@@ -398,6 +480,7 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
             });
         }
     }
+    check_free_top(p)?;
     for (hinge, given) in HINGE_NAMES.into_iter().zip(p.hinge_stiffness) {
         let Some(stiffness) = given else { continue };
         if p.elastic_law == ElasticLaw::Coupled {

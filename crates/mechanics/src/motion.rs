@@ -273,13 +273,14 @@ fn turns_little(model: &Model, from: &Displacement, to: &Displacement) -> bool {
 /// Whether a state has lost its shape.
 pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
     let Frame { below, above, .. } = &model.frame;
-    for (bar, shortening) in [(below, u.u1), (above, u.u2 - u.u1)] {
+    let across = model.frame.across_above(u.v1);
+    for (bar, shortening, v) in [(below, u.u1, u.v1), (above, u.u2 - u.u1, across)] {
         let x = bar.length - shortening;
         if x.is_nan() || x < MIN_EXTENT * bar.length {
             return Some(Collapse::SnapThrough);
         }
         let [min, max] = LENGTH_RANGE.map(|fraction| fraction * bar.length);
-        if !(min * min..=max * max).contains(&(x * x + u.v1 * u.v1)) {
+        if !(min * min..=max * max).contains(&(x * x + v * v)) {
             return Some(Collapse::BarLength);
         }
     }

@@ -32,11 +32,11 @@ pub struct ColumnProperties {
     /// Rotational stiffness of the hinges 1a, 1b, 2, 3 given directly \[N m/rad\]; `None` follows from the
     /// supports. Only with [`ElasticLaw::Uncoupled`].
     pub hinge_stiffness: [Option<f64>; 4],
-    /// `k_s`: stiffness of the vertical spring at the top \[N/m\], >= 0.
+    /// `k_s`: stiffness of the vertical spring at the top \[N/m\], >= 0; 0 if the top is free.
     pub top_spring_stiffness: f64,
-    /// `m_2`: mass at the top \[kg\], >= 0; 0 makes `u2` an algebraic unknown.
+    /// `m_2`: mass at the top \[kg\], >= 0; 0 makes `u2` an algebraic unknown, and so does a free top, with which it sways.
     pub top_mass: f64,
-    /// `P`: constant compressive load on the top \[N\], >= 0.
+    /// `P`: constant compressive load on the top \[N\], >= 0; 0 if the top is free.
     pub top_load: f64,
     /// Fraction of critical damping of every elastic mode about the column at rest, >= 0; 0 in the paper.
     pub damping_ratio: f64,
@@ -98,8 +98,13 @@ impl ColumnProperties {
     /// Lengths over which the bars below and above the impact point deform \[m\]: without the half of the bumper that lies
     /// before each of them. Without [`shear`](Self::shear) they are the whole lengths.
     #[must_use]
+    ///
+    /// Nothing turns a cantilever back behind a bumper, so that it deforms over the whole length below the impact point.
     pub fn clear_lengths(&self) -> [f64; 2] {
-        let covered = self.shear.map_or(0.0, |shear| 0.5 * shear.bumper_height);
+        let covered = match self.top {
+            Support::Free => 0.0,
+            _ => self.shear.map_or(0.0, |shear| 0.5 * shear.bumper_height),
+        };
         [self.length_below - covered, self.length_above - covered]
     }
 }
@@ -179,6 +184,9 @@ pub enum Support {
     BuiltIn,
     /// No moment.
     Pinned,
+    /// Of the top only: nothing holds it, across the column either. The column is a cantilever, as a bollard is; above the
+    /// impact point it follows straight and carries nothing.
+    Free,
     /// A rotational spring in series with the bar's end.
     SemiRigid {
         /// \[N m/rad\], > 0.

@@ -11,7 +11,7 @@ use super::ledger::Ledger;
 use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
-use super::properties::{ColumnProperties, is_default};
+use super::properties::{ColumnProperties, is_default, is_zero};
 use super::rate::WebState;
 use super::report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 use super::sample::{HINGES, Sample, WEBS};
@@ -73,6 +73,9 @@ pub struct Response {
     last_contact: f64,
     /// Last instant at which a hinge flowed \[s\].
     last_flow: f64,
+    /// Time for which an impactor with a transverse force has pressed on the column since a hinge last flowed \[s\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pressed: f64,
     /// Period of the slowest mode about the residual state, once it was needed after the last flow \[s\].
     residual_period: Option<f64>,
     /// First plastic flow of each hinge \[s\].
@@ -118,7 +121,7 @@ impl Response {
             max_duration,
             counted_from: 0.0,
             approach_until: match moves {
-                true => (impact.gap / impact.velocity).min(MAX_APPROACH_TO_MOVING),
+                true => impact.approach_secs().min(MAX_APPROACH_TO_MOVING),
                 false => 0.0,
             },
             max_v1: state.displacement.v1,
@@ -129,6 +132,7 @@ impl Response {
             worst_residual: 0.0,
             last_contact: 0.0,
             last_flow: 0.0,
+            pressed: 0.0,
             residual_period: None,
             first_yield: [None; HINGES],
             max_sum: [0.0; HINGES],
@@ -238,6 +242,15 @@ impl Response {
                 })
                 .unwrap_or(model.slowest_period)
         });
+        if let Some(impactor) = &state.impactor
+            && impactor.impact.transverse_force > 0.0
+        {
+            // It comes back until it rests. The column vibrates beneath it, without damping for ever, and more slowly with
+            // its mass.
+            let own = model.impact_point_mass;
+            let period = period * ((own + impactor.impact.mass) / own).sqrt();
+            return self.pressed >= QUIET_PERIODS * period;
+        }
         let quiet = |since: f64| now - since >= QUIET_PERIODS * period;
         quiet(self.last_flow)
             && state.impactor.as_ref().is_none_or(|impactor| {
@@ -270,6 +283,14 @@ impl Response {
         if touching || state.percussion > 0.0 {
             self.last_contact = now;
         }
+        if touching
+            && state
+                .impactor
+                .as_ref()
+                .is_some_and(|i| i.impact.transverse_force > 0.0)
+        {
+            self.pressed += before.secs;
+        }
         self.record_peak_between(model, before, state, torn_after.unwrap_or(1.0));
         match torn_after {
             None => self.record_extremes(&Extremes::of(state), now),
@@ -298,6 +319,7 @@ impl Response {
         }
         if state.is_flowing() {
             self.last_flow = now;
+            self.pressed = 0.0;
             self.residual_period = None;
             if self.first_yield.contains(&None) {
                 self.record_yield(model, before, state);

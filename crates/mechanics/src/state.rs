@@ -7,6 +7,7 @@ use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
 use super::frame;
 use super::geometry::Displacement;
+use super::impact::time_of_travel;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
 use super::properties::is_default;
@@ -297,13 +298,17 @@ impl State {
         Energies {
             column_kinetic: 0.5
                 * (model.impact_point_mass * (square(velocity.v1) + square(velocity.u1))
-                    + model.properties.top_mass * square(velocity.u2)),
+                    + model.top_mass() * square(velocity.u2)),
             impactor_kinetic,
             elastic: frame.below.elastic_energy(&self.forces.below)
                 + frame.above.elastic_energy(&self.forces.above)
                 + 0.5 * frame.top_spring_stiffness * square(u2),
             vehicle_elastic,
-            load_work: model.properties.top_load * u2,
+            load_work: model.properties.top_load * u2
+                + self
+                    .impactor
+                    .as_ref()
+                    .map_or(0.0, |i| i.transverse_work(self.displacement.v1)),
         }
     }
 
@@ -396,7 +401,8 @@ impl State {
             return None;
         }
         // One step less than the quotient: its rounding must not let the impactor through.
-        let steps = self.gap() / impactor.velocity / model.step_secs;
+        let acceleration = impactor.impact.acceleration();
+        let steps = time_of_travel(self.gap(), impactor.velocity, acceleration) / model.step_secs;
         Some((steps.floor() as u64).saturating_sub(1))
     }
 
@@ -597,7 +603,11 @@ impl State {
 
     fn hinges(&self, model: &Model) -> [HingeSample; HINGES] {
         let chords = model.frame.chords(&self.displacement);
-        let total = frame::strains(&chords, &frame::angles(&chords), self.displacement.beta1);
+        let mut total = frame::strains(&chords, &frame::angles(&chords), self.displacement.beta1);
+        if model.frame.top_is_free {
+            // Bar b turns with the impact point.
+            total.above.rotation = [0.0; 2];
+        }
         let hinge = |bar: &Bar,
                      forces: &BarForces,
                      plastic: &PlasticFlow,

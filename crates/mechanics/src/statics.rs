@@ -92,7 +92,7 @@ pub(crate) fn settle_massless(
     let moment_1a = frame.below.elastic(&below_strain).moment[0];
     let tangent = frame.above.elastic_tangent();
     for _ in 0..MAX_MASSLESS_ITERATIONS {
-        let chord = Chord::new(frame.above.length, u.u2 - u.u1, u.v1);
+        let chord = Chord::new(frame.above.length, u.u2 - u.u1, frame.across_above(u.v1));
         let mut above_strain = straight(&chord, &plastic.above);
         u.beta1 = (moment_1a - frame.above.elastic(&above_strain).moment[0]) / joint;
         above_strain.rotation[0] += u.beta1;

@@ -8,6 +8,7 @@
 //!   (`elastic_motion.rs`).
 //! - Without contact the response ends once the energy that is left can neither reach a yield surface nor the impactor
 //!   (`elastic_reach.rs`).
+//! - A vehicle on which a transverse force acts is followed with the steps of the model alone, to the end of its response.
 //! - A collapse or a tear is followed again with the steps of the model, from the beginning of the stride in which it lies.
 
 use super::bar::PerBar;
@@ -158,6 +159,12 @@ impl StudyModel {
         }
     }
 
+    /// Whether it makes the steps of its model and no longer ones.
+    fn is_stepwise(&self) -> bool {
+        let single = Strides::SINGLE;
+        self.motion.is_none() && self.with_compliant == single && self.with_rigid == single
+    }
+
     /// The model.
     #[must_use]
     pub fn model(&self) -> &Model {
@@ -174,6 +181,10 @@ impl StudyModel {
         impact: &Impact,
         max_duration: f64,
     ) -> Result<StudyResponse, SimulationError> {
+        if impact.transverse_force > 0.0 && !self.is_stepwise() {
+            // The long elastic steps and the bound of the energy know no force on the vehicle.
+            return Self::stepwise(self.model.solved_exactly()).respond(rest, impact, max_duration);
+        }
         let mut state = *rest;
         let response = Response::begin(&self.model, &mut state, *impact, max_duration)?;
         let mut course = Course {

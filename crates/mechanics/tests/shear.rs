@@ -136,6 +136,7 @@ fn case(case: &Value, scheme: Scheme) -> (ColumnProperties, Impact) {
         restitution: 0.0,
         vehicle: vehicle(case),
         bumper_height: 0.0,
+        transverse_force: 0.0,
     };
     (properties, impact)
 }

@@ -150,6 +150,7 @@ fn impact() -> impl Strategy<Value = Impact> {
                 restitution,
                 vehicle: None,
                 bumper_height: 0.0,
+                transverse_force: 0.0,
             })
     };
     let front =

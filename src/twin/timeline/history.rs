@@ -107,6 +107,7 @@ mod tests {
             restitution: 0.0,
             vehicle: None,
             bumper_height: 0.0,
+            transverse_force: 0.0,
         };
         let struck = Plant::virgin(&properties)
             .expect("stands")

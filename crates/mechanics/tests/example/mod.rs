@@ -43,6 +43,7 @@ pub fn paper() -> (ColumnProperties, Impact) {
         restitution: 0.0,
         vehicle: None,
         bumper_height: 0.0,
+        transverse_force: 0.0,
     };
     (properties, impact)
 }
@@ -117,6 +118,7 @@ pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
             "impact.velocity" => impact.velocity = number(),
             "impact.gap" => impact.gap = number(),
             "impact.restitution" => impact.restitution = number(),
+            "impact.transverse_force" => impact.transverse_force = number(),
             "vehicle.name" if value == "lorry" => {
                 impact.vehicle = Some(lorry());
                 impact.mass = lorry().total_mass();
