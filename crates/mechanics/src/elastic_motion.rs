@@ -11,6 +11,7 @@
 
 use nalgebra::Vector3;
 
+use super::backbone::HingeFactors;
 use super::bar::{BarForces, PerBar};
 use super::chain::Chain;
 use super::frame;
@@ -471,7 +472,7 @@ impl<'a> Run<'a> {
                 below: before.below.discrete_gradient(&after.below).1,
                 above: before.above.discrete_gradient(&after.above).1,
             };
-            let strength = (&self.state.strength, &self.state.webs);
+            let strength = (&self.state.strength, &self.state.webs, forces);
             law.predict(strength, &turns, secs, Collocation::End)
         });
         let webs = factors.as_ref().map(|it| it.webs());
@@ -479,7 +480,7 @@ impl<'a> Run<'a> {
         let mut largest = floor;
         let mut look = |bar: &super::bar::Bar,
                         forces: &BarForces,
-                        factors: Option<&[super::rate::HingeFactors; 2]>| {
+                        factors: Option<&[HingeFactors; 2]>| {
             for k in 0..2 {
                 let (moment, normal) = match factors {
                     Some(factors) => factors[k].reduced(forces.moment[k], forces.normal),
@@ -515,7 +516,7 @@ impl<'a> Run<'a> {
                 webs.as_ref().map(|it| &it.above),
             ),
         ] {
-            let weakest = factors.map_or(1.0, |[a, b]| a.dynamic.min(b.dynamic));
+            let weakest = factors.map_or(1.0, |[a, b]| HingeFactors::weakest([a, b]));
             let virgin = &SliderStrength::VIRGIN;
             let used = bar.web_utilisation(forces, web.unwrap_or(virgin), weakest);
             if used > largest || used.is_nan() {

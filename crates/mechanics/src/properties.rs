@@ -125,6 +125,16 @@ pub(crate) fn is_zero(number: &f64) -> bool {
     *number == 0.0
 }
 
+/// The factor that changes nothing.
+pub(crate) fn one() -> f64 {
+    1.0
+}
+
+/// As [`is_zero`], for factors.
+pub(crate) fn is_one(number: &f64) -> bool {
+    *number == 1.0
+}
+
 /// How the resistances of a hinge grow with the strain rate of its outer fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RateProperties {
