@@ -466,7 +466,12 @@ impl PushDown {
             return self.finish(CapacityEnd::ForceFell);
         }
         self.plateau.1 += size;
-        if self.force >= (1.0 - PLATEAU_RISE) * self.model.properties.resistance_axial {
+        let p = &self.model.properties;
+        if self.force >= (1.0 - PLATEAU_RISE) * p.resistance_axial {
+            if p.hardening_ratio > 0.0 {
+                // Between its hinges the column has not hardened: its section is squashed.
+                self.capacity.force = self.capacity.force.min(p.resistance_axial);
+            }
             return self.finish(CapacityEnd::Plateau);
         }
         if self.force > self.plateau.0 * (1.0 + PLATEAU_RISE) {

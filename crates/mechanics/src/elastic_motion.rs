@@ -18,7 +18,7 @@ use super::frame;
 use super::geometry::Displacement;
 use super::model::Model;
 use super::motion::collapse_of;
-use super::rate::{Collocation, WebState};
+use super::rate::{Collocation, HingeStrength, WebState};
 use super::shear::SliderStrength;
 use super::state::{State, Velocity};
 use super::statics::{self, Settled};
@@ -443,9 +443,13 @@ impl<'a> Run<'a> {
         let model = self.model;
         let frame = &model.frame;
         let forces = &next.settled.forces;
-        let size = |bar: &super::bar::Bar, forces: &BarForces, web: &WebState| {
+        let size = |bar: &super::bar::Bar,
+                    forces: &BarForces,
+                    web: &WebState,
+                    hinges: &[HingeStrength; 2]| {
             let moment = forces.moment[0].abs().max(forces.moment[1].abs());
-            let size = bar.surface.relative_moment(moment)
+            let softest = HingeFactors::softest([&hinges[0].factors, &hinges[1].factors]);
+            let size = bar.surface.relative_moment(moment) / softest
                 + bar.surface.relative_axial(forces.normal).abs();
             match &bar.slider {
                 None => size,
@@ -460,8 +464,18 @@ impl<'a> Run<'a> {
             }
         };
         let sizes = [
-            size(&frame.below, &forces.below, &self.state.webs.below),
-            size(&frame.above, &forces.above, &self.state.webs.above),
+            size(
+                &frame.below,
+                &forces.below,
+                &self.state.webs.below,
+                &self.state.strength.below,
+            ),
+            size(
+                &frame.above,
+                &forces.above,
+                &self.state.webs.above,
+                &self.state.strength.above,
+            ),
         ];
         if sizes[0].max(sizes[1]) < floor {
             return floor;
@@ -478,20 +492,19 @@ impl<'a> Run<'a> {
         let webs = factors.as_ref().map(|it| it.webs());
         let factors = factors.map(|it| it.factors());
         let mut largest = floor;
-        let mut look = |bar: &super::bar::Bar,
-                        forces: &BarForces,
-                        factors: Option<&[HingeFactors; 2]>| {
-            for k in 0..2 {
-                let (moment, normal) = match factors {
-                    Some(factors) => factors[k].reduced(forces.moment[k], forces.normal),
-                    None => (forces.moment[k], forces.normal),
-                };
-                let sum = bar.surface.sum(moment, normal);
-                if sum > largest || sum.is_nan() {
-                    largest = sum;
+        let mut look =
+            |bar: &super::bar::Bar, forces: &BarForces, factors: Option<&[HingeFactors; 2]>| {
+                for k in 0..2 {
+                    let (moment, normal) = match factors {
+                        Some(factors) => factors[k].reduced(forces.moment[k], forces.normal),
+                        None => (forces.moment[k], forces.normal),
+                    };
+                    let sum = bar.surface.sum(moment, normal);
+                    if sum > largest || sum.is_nan() {
+                        largest = sum;
+                    }
                 }
-            }
-        };
+            };
         look(
             &frame.below,
             &forces.below,

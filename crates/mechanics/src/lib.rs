@@ -85,8 +85,8 @@ pub use ledger::{Energies, Ledger};
 pub use model::{Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{
-    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties, Support,
-    YieldExponents,
+    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties,
+    SofteningProperties, Support, YieldExponents,
 };
 pub use rate::{HingeStrength, WebState};
 pub use report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};

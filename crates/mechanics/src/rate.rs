@@ -209,7 +209,7 @@ impl StrengthLaw {
     /// The law of a column; `None` where the resistances are constant.
     pub fn new(p: &ColumnProperties, step_secs: f64) -> Option<Self> {
         let web_hardens = p.shear.is_some_and(|shear| shear.hardening > 0.0);
-        if p.rate.is_none() && p.hardening_ratio == 0.0 && !web_hardens {
+        if p.rate.is_none() && p.hardening_ratio == 0.0 && p.softening.is_none() && !web_hardens {
             return None;
         }
         let [below, above] = p.clear_lengths();
@@ -255,7 +255,10 @@ impl StrengthLaw {
             }
         };
         let factors = |dynamic: [f64; 2], backbone: &Backbone, hinges: &[HingeStrength; 2]| {
-            [0, 1].map(|k| backbone.factors(dynamic[k], hinges[k].accumulated_rotation))
+            [0, 1].map(|k| {
+                let goes_on = share * secs * hinges[k].flow_rate;
+                backbone.factors(dynamic[k], hinges[k].accumulated_rotation, goes_on)
+            })
         };
         let factors = PerBar {
             below: factors([joint, base], &self.backbones.below, &from.below),
@@ -269,7 +272,12 @@ impl StrengthLaw {
             [0, 1].map(|k| {
                 // A hinge that is about to flow rotates by some part of the turn of its bar.
                 let expected = share * (secs * hinges[k].flow_rate).max(0.5 * turn.abs());
-                backbone.growth(hinges[k].accumulated_rotation, expected, normal, &factors[k])
+                backbone.growth(
+                    hinges[k].accumulated_rotation,
+                    expected,
+                    normal,
+                    &factors[k],
+                )
             })
         };
         Prediction {
@@ -428,7 +436,7 @@ impl StrengthLaw {
                 let rate = self.rate.as_ref();
                 hinge.flow_rate = 0.0;
                 let dynamic = rate.map_or(1.0, |rate| rate.factor(hinge.strain_rate));
-                hinge.factors = backbone.factors(dynamic, hinge.accumulated_rotation);
+                hinge.factors = backbone.factors(dynamic, hinge.accumulated_rotation, 0.0);
             }
         }
         if self.webs.is_some() {
@@ -473,7 +481,7 @@ impl StrengthLaw {
             (&self.backbones.above, &mut strengths.above),
         ] {
             for hinge in hinges {
-                hinge.factors = backbone.factors(1.0, hinge.accumulated_rotation);
+                hinge.factors = backbone.factors(1.0, hinge.accumulated_rotation, 0.0);
             }
         }
         for web in [&mut webs.below, &mut webs.above] {

@@ -245,7 +245,12 @@ mod tests {
 
     impl Case {
         fn strength(&self) -> Option<BarStrength> {
-            BarStrength::new(self.dynamic, self.moment, self.growth, SliderStrength::VIRGIN)
+            BarStrength::new(
+                self.dynamic,
+                self.moment,
+                self.growth,
+                SliderStrength::VIRGIN,
+            )
         }
 
         fn returned(&self) -> Returned {
