@@ -7,10 +7,10 @@ use super::yield_surface::AxialLead;
 /// Strength of a bar's two hinges over one part of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BarStrength {
-    /// Factors of `M^p`, `D_k H_k`, and their inverses.
+    /// Factors of `M^p` and their inverses.
     pub moment: [f64; 2],
     per_moment: [f64; 2],
-    /// Inverses of the factors of `N^p`, `D_k`.
+    /// Inverses of the factors of `N^p`.
     per_axial: [f64; 2],
     /// The hinge that is weaker against normal forces.
     pub weaker: usize,
@@ -19,46 +19,46 @@ pub(crate) struct BarStrength {
     strongest: f64,
     /// By how much the other one is stronger, once it is needed.
     lead: Option<AxialLead>,
-    /// `g_k`: growth of `H_k`, relative to it, with the plastic rotation \[1/rad\].
+    /// `g_k`: growth of the moments, relative to them, with the plastic rotation \[1/rad\].
     pub growth: [f64; 2],
     /// Of the web.
     pub slider: SliderStrength,
 }
 
 impl BarStrength {
-    /// Of a bar whose hinges have the factors `dynamic` of the whole yield surface, and in addition `hardening` of the
-    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0. `slider` is the
-    /// strength of its web. `None` where all have the resistances of a virgin column at rest.
+    /// Of a bar whose hinges have the factors `whole` of the whole yield surface, and in addition `moment` of the moments; all
+    /// > 0. `growth` is the growth of the moments, relative to them, with the plastic rotation \[1/rad\], >= 0. `slider` is
+    /// the strength of its web. `None` where all have the resistances of a virgin column at rest.
     pub(crate) fn new(
-        dynamic: [f64; 2],
-        hardening: [f64; 2],
-        slope: [f64; 2],
+        whole: [f64; 2],
+        moment: [f64; 2],
+        growth: [f64; 2],
         slider: SliderStrength,
     ) -> Option<Self> {
-        let is_virgin = dynamic == [1.0; 2]
-            && hardening == [1.0; 2]
-            && slope == [0.0; 2]
+        let is_virgin = whole == [1.0; 2]
+            && moment == [1.0; 2]
+            && growth == [0.0; 2]
             && slider == SliderStrength::VIRGIN;
-        (!is_virgin).then(|| Self::of_factors(dynamic, hardening, slope, slider))
+        (!is_virgin).then(|| Self::of_factors(whole, moment, growth, slider))
     }
 
     pub(crate) fn of_factors(
-        dynamic: [f64; 2],
-        hardening: [f64; 2],
-        slope: [f64; 2],
+        whole: [f64; 2],
+        moment: [f64; 2],
+        growth: [f64; 2],
         slider: SliderStrength,
     ) -> Self {
-        let weaker = usize::from(dynamic[1] < dynamic[0]);
-        let moment = [dynamic[0] * hardening[0], dynamic[1] * hardening[1]];
+        let weaker = usize::from(whole[1] < whole[0]);
+        let moment = [whole[0] * moment[0], whole[1] * moment[1]];
         Self {
             moment,
             per_moment: moment.map(|factor| 1.0 / factor),
-            per_axial: dynamic.map(|factor| 1.0 / factor),
+            per_axial: whole.map(|factor| 1.0 / factor),
             weaker,
-            weakest: dynamic[weaker],
-            strongest: dynamic[1 - weaker],
+            weakest: whole[weaker],
+            strongest: whole[1 - weaker],
             lead: None,
-            growth: [slope[0] / hardening[0], slope[1] / hardening[1]],
+            growth,
             slider,
         }
     }

@@ -1,8 +1,8 @@
 //! The remaining axial capacity: a static push-down of a column at rest, virgin or with the plastic strains of an impact.
 //!
 //! The column gets a bow `e0` as stress-free strains, starts without axial force, and is then shortened quasi-statically
-//! with plastic flow. `N_u` is the largest force at its top; the spring there takes no part. The surface of the hinges and
-//! the resistance of the webs are the static ones, without strain rate or hardening.
+//! with plastic flow. `N_u` is the largest force at its top; the spring there takes no part. The strength of the hinges is the
+//! static one, without strain rate, after all of their accumulated rotation; the webs have their virgin resistance.
 //!
 //! A bumper is gone by then: both bars have their whole lengths again, and their plastic rotations are reduced so that the
 //! impact point stays where it is.
@@ -26,7 +26,7 @@ use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::collapse_of;
 use super::push_down_equations::{
-    Control, Equations, Flowing, LastRow, MAX_ROTATION, PathStep, Solved,
+    Control, Equations, Flowing, HingeCourse, LastRow, MAX_ROTATION, PathStep, Solved,
 };
 use super::shear::SliderStrength;
 use super::state::State;
@@ -190,6 +190,7 @@ pub struct PushDown {
     sign: f64,
     /// Strains without stress: plastic strains and bow.
     offset: PerBar<PlasticFlow>,
+    hinges: HingeCourse,
     /// The part of them that is the bow.
     bow: PerBar<PlasticFlow>,
     /// By how much the plastic strains were larger on the clear lengths of the bars before a bumper.
@@ -258,6 +259,7 @@ impl PushDown {
             model: *model,
             sign,
             offset: plastic,
+            hinges: HingeCourse::new(state.accumulated_rotation()),
             bow,
             before_bumper: plus(&state.plastic, -1.0, &plastic),
             displacement: state.displacement,
@@ -315,6 +317,7 @@ impl PushDown {
             let equations = Equations {
                 model: &model,
                 offset: &offset,
+                strength: &PerBar::default(),
                 elastic: true,
                 evaluations: &evaluations,
                 last: LastRow::Force((1.0 - next) * loaded),
@@ -346,17 +349,17 @@ impl PushDown {
         self.unloaded = unloaded.displacement;
         self.forces = unloaded.forces();
         self.force = 0.0;
+        let strength = self.hinges.strength(&self.model, 0.0, &self.forces);
         let PerBar { below, above } = &self.forces;
         let mut utilisation = 0.0_f64;
-        for (bar, forces) in [
-            (&self.model.frame.below, below),
-            (&self.model.frame.above, above),
+        for (bar, forces, strength) in [
+            (&self.model.frame.below, below, &strength.below),
+            (&self.model.frame.above, above, &strength.above),
         ] {
-            for moment in forces.moment {
-                utilisation = utilisation.max(bar.surface.utilisation(moment, forces.normal));
-            }
-            utilisation =
-                utilisation.max(bar.web_utilisation(forces, &SliderStrength::VIRGIN, 1.0));
+            let weakest = strength.weakest();
+            utilisation = utilisation
+                .max(strength.utilisation(bar, forces))
+                .max(bar.web_utilisation(forces, &SliderStrength::VIRGIN, weakest));
         }
         self.capacity.unloaded_v1 = self.unloaded.v1;
         self.capacity.v1 = self.unloaded.v1;
@@ -379,6 +382,7 @@ impl PushDown {
         let model = self.model;
         let evaluations = Cell::new(self.capacity.evaluations);
         let predicted = self.predicted();
+        let strength = self.hinges.strength(&model, self.increment, &self.forces);
         let along = |control: Control| {
             let path = PathStep::new(
                 &model,
@@ -390,6 +394,7 @@ impl PushDown {
             let equations = Equations {
                 model: &model,
                 offset: &self.offset,
+                strength: &strength,
                 elastic: false,
                 evaluations: &evaluations,
                 last: LastRow::Path(path),
@@ -455,10 +460,13 @@ impl PushDown {
         self.displacement = solved.displacement;
         self.forces = solved.forces();
         self.force = solved.force;
+        let stress = &solved.stress;
+        let (below, above) = (&stress.below.returned.flow, &stress.above.returned.flow);
         self.offset = PerBar {
-            below: offset.below.plus(1.0, &solved.stress.below.returned.flow),
-            above: offset.above.plus(1.0, &solved.stress.above.returned.flow),
+            below: offset.below.plus(1.0, below),
+            above: offset.above.plus(1.0, above),
         };
+        self.hinges.add(below, above, size);
         if let Some(share) = self.torn_after(&offset) {
             self.compare(self.force - (1.0 - share) * change, from.plus(share, step));
             return self.finish(CapacityEnd::Severed);
@@ -468,7 +476,12 @@ impl PushDown {
             return self.finish(CapacityEnd::ForceFell);
         }
         self.plateau.1 += size;
-        if self.force >= (1.0 - PLATEAU_RISE) * self.model.properties.resistance_axial {
+        let p = &self.model.properties;
+        if self.force >= (1.0 - PLATEAU_RISE) * p.resistance_axial {
+            if p.hardening_ratio > 0.0 {
+                // Between its hinges the column has not hardened: its section is squashed.
+                self.capacity.force = self.capacity.force.min(p.resistance_axial);
+            }
             return self.finish(CapacityEnd::Plateau);
         }
         if self.force > self.plateau.0 * (1.0 + PLATEAU_RISE) {

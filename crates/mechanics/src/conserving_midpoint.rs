@@ -395,7 +395,8 @@ impl Part<'_> {
             return self.solve_with(system, guess, None);
         };
         let turns = model.frame.turns(&system.start, &guess);
-        let prediction = law.predict((&from.strength, &from.webs), &turns, secs, Collocation::End);
+        let start = (&from.strength, &from.webs, &from.forces);
+        let prediction = law.predict(start, &turns, secs, Collocation::End);
         let solved = self.solve_with(system, guess, Some(prediction))?;
         if !self.gains_energy() {
             return Ok(solved);

@@ -11,13 +11,14 @@
 
 use nalgebra::Vector3;
 
+use super::backbone::HingeFactors;
 use super::bar::{BarForces, PerBar};
 use super::chain::Chain;
 use super::frame;
 use super::geometry::Displacement;
 use super::model::Model;
 use super::motion::collapse_of;
-use super::rate::{Collocation, WebState};
+use super::rate::{Collocation, HingeStrength, WebState};
 use super::shear::SliderStrength;
 use super::state::{State, Velocity};
 use super::statics::{self, Settled};
@@ -442,9 +443,13 @@ impl<'a> Run<'a> {
         let model = self.model;
         let frame = &model.frame;
         let forces = &next.settled.forces;
-        let size = |bar: &super::bar::Bar, forces: &BarForces, web: &WebState| {
+        let size = |bar: &super::bar::Bar,
+                    forces: &BarForces,
+                    web: &WebState,
+                    hinges: &[HingeStrength; 2]| {
             let moment = forces.moment[0].abs().max(forces.moment[1].abs());
-            let size = bar.surface.relative_moment(moment)
+            let softest = HingeFactors::softest([&hinges[0].factors, &hinges[1].factors]);
+            let size = bar.surface.relative_moment(moment) / softest
                 + bar.surface.relative_axial(forces.normal).abs();
             match &bar.slider {
                 None => size,
@@ -459,8 +464,18 @@ impl<'a> Run<'a> {
             }
         };
         let sizes = [
-            size(&frame.below, &forces.below, &self.state.webs.below),
-            size(&frame.above, &forces.above, &self.state.webs.above),
+            size(
+                &frame.below,
+                &forces.below,
+                &self.state.webs.below,
+                &self.state.strength.below,
+            ),
+            size(
+                &frame.above,
+                &forces.above,
+                &self.state.webs.above,
+                &self.state.strength.above,
+            ),
         ];
         if sizes[0].max(sizes[1]) < floor {
             return floor;
@@ -471,26 +486,25 @@ impl<'a> Run<'a> {
                 below: before.below.discrete_gradient(&after.below).1,
                 above: before.above.discrete_gradient(&after.above).1,
             };
-            let strength = (&self.state.strength, &self.state.webs);
+            let strength = (&self.state.strength, &self.state.webs, forces);
             law.predict(strength, &turns, secs, Collocation::End)
         });
         let webs = factors.as_ref().map(|it| it.webs());
         let factors = factors.map(|it| it.factors());
         let mut largest = floor;
-        let mut look = |bar: &super::bar::Bar,
-                        forces: &BarForces,
-                        factors: Option<&[super::rate::HingeFactors; 2]>| {
-            for k in 0..2 {
-                let (moment, normal) = match factors {
-                    Some(factors) => factors[k].reduced(forces.moment[k], forces.normal),
-                    None => (forces.moment[k], forces.normal),
-                };
-                let sum = bar.surface.sum(moment, normal);
-                if sum > largest || sum.is_nan() {
-                    largest = sum;
+        let mut look =
+            |bar: &super::bar::Bar, forces: &BarForces, factors: Option<&[HingeFactors; 2]>| {
+                for k in 0..2 {
+                    let (moment, normal) = match factors {
+                        Some(factors) => factors[k].reduced(forces.moment[k], forces.normal),
+                        None => (forces.moment[k], forces.normal),
+                    };
+                    let sum = bar.surface.sum(moment, normal);
+                    if sum > largest || sum.is_nan() {
+                        largest = sum;
+                    }
                 }
-            }
-        };
+            };
         look(
             &frame.below,
             &forces.below,
@@ -515,7 +529,7 @@ impl<'a> Run<'a> {
                 webs.as_ref().map(|it| &it.above),
             ),
         ] {
-            let weakest = factors.map_or(1.0, |[a, b]| a.dynamic.min(b.dynamic));
+            let weakest = factors.map_or(1.0, |[a, b]| HingeFactors::weakest([a, b]));
             let virgin = &SliderStrength::VIRGIN;
             let used = bar.web_utilisation(forces, web.unwrap_or(virgin), weakest);
             if used > largest || used.is_nan() {

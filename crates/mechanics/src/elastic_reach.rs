@@ -7,7 +7,8 @@
 //! `a . (m, n) = c` of the polygon before. With `g` the gradient of `a . (m, n)` and `s = c - a . (m_r, n_r)` the distance of
 //! the residual stress from that side, the smallest of these energies over all sides of all hinges is a lower bound of what
 //! it takes to yield. A web that yields in shear is treated as a hinge whose moment is the sum of both, with the resistance of the direction
-//! in which it is weaker. Resistances that grow with the strain rate or have hardened only add to it.
+//! in which it is weaker, a hinge that has softened by what is left of its moment. Resistances that grow with the strain rate or
+//! have hardened only add to it.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -79,13 +80,14 @@ pub(crate) fn elastic_reach(
     let stiffness = frame.elastic_stiffness(&chords, &residual.forces);
     let flexibility = inverse(&stiffness)?;
     let gradients = frame::gradients(&chords);
-    for (bar, forces, gradient, polygon, web, is_above) in [
+    for (bar, forces, gradient, polygon, web, hinges, is_above) in [
         (
             &frame.below,
             &residual.forces.below,
             &gradients.below,
             &polygons.below,
             state.webs.below.least(),
+            &state.strength.below,
             false,
         ),
         (
@@ -94,6 +96,7 @@ pub(crate) fn elastic_reach(
             &gradients.above,
             &polygons.above,
             state.webs.above.least(),
+            &state.strength.above,
             true,
         ),
     ] {
@@ -101,7 +104,11 @@ pub(crate) fn elastic_reach(
             bar,
             forces,
             gradient,
-            (polygon, web),
+            (
+                polygon,
+                web,
+                hinges.map(|hinge| hinge.factors.moment.min(1.0)),
+            ),
             is_above,
             &flexibility,
             energy,
@@ -115,12 +122,12 @@ pub(crate) fn elastic_reach(
 }
 
 /// Whether an energy \[J\] does not suffice to bring either hinge of a bar to a side of the polygon, or its web, which bears `web` times
-/// its virgin resistance, to its own.
+/// its virgin resistance, to its own; `softened` is what the hinges have left of their moments.
 fn stays_within(
     bar: &Bar,
     forces: &BarForces,
     gradient: &ChordGradient,
-    (polygon, web): (&Polygon, f64),
+    (polygon, web, softened): (&Polygon, f64, [f64; 2]),
     is_above: bool,
     flexibility: &Matrix4<f64>,
     energy: f64,
@@ -151,16 +158,18 @@ fn stays_within(
         true
     };
     let (c, moment) = (&bar.rotational, &forces.moment);
-    (0..2).all(|k| stays(c[k], moment[k], surface.resistance_moment, polygon))
-        && bar.slider.as_ref().is_none_or(|slider| {
-            let sum = moment[0] + moment[1];
-            stays(
-                slider.turning,
-                sum,
-                web * slider.resistance,
-                &Polygon::of_web(),
-            )
-        })
+    (0..2).all(|k| {
+        let resistance = softened[k] * surface.resistance_moment;
+        stays(c[k], moment[k], resistance, polygon)
+    }) && bar.slider.as_ref().is_none_or(|slider| {
+        let sum = moment[0] + moment[1];
+        stays(
+            slider.turning,
+            sum,
+            web * slider.resistance,
+            &Polygon::of_web(),
+        )
+    })
 }
 
 /// Derivatives by `v1, u1, beta1, u2` of the elongation of a bar and of the angle of its chord.

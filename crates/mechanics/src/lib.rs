@@ -17,6 +17,7 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod accuracy;
+mod backbone;
 mod bar;
 mod bar_strength;
 mod bracketing;
@@ -64,6 +65,7 @@ mod yield_surface;
 mod yielding;
 
 pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
+pub use backbone::HingeFactors;
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
@@ -85,10 +87,10 @@ pub use ledger::{Energies, Ledger};
 pub use model::{MAX_BUMPER_SHARE, Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{
-    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties, Support,
-    YieldExponents,
+    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties,
+    SofteningProperties, Support, YieldExponents,
 };
-pub use rate::{HingeFactors, HingeStrength, WebState};
+pub use rate::{HingeStrength, WebState};
 pub use report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 pub use response::{Progress, Response, SimulationError, respond, simulate};
 pub use sample::{

@@ -174,7 +174,7 @@ impl Part<'_> {
             let start = model.frame.chords(&from.displacement);
             let turns = model.frame.turns(&start, &guess);
             let prediction = law.predict(
-                (&from.strength, &from.webs),
+                (&from.strength, &from.webs, &from.forces),
                 &turns,
                 self.secs,
                 Collocation::Middle,

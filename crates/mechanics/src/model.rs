@@ -566,6 +566,31 @@ fn check_strength(p: &ColumnProperties) -> Result<(), ModelError> {
         (0.0..=MAX_HARDENING_RATIO).contains(&b),
         "a number from 0 (no hardening) to 0.1",
     )?;
+    if let Some(softening) = &p.softening {
+        for (name, found) in [
+            (
+                "capping rotation of a hinge [rad]",
+                softening.capping_rotation,
+            ),
+            (
+                "post-capping rotation of a hinge [rad]",
+                softening.post_capping_rotation,
+            ),
+        ] {
+            within(
+                name,
+                found,
+                found > 0.0,
+                "a finite number > 0; without softening, leave it out",
+            )?;
+        }
+        within(
+            "residual strength of a hinge",
+            softening.residual,
+            (0.0..=1.0).contains(&softening.residual),
+            "a number from 0 to 1, relative to the strength at the capping rotation",
+        )?;
+    }
     within(
         "ultimate plastic rotation [rad]",
         p.ultimate_rotation,

@@ -46,6 +46,9 @@ pub struct ColumnProperties {
     /// `b`: slope of the stress-strain curve after yield over Young's modulus, 0 to 0.1; 0 in the paper.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub hardening_ratio: f64,
+    /// How a hinge loses strength once its flanges and web buckle locally; `None` in the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub softening: Option<SofteningProperties>,
     /// Absolute plastic rotation at which a hinge is severed \[rad\], >= 0; 0 for no limit.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
@@ -56,6 +59,21 @@ pub struct ColumnProperties {
     pub scheme: Scheme,
     /// Length of a time step \[ns\]; with 0 the model chooses it from the column's own period.
     pub step_nanos: u64,
+}
+
+/// How the moment of a hinge falls with its accumulated plastic rotation, as the monotonic backbone of Lignos et al. (2019):
+/// from the strength at the capping rotation along a line that would reach zero over the post-capping rotation, down to a
+/// residual. Hardening ends at the capping rotation.
+///
+/// The rotations are those of a whole hinge, so that the law needs no length over which it is regularised: it has no mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SofteningProperties {
+    /// `theta_p`: accumulated plastic rotation at which the strength begins to fall \[rad\], > 0.
+    pub capping_rotation: f64,
+    /// `theta_pc`: further plastic rotation over which it would fall to zero \[rad\], > 0.
+    pub post_capping_rotation: f64,
+    /// Strength that remains, relative to that at the capping rotation, 0 to 1.
+    pub residual: f64,
 }
 
 /// How the web of each bar yields in shear: a plastic slider in series with the two hinges of the bar,
@@ -128,6 +146,16 @@ pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 /// What is switched off is not written, so that a column without it is written as before it existed.
 pub(crate) fn is_zero(number: &f64) -> bool {
     *number == 0.0
+}
+
+/// The factor that changes nothing.
+pub(crate) fn one() -> f64 {
+    1.0
+}
+
+/// As [`is_zero`], for factors.
+pub(crate) fn is_one(number: &f64) -> bool {
+    *number == 1.0
 }
 
 /// How the resistances of a hinge grow with the strain rate of its outer fibre.
@@ -231,6 +259,7 @@ pub(crate) const PLAIN_COLUMN: ColumnProperties = ColumnProperties {
     damping_ratio: 0.0,
     rate: None,
     hardening_ratio: 0.0,
+    softening: None,
     ultimate_rotation: 0.0,
     shear: None,
     scheme: Scheme::Midpoint,

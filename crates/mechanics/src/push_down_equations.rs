@@ -5,8 +5,8 @@ use std::cell::Cell;
 
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
+use super::backbone::StaticStrength;
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
-use super::bar_strength::BarStrength;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
@@ -43,6 +43,59 @@ const BETA1: usize = 2;
 
 /// Range in which `beta1` is searched \[rad\].
 pub(crate) const MAX_ROTATION: f64 = 1.0;
+
+/// Plastic rotation that is expected of a hinge at least, over which its strength grows along a secant \[rad\]: that of the
+/// first increment in which it flows.
+const FIRST_ROTATION: f64 = 1e-4;
+
+/// How the hinges have rotated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HingeCourse {
+    /// Accumulated plastic rotations \[rad\].
+    accumulated: PerBar<[f64; 2]>,
+    /// By how much they grew over the last increment, relative to its size.
+    rate: PerBar<[f64; 2]>,
+}
+
+impl HingeCourse {
+    pub fn new(accumulated: PerBar<[f64; 2]>) -> Self {
+        Self {
+            accumulated,
+            rate: PerBar::default(),
+        }
+    }
+
+    /// Adds the flow of an increment of size `size`.
+    pub fn add(&mut self, below: &PlasticFlow, above: &PlasticFlow, size: f64) {
+        for (accumulated, rate, flow) in [
+            (&mut self.accumulated.below, &mut self.rate.below, below),
+            (&mut self.accumulated.above, &mut self.rate.above, above),
+        ] {
+            for k in 0..2 {
+                let rotation = flow.rotation[k].abs();
+                accumulated[k] += rotation;
+                rate[k] = rotation / size;
+            }
+        }
+    }
+
+    /// The strength of the hinges over an increment of size `size` that begins with the forces `forces`.
+    pub fn strength(
+        &self,
+        model: &Model,
+        size: f64,
+        forces: &PerBar<BarForces>,
+    ) -> PerBar<StaticStrength> {
+        let expected = |rate: [f64; 2]| rate.map(|rate| (size * rate).max(FIRST_ROTATION));
+        let expected = PerBar {
+            below: expected(self.rate.below),
+            above: expected(self.rate.above),
+        };
+        let law = model.strength.as_ref();
+        law.and_then(|law| law.at_rest(&self.accumulated, &expected, forces))
+            .unwrap_or_default()
+    }
+}
 
 /// The fourth equation, beside the equilibrium of `v1`, `u1` and `beta1`.
 #[derive(Clone, Copy)]
@@ -122,6 +175,8 @@ pub(crate) struct Equations<'a> {
     pub model: &'a Model,
     /// Plastic strains and bow at its start.
     pub offset: &'a PerBar<PlasticFlow>,
+    /// Of the hinges.
+    pub strength: &'a PerBar<StaticStrength>,
     /// Whether no hinge flows.
     pub elastic: bool,
     pub last: LastRow,
@@ -197,25 +252,25 @@ impl Flowing {
 
     /// Whether the held hinges bear their stress without flowing, and the web that of its bar, which is weaker than it is
     /// beside two held hinges.
-    fn is_admissible(&self, model: &Model, solved: &Solved) -> bool {
-        let bears = |bar: &Bar, stress: &BarStress, held: [bool; 2]| {
+    fn is_admissible(
+        &self,
+        model: &Model,
+        solved: &Solved,
+        strength: &PerBar<StaticStrength>,
+    ) -> bool {
+        let bears = |bar: &Bar, stress: &BarStress, held: [bool; 2], own: &StaticStrength| {
             let forces = &stress.returned.forces;
             (0..2).all(|k| {
-                !held[k] || bar.surface.sum(forces.moment[k], forces.normal) <= 1.0 + HELD_TOLERANCE
+                let (moment, normal) = own.factors[k].reduced(forces.moment[k], forces.normal);
+                !held[k] || bar.surface.sum(moment, normal) <= 1.0 + HELD_TOLERANCE
             }) && (held == [false; 2]
-                || bar.web_utilisation(forces, &SliderStrength::VIRGIN, 1.0)
+                || bar.web_utilisation(forces, &SliderStrength::VIRGIN, own.weakest())
                     <= 1.0 + HELD_TOLERANCE)
         };
-        let (frame, held) = (&model.frame, &self.held);
-        bears(&frame.below, &solved.stress.below, held.below)
-            && bears(&frame.above, &solved.stress.above, held.above)
+        let (frame, held, stress) = (&model.frame, &self.held, &solved.stress);
+        bears(&frame.below, &stress.below, held.below, &strength.below)
+            && bears(&frame.above, &stress.above, held.above, &strength.above)
     }
-}
-
-/// Strength of a bar of whose hinges some are held.
-fn held_strength(held: [bool; 2]) -> Option<BarStrength> {
-    let factors = held.map(|held| if held { HELD_STRENGTH } else { 1.0 });
-    BarStrength::new(factors, [1.0; 2], [0.0; 2], SliderStrength::VIRGIN)
 }
 
 /// What an evaluation leaves behind for the tangent.
@@ -256,7 +311,7 @@ impl Equations<'_> {
         std::iter::once(first).chain(others).find_map(|flowing| {
             let solved = self.iterate(guess, near, &flowing)?;
             flowing
-                .is_admissible(self.model, &solved)
+                .is_admissible(self.model, &solved, self.strength)
                 .then_some((solved, flowing))
         })
     }
@@ -272,8 +327,11 @@ impl Equations<'_> {
         point.stress.below.expect(near.below.normal);
         point.stress.above.expect(near.above.normal);
         let held = &flowing.held;
-        point.stress.below.set_strength(held_strength(held.below));
-        point.stress.above.set_strength(held_strength(held.above));
+        let strength = |own: &StaticStrength, held| own.with_held(held, HELD_STRENGTH);
+        let below = strength(&self.strength.below, held.below);
+        let above = strength(&self.strength.above, held.above);
+        point.stress.below.set_strength(below);
+        point.stress.above.set_strength(above);
         let mut u = guess;
         let mut residual = self.evaluate(&u, &mut point);
         let mut size = self.size_of(&residual);

@@ -5,17 +5,16 @@
 //! `tau r' = rate - r`, which is integrated exactly for a rate that is constant over a part of a step; the dynamic increase
 //! factor `D` is a function of `r`. `D` multiplies both resistances of its hinge.
 //!
-//! Yielding that spreads along a bar of length `L` with a linear moment and the slope `b E` after yield lets the moment grow
-//! with the accumulated plastic rotation, `H = 1 + sqrt(4 b EI theta_p / (L M^p))`. `H` multiplies the moment alone.
+//! The accumulated plastic rotation of a hinge enlarges its whole surface by `H`, too: `backbone.rs`.
 //!
 //! `D` is predicted before the equations of a part are solved and held while they are; the filter then advances with the true
 //! increments. A web that yields in shear has the strain rate `|theta'| / sqrt 3` of its bar's chord, and its hardening
-//! grows linearly with its plastic shear angle, up to a cap. `H` of a hinge grows within the part along its secant over the rotation that is expected, which settles in what
-//! proportion two hinges in series (1a and 1b) share a rotation.
+//! grows linearly with its plastic shear angle, up to a cap.
 
 use serde::{Deserialize, Serialize};
 
-use super::bar::{PerBar, PlasticFlow};
+use super::backbone::{Backbone, HingeFactors, StaticStrength};
+use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bar_strength::BarStrength;
 use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
 use super::shear::SliderStrength;
@@ -23,39 +22,6 @@ use super::shear::SliderStrength;
 /// Least resistance of a web relative to that of a virgin one, in the direction in which kinematic hardening weakens it: an
 /// unloaded web never yields.
 const LEAST_RESISTANCE: f64 = 0.01;
-
-/// Factors of the resistances of one hinge.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct HingeFactors {
-    /// `D`: dynamic increase factor of `M^p` and `N^p`, >= 1.
-    pub dynamic: f64,
-    /// `H`: hardening factor of `M^p`, >= 1.
-    pub hardening: f64,
-}
-
-impl Default for HingeFactors {
-    fn default() -> Self {
-        Self {
-            dynamic: 1.0,
-            hardening: 1.0,
-        }
-    }
-}
-
-impl HingeFactors {
-    /// Moment \[N m\] and normal force \[N\] that use the virgin surface as much as the given ones use the enlarged one.
-    pub(crate) fn reduced(&self, moment: f64, normal_force: f64) -> (f64, f64) {
-        let moment = moment / (self.dynamic * self.hardening);
-        (moment, normal_force / self.dynamic)
-    }
-
-    fn largest(&self, other: &Self) -> Self {
-        Self {
-            dynamic: self.dynamic.max(other.dynamic),
-            hardening: self.hardening.max(other.hardening),
-        }
-    }
-}
 
 /// What the strength of one hinge remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -146,8 +112,8 @@ pub(crate) type Factors = PerBar<[HingeFactors; 2]>;
 pub(crate) struct Prediction {
     /// The factors before any flow.
     factors: Factors,
-    /// Growth of the hardening factor with the plastic rotation of the part \[1/rad\].
-    slopes: PerBar<[f64; 2]>,
+    /// Growth of the moments, relative to them, with the plastic rotation of the part \[1/rad\].
+    growth: PerBar<[f64; 2]>,
     /// The dynamic increase factors of the webs, and their strength before any flow.
     webs: PerBar<(f64, SliderStrength)>,
     /// What the webs are held at, as [`WebState::held`].
@@ -165,8 +131,8 @@ pub(crate) enum Collocation {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StrengthLaw {
     rate: Option<RateFilter>,
-    /// `4 b EI / (L M^p)` of each bar \[1/rad\].
-    hardening: PerBar<f64>,
+    /// Of the hinges of each bar.
+    backbones: PerBar<Backbone>,
     /// Of the web of each bar; `None` where they do not yield.
     webs: Option<PerBar<WebLaw>>,
 }
@@ -243,18 +209,15 @@ impl StrengthLaw {
     /// The law of a column; `None` where the resistances are constant.
     pub fn new(p: &ColumnProperties, step_secs: f64) -> Option<Self> {
         let web_hardens = p.shear.is_some_and(|shear| shear.hardening > 0.0);
-        if p.rate.is_none() && p.hardening_ratio == 0.0 && !web_hardens {
+        if p.rate.is_none() && p.hardening_ratio == 0.0 && p.softening.is_none() && !web_hardens {
             return None;
         }
         let [below, above] = p.clear_lengths();
-        let hardening = |length: f64| {
-            4.0 * p.hardening_ratio * p.bending_stiffness / (length * p.resistance_moment)
-        };
         Some(Self {
             rate: p.rate.as_ref().map(|rate| RateFilter::new(rate, step_secs)),
-            hardening: PerBar {
-                below: hardening(below),
-                above: hardening(above),
+            backbones: PerBar {
+                below: Backbone::new(p, below),
+                above: Backbone::new(p, above),
             },
             webs: p.shear.as_ref().map(|shear| PerBar {
                 below: WebLaw::new(shear, below),
@@ -263,11 +226,11 @@ impl StrengthLaw {
         })
     }
 
-    /// The factors with which a stress is returned in a part of `secs` \[s\], for the turns of the chords \[rad\] that are
-    /// expected over it.
+    /// The factors with which a stress is returned in a part of `secs` \[s\] that begins with the forces `forces`, for the turns
+    /// of the chords \[rad\] that are expected over it.
     pub fn predict(
         &self,
-        (from, webs): (&Strengths, &Webs),
+        (from, webs, forces): (&Strengths, &Webs, &PerBar<BarForces>),
         turns: &PerBar<f64>,
         secs: f64,
         collocation: Collocation,
@@ -275,13 +238,6 @@ impl StrengthLaw {
         let share = match collocation {
             Collocation::Middle => 0.5,
             Collocation::End => 1.0,
-        };
-        // A hinge that is about to flow rotates by some part of the turn of its bar.
-        let slopes = |bar: f64, hinges: &[HingeStrength; 2], turn: f64| {
-            hinges.map(|hinge| {
-                let expected = share * (secs * hinge.flow_rate).max(0.5 * turn.abs());
-                hardening_slope(bar, hinge.accumulated_rotation, expected)
-            })
         };
         let [joint, base, top] = match &self.rate {
             None => [1.0; 3],
@@ -298,21 +254,50 @@ impl StrengthLaw {
                 })
             }
         };
-        let factors = |dynamic: [f64; 2], bar: f64, hinges: &[HingeStrength; 2]| {
-            [0, 1].map(|k| HingeFactors {
-                dynamic: dynamic[k],
-                hardening: hardening_factor(bar, hinges[k].accumulated_rotation),
+        let factors = |dynamic: [f64; 2], backbone: &Backbone, hinges: &[HingeStrength; 2]| {
+            [0, 1].map(|k| {
+                let goes_on = share * secs * hinges[k].flow_rate;
+                backbone.factors(dynamic[k], hinges[k].accumulated_rotation, goes_on)
+            })
+        };
+        let factors = PerBar {
+            below: factors([joint, base], &self.backbones.below, &from.below),
+            above: factors([joint, top], &self.backbones.above, &from.above),
+        };
+        let growth = |backbone: &Backbone,
+                      hinges: &[HingeStrength; 2],
+                      factors: &[HingeFactors; 2],
+                      turn: f64,
+                      normal: f64| {
+            [0, 1].map(|k| {
+                // A hinge that is about to flow rotates by some part of the turn of its bar.
+                let expected = share * (secs * hinges[k].flow_rate).max(0.5 * turn.abs());
+                backbone.growth(
+                    hinges[k].accumulated_rotation,
+                    expected,
+                    normal,
+                    &factors[k],
+                )
             })
         };
         Prediction {
-            factors: PerBar {
-                below: factors([joint, base], self.hardening.below, &from.below),
-                above: factors([joint, top], self.hardening.above, &from.above),
+            growth: PerBar {
+                below: growth(
+                    &self.backbones.below,
+                    &from.below,
+                    &factors.below,
+                    turns.below,
+                    forces.below.normal,
+                ),
+                above: growth(
+                    &self.backbones.above,
+                    &from.above,
+                    &factors.above,
+                    turns.above,
+                    forces.above.normal,
+                ),
             },
-            slopes: PerBar {
-                below: slopes(self.hardening.below, &from.below, turns.below),
-                above: slopes(self.hardening.above, &from.above, turns.above),
-            },
+            factors,
             webs: self.web_strengths(webs, turns, secs, collocation),
             held: PerBar::default(),
         }
@@ -361,28 +346,28 @@ impl StrengthLaw {
         let per_sec = factor / secs;
         let Prediction {
             factors,
-            slopes,
+            growth,
             webs: predicted,
             held,
         } = prediction;
-        for (hinges, factors, slopes, flow) in [
+        for (hinges, factors, growth, flow) in [
             (
                 &mut strengths.below,
                 &factors.below,
-                &slopes.below,
+                &growth.below,
                 flow.below,
             ),
             (
                 &mut strengths.above,
                 &factors.above,
-                &slopes.above,
+                &growth.above,
                 flow.above,
             ),
         ] {
             for k in 0..2 {
                 let rotation = flow.rotation[k].abs();
                 hinges[k].factors = factors[k];
-                hinges[k].factors.hardening += slopes[k] * rotation;
+                hinges[k].factors.moment *= 1.0 + growth[k] * rotation;
                 hinges[k].flow_rate = per_sec * rotation;
             }
         }
@@ -443,17 +428,15 @@ impl StrengthLaw {
 
     /// The factors of hinges that do not flow, with the strain rate to which the filter has come.
     pub fn refresh(&self, strengths: &mut Strengths, webs: &mut Webs) {
-        for (bar, hinges) in [
-            (self.hardening.below, &mut strengths.below),
-            (self.hardening.above, &mut strengths.above),
+        for (backbone, hinges) in [
+            (&self.backbones.below, &mut strengths.below),
+            (&self.backbones.above, &mut strengths.above),
         ] {
             for hinge in hinges {
                 let rate = self.rate.as_ref();
                 hinge.flow_rate = 0.0;
-                hinge.factors = HingeFactors {
-                    dynamic: rate.map_or(1.0, |rate| rate.factor(hinge.strain_rate)),
-                    hardening: hardening_factor(bar, hinge.accumulated_rotation),
-                };
+                let dynamic = rate.map_or(1.0, |rate| rate.factor(hinge.strain_rate));
+                hinge.factors = backbone.factors(dynamic, hinge.accumulated_rotation, 0.0);
             }
         }
         if self.webs.is_some() {
@@ -472,46 +455,39 @@ impl StrengthLaw {
         laws.above.harden(&mut webs.above, angles.above);
     }
 
+    /// The strength of hinges without strain rate over an increment in which they are expected to rotate by `expected` \[rad\],
+    /// after the accumulated rotations `accumulated` \[rad\] and under the forces `forces`; `None` where it is that of a virgin
+    /// column whatever they have rotated.
+    pub fn at_rest(
+        &self,
+        accumulated: &PerBar<[f64; 2]>,
+        expected: &PerBar<[f64; 2]>,
+        forces: &PerBar<BarForces>,
+    ) -> Option<PerBar<StaticStrength>> {
+        let PerBar { below, above } = &self.backbones;
+        if below.is_constant() {
+            return None;
+        }
+        Some(PerBar {
+            below: below.at_rest(accumulated.below, expected.below, forces.below.normal),
+            above: above.at_rest(accumulated.above, expected.above, forces.above.normal),
+        })
+    }
+
     /// The factors of hinges at rest that have rotated by these accumulated plastic rotations \[rad\].
     pub fn settle(&self, strengths: &mut Strengths, webs: &mut Webs) {
-        for (bar, hinges) in [
-            (self.hardening.below, &mut strengths.below),
-            (self.hardening.above, &mut strengths.above),
+        for (backbone, hinges) in [
+            (&self.backbones.below, &mut strengths.below),
+            (&self.backbones.above, &mut strengths.above),
         ] {
             for hinge in hinges {
-                hinge.factors = HingeFactors {
-                    dynamic: 1.0,
-                    hardening: hardening_factor(bar, hinge.accumulated_rotation),
-                };
+                hinge.factors = backbone.factors(1.0, hinge.accumulated_rotation, 0.0);
             }
         }
         for web in [&mut webs.below, &mut webs.above] {
             web.dynamic_gain = 0.0;
             web.held = 0.0;
         }
-    }
-}
-
-/// `H = 1 + sqrt(4 b EI theta_p / (L M^p))`, with `bar = 4 b EI / (L M^p)` \[1/rad\].
-fn hardening_factor(bar: f64, accumulated_rotation: f64) -> f64 {
-    if bar == 0.0 {
-        return 1.0;
-    }
-    1.0 + (bar * accumulated_rotation).sqrt()
-}
-
-/// Slope of the secant of the hardening factor over an expected plastic rotation \[1/rad\]; 0 where none is expected.
-fn hardening_slope(bar: f64, accumulated_rotation: f64, expected: f64) -> f64 {
-    if bar == 0.0 {
-        return 0.0;
-    }
-    // (sqrt(b (a + e)) - sqrt(b a)) / e without cancellation.
-    let sum =
-        (bar * (accumulated_rotation + expected)).sqrt() + (bar * accumulated_rotation).sqrt();
-    if sum > 0.0 && expected > 0.0 {
-        bar / sum
-    } else {
-        0.0
     }
 }
 
@@ -601,19 +577,19 @@ impl Prediction {
 
     /// The strengths of both bars.
     pub fn strengths(&self) -> PerBar<Option<BarStrength>> {
-        let strength = |factors: &[HingeFactors; 2], slopes: &[f64; 2], slider| {
+        let strength = |factors: &[HingeFactors; 2], growth: &[f64; 2], slider| {
             let [first, second] = factors;
             BarStrength::new(
-                [first.dynamic, second.dynamic],
-                [first.hardening, second.hardening],
-                *slopes,
+                [first.whole(), second.whole()],
+                [first.moment, second.moment],
+                *growth,
                 slider,
             )
         };
         let webs = self.webs();
         PerBar {
-            below: strength(&self.factors.below, &self.slopes.below, webs.below),
-            above: strength(&self.factors.above, &self.slopes.above, webs.above),
+            below: strength(&self.factors.below, &self.growth.below, webs.below),
+            above: strength(&self.factors.above, &self.growth.above, webs.above),
         }
     }
 

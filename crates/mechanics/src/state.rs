@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
 use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
@@ -557,7 +558,7 @@ impl State {
         strength: impl Fn(&WebState) -> SliderStrength,
     ) -> [f64; WEBS] {
         let of = |bar: &Bar, forces: &BarForces, web: &WebState, hinges: &[HingeStrength; 2]| {
-            let weakest = hinges[0].factors.dynamic.min(hinges[1].factors.dynamic);
+            let weakest = HingeFactors::weakest([&hinges[0].factors, &hinges[1].factors]);
             bar.web_utilisation(forces, &strength(web), weakest)
         };
         let (frame, f, w, s) = (&model.frame, &self.forces, &self.webs, &self.strength);

@@ -1,16 +1,17 @@
-//! One bar whose two hinges differ in strength: strain rate enlarges the whole yield surface of a hinge, hardening its
-//! moments. The return to both surfaces, and the stress of a bar in the course of an iteration.
+//! One bar whose two hinges differ in strength: strain rate and hardening enlarge the whole yield surface of a hinge. The
+//! return to both surfaces, and the stress of a bar in the course of an iteration.
 //!
-//! With the factors `D_k` and `H_k` hinge `k` leaves the moment `m_k(N) = D_k H_k M^p (1 - |N / (D_k N^p)|^beta)^(1/alpha)`,
+//! With the factors `W_k = D_k H_k` of the whole surface and `S_k` of the moments alone, hinge `k` leaves the moment
+//! `m_k(N) = W_k S_k M^p (1 - |N / (W_k N^p)|^beta)^(1/alpha)`,
 //! and the admissible stress closest to the trial stress minimises
 //!
-//! `(N - N*)^2 / (2 K) + G(m_0(N), m_1(N))` over `|N| <= min(D_0, D_1) N^p`,
+//! `(N - N*)^2 / (2 K) + G(m_0(N), m_1(N))` over `|N| <= min(W_0, W_1) N^p`,
 //!
 //! where `G`, the least complementary energy of moments within their caps, is convex and decreases with both of them. The
 //! caps are concave, so the problem stays convex in one scalar: its derivative changes its sign once. The coordinate is
 //! that of the quarter curve of the hinge that is weaker against normal forces.
 //!
-//! Over a part of a step `H_k` grows linearly with the plastic rotation `p` of its hinge, `H_k (1 + g_k |p|)`. That makes the
+//! Over a part of a step the moments grow linearly with the plastic rotation `p` of their hinge, `m_k (1 + g_k |p|)`. That makes the
 //! hinges stiffer, `C + diag(m_k g_k)`, and replaces `|p|` in the derivative of `G` by its integral `P = |p| + g p^2 / 2`.
 
 use super::bar::{Bar, BarForces, BarStrain, BarTangent, Place, Returned};
@@ -235,7 +236,8 @@ mod tests {
     struct Case {
         bar: Bar,
         dynamic: [f64; 2],
-        hardening: [f64; 2],
+        /// Factor of the moments alone.
+        moment: [f64; 2],
         /// `g_k` \[1/rad\].
         growth: [f64; 2],
         trial: BarForces,
@@ -243,8 +245,12 @@ mod tests {
 
     impl Case {
         fn strength(&self) -> Option<BarStrength> {
-            let slope = [0, 1].map(|k| self.growth[k] * self.hardening[k]);
-            BarStrength::new(self.dynamic, self.hardening, slope, SliderStrength::VIRGIN)
+            BarStrength::new(
+                self.dynamic,
+                self.moment,
+                self.growth,
+                SliderStrength::VIRGIN,
+            )
         }
 
         fn returned(&self) -> Returned {
@@ -255,7 +261,7 @@ mod tests {
         fn caps(&self, normal: f64) -> [f64; 2] {
             [0, 1].map(|k| {
                 let n = (normal / (self.dynamic[k] * AXIAL)).abs().min(1.0);
-                self.dynamic[k] * self.hardening[k] * MOMENT * self.bar.surface.cap_of(n)
+                self.dynamic[k] * self.moment[k] * MOMENT * self.bar.surface.cap_of(n)
             })
         }
 
@@ -319,9 +325,9 @@ mod tests {
                 (1.0..2.0_f64).prop_map(|both| [both; 2]),
                 (1.0..2.0_f64, -12.0..-3.0_f64).prop_map(|(a, b)| [a, a * (1.0 + 10_f64.powf(b))]),
             ],
-            hardening in prop_oneof![
+            factor in prop_oneof![
                 Just([1.0; 2]),
-                (1.0..1.5_f64, 1.0..1.5_f64).prop_map(|(a, b)| [a, b]),
+                (0.01..1.5_f64, 0.01..1.5_f64).prop_map(|(a, b)| [a, b]),
             ],
             growth in prop_oneof![
                 Just([0.0; 2]),
@@ -342,7 +348,7 @@ mod tests {
             Case {
                 bar: Bar::new(length, 1.9e9 / length, rotational, surface),
                 dynamic,
-                hardening,
+                moment: factor,
                 growth,
                 trial: BarForces { normal: normal * AXIAL, moment: [moment.0 * MOMENT, second] },
             }
@@ -387,7 +393,7 @@ mod tests {
                 prop_assert!((found.forces.moment[k] - moment).abs() <= 1e-9 * MOMENT);
                 let hardened = 1.0 + case.growth[k] * found.flow.rotation[k].abs();
                 let sum = case.bar.surface.sum(
-                    found.forces.moment[k] / (case.dynamic[k] * case.hardening[k] * hardened),
+                    found.forces.moment[k] / (case.dynamic[k] * case.moment[k] * hardened),
                     normal / case.dynamic[k],
                 );
                 prop_assert!(sum <= 1.0 + 1e-9, "hinge {k}: {sum}, {found:?} {limit:?}");
@@ -535,7 +541,7 @@ mod tests {
     fn hinges_of_equal_strength_return_as_to_one_surface() {
         check(2_000, |mut case| {
             case.growth = [0.0; 2];
-            case.hardening = [1.0; 2];
+            case.moment = [1.0; 2];
             case.dynamic = [1.0 + 1e-14; 2];
             let found = case.returned();
             let expected = case.bar.return_stress(case.trial, 0.0);

@@ -6,6 +6,9 @@ use super::properties::YieldExponents;
 /// sum.
 const YIELD_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
+/// Largest [`YieldSurface::moment_gain`]: near the squash load, where the surface leaves next to no moment, it has no bound.
+const MAX_MOMENT_GAIN: f64 = 20.0;
+
 /// `Phi(M, N) = (|M/M^p|^alpha + |N/N^p|^beta)^(1/gamma) - 1` (Eq 28), symmetric and convex for
 /// `alpha, beta >= 1`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,6 +118,13 @@ impl YieldSurface {
         } else {
             0.0
         }
+    }
+
+    /// By what share the moment on the surface grows at a held normal force \[N\], for each share by which the whole surface
+    /// does: `1 + (beta/alpha) n^beta / (1 - n^beta)`.
+    pub(crate) fn moment_gain(&self, normal_force: f64) -> f64 {
+        let power = self.axial_term(normal_force).min(1.0);
+        (1.0 + self.axial_curve.ratio * power / (1.0 - power)).min(MAX_MOMENT_GAIN)
     }
 
     /// Utilisation `Phi + 1`: 0 without stress, 1 on the surface.

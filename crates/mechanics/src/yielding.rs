@@ -1,5 +1,6 @@
 //! How close hinges and webs come to yielding, and at which instant of a step they do.
 
+use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
 use super::frame::Frame;
 use super::rate::{HingeStrength, WebState};
@@ -87,7 +88,7 @@ pub(crate) fn share_until_shear(
     end: &BarForces,
     flow: &PlasticFlow,
 ) -> f64 {
-    let weakest = hinges[0].factors.dynamic.min(hinges[1].factors.dynamic);
+    let weakest = HingeFactors::weakest([&hinges[0].factors, &hinges[1].factors]);
     let used = |forces: &BarForces| bar.web_utilisation(forces, &web.strength(), weakest);
     let c = &bar.rotational;
     let [first, second] = flow.rotation.map(|rotation| rotation + flow.shear_angle);

@@ -88,7 +88,7 @@ const GOLDEN: [[u64; 2]; 6] = [
     [0x525f_21ef_9ca7_496d, 0x8d85_5eca_b7fd_6463],
     [0xb422_c297_8ef3_8c73, 0x0384_fb83_308b_97fc],
     [0xcbe5_58f2_e241_7d97, 0x25df_93f7_c152_cfaa],
-    [0x1c6f_2eab_6744_fbc7, 0x3ef6_123e_0ff6_d875],
+    [0x1ca6_4178_28c9_d022, 0x6802_aa4b_9354_b5d8],
     [0xa7be_d09f_05d5_971d, 0xe5a3_343f_5a43_8f3e],
 ];
 

@@ -98,6 +98,7 @@ prop_compose! {
             damping_ratio: damping,
             rate: None,
             hardening_ratio: 0.0,
+            softening: None,
             ultimate_rotation: 0.0,
             shear: None,
             scheme,

@@ -1,4 +1,4 @@
-//! Properties of random columns whose webs yield in shear, with strain rate, hardening, bumpers and both schemes.
+//! Properties of random columns whose webs yield in shear, with strain rate, hardening, softening, bumpers and both schemes.
 
 #![allow(
     clippy::disallowed_methods,
@@ -9,8 +9,9 @@ use std::cell::Cell;
 
 use column_mechanics::{
     ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, Impact, MAX_PUSH_DOWN_EVALUATIONS,
-    Model, Progress, PushDown, RateLaw, RateProperties, Response, Scheme, ShearProperties, State,
-    StepError, Support, Vehicle, YieldExponents, plastic_plateau, residual_state,
+    Model, Progress, PushDown, RateLaw, RateProperties, Response, Scheme, ShearProperties,
+    SofteningProperties, State, StepError, Support, Vehicle, YieldExponents, plastic_plateau,
+    residual_state,
 };
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -71,6 +72,15 @@ fn rate() -> impl Strategy<Value = RateProperties> {
     })
 }
 
+fn softening() -> impl Strategy<Value = SofteningProperties> {
+    let rotations = (log_uniform(1e-4, 0.2), log_uniform(1e-3, 0.5));
+    (rotations, 0.0..1.0_f64).prop_map(|((capping, post_capping), residual)| SofteningProperties {
+        capping_rotation: capping,
+        post_capping_rotation: post_capping,
+        residual,
+    })
+}
+
 prop_compose! {
     /// A column of real proportions whose web bears from a thousandth to half of what all of its steel could in shear.
     fn column(scheme: Scheme)(
@@ -88,6 +98,7 @@ prop_compose! {
         damping in prop_oneof![2 => Just(0.0), 1 => 0.0..0.3_f64],
         rate in prop_oneof![Just(None), rate().prop_map(Some)],
         hardening_ratio in or_zero(1e-5, 0.1),
+        softening in prop_oneof![1 => Just(None), 1 => softening().prop_map(Some)],
         web in (log_uniform(0.001, 0.5), or_zero(1e-4, 0.1), or_zero(1e-3, 1.0)),
         hardening in (or_zero(1e-3, 100.0), prop_oneof![Just(0.0), 1.0..3.0_f64]),
         bumper in prop_oneof![Just(0.0), 0.0..0.9_f64],
@@ -117,6 +128,7 @@ prop_compose! {
             damping_ratio: damping,
             rate,
             hardening_ratio,
+            softening,
             ultimate_rotation: 0.0,
             shear: Some(ShearProperties {
                 web_resistance,

@@ -39,6 +39,7 @@ fn rigid_plastic(load: f64) -> ColumnProperties {
         damping_ratio: 0.0,
         rate: None,
         hardening_ratio: 0.0,
+        softening: None,
         ultimate_rotation: 0.0,
         shear: None,
         scheme: Scheme::ConservingMidpoint,

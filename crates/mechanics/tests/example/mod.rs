@@ -31,6 +31,7 @@ pub fn paper() -> (ColumnProperties, Impact) {
         damping_ratio: 0.0,
         rate: None,
         hardening_ratio: 0.0,
+        softening: None,
         ultimate_rotation: 0.0,
         shear: None,
         scheme: Scheme::ConservingMidpoint,
