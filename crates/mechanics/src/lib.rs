@@ -19,6 +19,7 @@
 mod accuracy;
 mod bar;
 mod bar_strength;
+mod base_reactions;
 mod bracketing;
 mod buckling;
 mod capacity;
@@ -64,6 +65,7 @@ mod yielding;
 
 pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use base_reactions::BASE_WINDOW;
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
 };
@@ -87,11 +89,11 @@ pub use properties::{
     YieldExponents,
 };
 pub use rate::{HingeFactors, HingeStrength, WebState};
-pub use report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
+pub use report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 pub use response::{Progress, Response, SimulationError, respond, simulate};
 pub use sample::{
-    HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEB_NAMES, WEBS,
-    WebSample,
+    BaseForces, HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample,
+    WEB_NAMES, WEBS, WebSample,
 };
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};
