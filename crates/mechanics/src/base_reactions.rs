@@ -394,7 +394,7 @@ mod tests {
         let model = Model::new(&PLAIN_COLUMN).expect("a column");
         let peak = |waits: bool| {
             let mut history = BaseHistory::begin(0.0, forces(1e3));
-            let mut take = |history: &mut BaseHistory, time: f64, shear: f64| {
+            let take = |history: &mut BaseHistory, time: f64, shear: f64| {
                 history.take(&BaseInstant {
                     time,
                     v1: 0.0,

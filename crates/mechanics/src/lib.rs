@@ -19,6 +19,7 @@
 mod accuracy;
 mod bar;
 mod bar_strength;
+mod base_plate;
 mod base_reactions;
 mod bracketing;
 mod buckling;
@@ -65,6 +66,9 @@ mod yielding;
 
 pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use base_plate::{
+    Anchors, BaseFactors, BaseFailure, BasePlate, BasePlateError, BaseResistance, stress_area,
+};
 pub use base_reactions::BASE_WINDOW;
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,

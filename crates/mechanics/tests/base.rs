@@ -106,8 +106,9 @@ fn the_equilibrium_of_the_lower_bar() {
         let mut last: Option<(f64, f64)> = None;
         simulate(&properties, &impact, DURATION, &mut |sample| {
             let [a, base] = [&sample.hinges[0], &sample.hinges[3]];
-            let chord = (length - sample.u1).hypot(sample.v1);
-            let (cos, sin) = ((length - sample.u1) / chord, sample.v1 / chord);
+            let (x, v) = (length - sample.u1, sample.v1);
+            let chord = (x * x + v * v).sqrt();
+            let (cos, sin) = (x / chord, v / chord);
             let bare = (a.moment + base.moment) / chord * cos + base.normal_force * sin;
             if let Some((time, rate)) = last
                 && sample.percussion == 0.0

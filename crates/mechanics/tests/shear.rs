@@ -4,14 +4,13 @@ mod example;
 mod finite_elements;
 
 use column_mechanics::{
-    ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, End, Impact, Model, Outcome, Progress,
-    Report, Response, RolledSection, Scheme, ShearProperties, State, StudyModel, Vehicle,
-    YieldExponents, capacity, plastic_plateau, residual_state, respond, simulate, step,
+    ColumnProperties, ElasticLaw, End, Impact, Model, Outcome, Progress, Report, Response, Scheme,
+    ShearProperties, State, StudyModel, capacity, plastic_plateau, residual_state, respond,
+    simulate, step,
 };
 use example::{ceb, paper};
 use finite_elements::{
-    AT_THE_THRESHOLD, POISSON_RATIO, YIELD_STRENGTH, YOUNG_MODULUS, case, column, lines, number,
-    section, text,
+    AT_THE_THRESHOLD, YIELD_STRENGTH, YOUNG_MODULUS, case, column, lines, number, section, text,
 };
 use serde_json::Value;
 
