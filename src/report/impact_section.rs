@@ -9,7 +9,7 @@ use super::energy_balance::EnergyBalance;
 use super::reported_impact::ReportedImpact;
 use super::uncertainty;
 use super::verdict::Verdict;
-use super::words::end_in_words;
+use super::words::{base_rows, end_in_words, in_kilo};
 use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
@@ -55,6 +55,7 @@ pub(super) fn markup(
             (figures.markup("deformed_shape", "Shape of the column before the impact, at its largest displacement and at rest."))
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
             (hinges(impact))
+            (base(impact))
             (figures.markup("fig8_bending_moments", "Bending moments of the hinges over time; rings mark the first yield."))
             (figures.yield_path(impact.governing_hinge()))
             h3 { "Contact" }
@@ -275,6 +276,27 @@ fn hinges(impact: &ReportedImpact) -> Markup {
                         }
                         td.number { (format!("{:.3}", hinge.max_utilisation)) }
                         @if dynamic { td.number { "× " (format!("{:.3}", report.max_dynamic_factor[index])) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn base(impact: &ReportedImpact) -> Markup {
+    html! {
+        h3 { "Base" }
+        table.compact {
+            caption {
+                "Reactions of the base, means over 1 ms except for the plateau; the normal force is positive in tension. What is larger \
+                 than the resistance of the connection stands among the criteria."
+            }
+            thead { tr { th { "at" } th.number { "shear force, kN" } th.number { "moment, kNm" } th.number { "normal force, kN" } } }
+            tbody {
+                @for (name, forces) in base_rows(&impact.report.base) {
+                    tr {
+                        th scope="row" { (name) }
+                        @for number in in_kilo(forces) { td.number { (number) } }
                     }
                 }
             }

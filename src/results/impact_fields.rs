@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::assessment::{Criterion, ImpactEvaluation, Severity};
-use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome};
+use crate::column::{BaseForces, BaseReport, End, HINGE_NAMES, HINGES, HingeReport, Outcome};
 
 /// The word for an outcome.
 #[must_use]
@@ -72,6 +72,27 @@ pub struct ImpactFields<'a> {
     reserve: Option<f64>,
     criteria: Option<&'a [Criterion]>,
     hinges: BTreeMap<&'static str, HingeFields>,
+    base: BaseFields,
+}
+
+/// The reactions of the base: means over 1 ms, except for the plateau.
+#[derive(Debug, Serialize)]
+struct BaseFields {
+    plateau: Option<BaseForceFields>,
+    peak_shear: BaseForceFields,
+    peak_shear_time_s: f64,
+    reversed_shear: BaseForceFields,
+    peak_moment: BaseForceFields,
+    least_compressed: BaseForceFields,
+    most_compressed: BaseForceFields,
+    checked_moment: BaseForceFields,
+}
+
+#[derive(Debug, Serialize)]
+struct BaseForceFields {
+    shear_n: f64,
+    moment_n_m: f64,
+    normal_force_n: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -153,6 +174,7 @@ impl<'a> ImpactFields<'a> {
                 .into_iter()
                 .zip(report.hinges.iter().map(HingeFields::from))
                 .collect(),
+            base: BaseFields::from(&report.base),
         }
     }
 }
@@ -164,6 +186,31 @@ impl From<&HingeReport> for HingeFields {
             plastic_rotation_rad: hinge.plastic_rotation,
             plastic_elongation_m: hinge.plastic_elongation,
             max_utilisation: hinge.max_utilisation,
+        }
+    }
+}
+
+impl From<&BaseReport> for BaseFields {
+    fn from(base: &BaseReport) -> Self {
+        Self {
+            plateau: base.plateau.as_ref().map(BaseForceFields::from),
+            peak_shear: BaseForceFields::from(&base.peak_shear),
+            peak_shear_time_s: base.peak_shear_time,
+            reversed_shear: BaseForceFields::from(&base.reversed_shear),
+            peak_moment: BaseForceFields::from(&base.peak_moment),
+            least_compressed: BaseForceFields::from(&base.least_compressed),
+            most_compressed: BaseForceFields::from(&base.most_compressed),
+            checked_moment: BaseForceFields::from(&base.checked_moment),
+        }
+    }
+}
+
+impl From<&BaseForces> for BaseForceFields {
+    fn from(forces: &BaseForces) -> Self {
+        Self {
+            shear_n: forces.shear,
+            moment_n_m: forces.moment,
+            normal_force_n: forces.normal_force,
         }
     }
 }

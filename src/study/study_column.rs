@@ -233,6 +233,7 @@ impl StudyColumn {
             outcome: quick.outcome,
             plastic_rotation: quick.plastic_rotation,
             max_v1: quick.max_v1,
+            base: quick.base,
         };
         let assessment = &self.assessment;
         Ok(assessment.severity(&self.model, impact, &response, &rest, NEAR_LIMIT)?)
@@ -327,6 +328,7 @@ impl From<&StudyResponse> for Ended {
                 outcome: response.outcome,
                 plastic_rotation: response.plastic_rotation,
                 max_v1: response.max_v1,
+                base: response.base,
             },
             rest: response.rest,
             peak_contact_force: response.peak_contact_force,

@@ -22,7 +22,7 @@ fn spread(ratios: &[f64]) -> [f64; 3] {
     ]
 }
 
-/// The plateau of the shear is 0.86 to 1.06 of the finite elements', the largest mean over a millisecond 0.87 to 1.04, but for
+/// The plateau of the shear is 0.86 to 1.06 of the finite elements', the largest mean over a millisecond 0.88 to 1.04, but for
 /// the hit at mid-height: there a flexural wave, which two bars do not have, adds a fifth to it. The elements' contact is
 /// switched on at once and lets the column vibrate more along its axis than two bars do, so that the extremes of the normal
 /// force are compared with a larger tolerance.
