@@ -233,11 +233,11 @@ fn defaults_follow_the_steel_and_the_limits() {
     let lifted = shear(vec![("assessment.ultimate_rotation", 0.0.into())]);
     assert_eq!(lifted.ultimate_angle, 0.0);
     let changed = Parameters::default()
-        .with_changes([("steel.grade", "S460")])
+        .with_changes([("steel.grade", Value::from("S460"))])
         .expect("admissible");
     assert_eq!(changed.settings().shear.max_hardening, 540.0 / 460.0);
     let kept = parameters(vec![("shear.max_hardening", 0.0.into())])
-        .with_changes([("steel.grade", "S460")])
+        .with_changes([("steel.grade", Value::from("S460"))])
         .expect("admissible");
     assert_eq!(kept.settings().shear.max_hardening, 0.0);
 }
@@ -271,7 +271,7 @@ fn the_bumper_belongs_to_the_vehicle() {
     assert!((point / 585e3 - 1.0).abs() < 0.13, "{point}");
     assert!((bumper / 608e3 - 1.0).abs() < 0.13, "{bumper}");
     let named = parameters
-        .with_changes([("vehicle.name", "mid_car")])
+        .with_changes([("vehicle.name", Value::from("mid_car"))])
         .expect("admissible");
     assert_eq!(named.impact().bumper_height, 0.2);
 }
@@ -310,7 +310,7 @@ fn a_bumper_that_leaves_nothing_clear_is_rejected() {
         "{faults}"
     );
     assert!(faults.contains("give at most 0.18 m"), "{faults}");
-    let thick = Parameters::from_values([("section.flange_thickness", 0.11)])
+    let thick = Parameters::from_values([("section.flange_thickness", Value::from(0.11))])
         .expect_err("no web")
         .to_string();
     assert!(

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
 use super::rotation_limits::{HingeSlenderness, not_compact};
 use super::{AssessedShear, AssessmentInput, Severity};
 use crate::parameters::Provenance;
@@ -46,6 +47,8 @@ const LINKS: &str = "ASCE/SEI 41-17, links that yield in shear, rotation b";
 const WEB: &str = "largest plastic shear angle of a web";
 const HINGE: &str = "largest plastic rotation of a hinge";
 const SUPPORT: &str = "largest rotation of a bar at its support";
+const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
+const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";
 const RESERVE: &str =
     "largest force that the model carries in the plane of the impact, over the carried load";
 
@@ -200,6 +203,71 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         value: HINGE,
         consequence: "the steel has yielded; connections and welds must be looked at",
         evaluate: |input| Ok((input.largest_rotation(), 0.0)),
+    },
+    // The base, in one block.
+    Definition {
+        name: "base_anchors_1_3",
+        edition: BASE_SHEAR,
+        tag: Provenance::Assumed,
+        unit: "",
+        relation: Relation::AtMost,
+        severity: Severity::Restrict,
+        value: "largest force in the anchors over 1 ms, shear or uplift, with 1.25 times the strength of a column that has flowed, \
+                over their resistance",
+        consequence: "the anchors do not hold the column",
+        evaluate: |input| {
+            let (base, demand) = base(input)?;
+            let used = base.shear(demand).ratio().max(base.uplift(demand).ratio());
+            Ok((used, FAILED_ANCHORS))
+        },
+    },
+    Definition {
+        name: "base_shear",
+        edition: BASE_SHEAR,
+        tag: Provenance::Assumed,
+        unit: "N",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: "largest shear force of the base over 1 ms, with 1.25 times the strength of a column that has flowed",
+        consequence: "the anchors slip or shear off; the base plate and its anchors must be looked at",
+        evaluate: |input| {
+            let (base, demand) = base(input)?;
+            let used = base.shear(demand);
+            Ok((used.demand, used.resistance))
+        },
+    },
+    Definition {
+        name: "base_moment",
+        edition: BASE_MOMENT,
+        tag: Provenance::Assumed,
+        unit: "N m",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: "moment of the base to be checked, with 1.25 times the strength of a column that has flowed",
+        consequence: "anchors, plate or concrete yield; the base plate must be looked at",
+        evaluate: |input| {
+            let (base, demand) = base(input)?;
+            if !base.bears_moment {
+                return Err("a pinned base bears no moment".into());
+            }
+            let used = base.moment(demand);
+            Ok((used.demand, used.resistance))
+        },
+    },
+    Definition {
+        name: "base_uplift",
+        edition: BASE_MOMENT,
+        tag: Provenance::Assumed,
+        unit: "N",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: "largest tension of the base over 1 ms, with 1.25 times the strength of a column that has flowed",
+        consequence: "the anchors are pulled out of the foundation or torn",
+        evaluate: |input| {
+            let (base, demand) = base(input)?;
+            let used = base.uplift(demand);
+            Ok((used.demand, used.resistance))
+        },
     },
     Definition {
         name: "shear_flow",
@@ -359,6 +427,25 @@ const NO_SHEAR: &str = "the web of the column is not known, or shear.model is no
                         the column bends; give section.name, or section.height, section.web_thickness, section.width and \
                         section.flange_thickness";
 const NO_IMPACT: &str = "no impact is given";
+
+/// The connection of the base and what it has to bear.
+fn base(input: &AssessmentInput) -> Result<(&ConnectedBase, &BaseDemand), Cow<'static, str>> {
+    match (&input.base, &input.base_demand) {
+        (Some(base), Some(demand)) => Ok((base, demand)),
+        // Nothing has happened to it.
+        (Some(base), None) if input.impact.is_none() && input.largest_rotation() == 0.0 => {
+            Ok((base, &AT_REST))
+        }
+        (Some(_), None) => Err("the reactions of the base are known of an impact only".into()),
+        (None, _) => Err(input
+            .no_base
+            .clone()
+            .unwrap_or_else(|| {
+                "the connection of the base is not known; give base.connection".to_owned()
+            })
+            .into()),
+    }
+}
 
 /// A force of Table 4.1, in the direction of the traffic, which does not depend on the impact.
 const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluation) -> Definition {

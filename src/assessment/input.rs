@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::base::{BaseDemand, ConnectedBase};
 use super::remaining::{RemainingCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use crate::column::{
@@ -64,6 +65,15 @@ pub struct AssessmentInput {
     pub plateau: f64,
     /// What struck the column; `None` for an assessment of its state alone.
     pub impact: Option<AssessedImpact>,
+    /// The connection of the base, given or assumed; `None` where there is none.
+    #[serde(default)]
+    pub base: Option<ConnectedBase>,
+    /// Why there is none.
+    #[serde(default)]
+    pub no_base: Option<String>,
+    /// What the impact puts into the base; `None` for an assessment of its state alone.
+    #[serde(default)]
+    pub base_demand: Option<BaseDemand>,
     /// Names of the criteria that decide the severity, such as [`DEFAULT_CRITERIA`](crate::parameters::DEFAULT_CRITERIA).
     pub deciding: Vec<String>,
 }
@@ -136,6 +146,7 @@ impl AssessmentInput {
             shear: AssessedShear::of(model, report.webs.map(|web| web.plastic_angle)),
             max_v1: report.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
+            base_demand: Some(BaseDemand::of(report)),
             ..Self::of_column(parameters, model, remaining)
         }
     }
@@ -188,6 +199,7 @@ impl AssessmentInput {
 
     fn of_column(parameters: &Parameters, model: &Model, remaining: RemainingCapacity) -> Self {
         let p = &model.properties;
+        let base = ConnectedBase::of(parameters);
         Self {
             collapsed: false,
             severed: false,
@@ -207,6 +219,9 @@ impl AssessmentInput {
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
             impact: None,
+            no_base: base.err().map(str::to_owned),
+            base: base.ok(),
+            base_demand: None,
             deciding: parameters.settings().assessment.criteria.clone(),
         }
     }

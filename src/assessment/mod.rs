@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod base;
 mod criteria;
 mod evaluation;
 mod input;
@@ -30,6 +31,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
+pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 use criteria::{DEFINITIONS, Definition, Relation};
 pub use evaluation::{
     HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
@@ -117,7 +119,9 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         if let (true, Ok(measured)) = (decides, &measured) {
             choice.consider(index, measured);
         }
-        criteria.push(criterion(definition, decides, measured));
+        let mut made = criterion(definition, decides, measured);
+        base::annotate(&mut made, input.base.as_ref(), input.base_demand.as_ref());
+        criteria.push(made);
     }
     let (severity, deciding) = (choice.severity(), &criteria[choice.deciding()]);
     Assessment {
@@ -271,10 +275,12 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
-/// A number with its unit: forces in kN, otherwise three significant digits.
+/// A number with its unit: forces in kN, moments in kNm, otherwise three significant digits.
 fn quantity(value: f64, unit: &str) -> String {
     let (value, unit) = if unit == "N" {
         (value / 1e3, "kN")
+    } else if unit == "N m" {
+        (value / 1e3, "kNm")
     } else {
         (value, unit)
     };

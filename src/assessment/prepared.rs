@@ -3,13 +3,14 @@
 
 use std::sync::OnceLock;
 
+use super::base::BaseDemand;
 use super::criteria::{DEFINITIONS, Definition};
 use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
 use super::{AssessedImpact, AssessedShear, AssessmentInput, Choice, Severity, decides, measured};
 use crate::column::{
-    BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact, KnownCapacity, Model,
-    Outcome, PerBar, PushDown, State, WEBS, capacity, capacity_up_to, carried_load,
-    plastic_plateau,
+    BaseReport, BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact,
+    KnownCapacity, Model, Outcome, PerBar, PushDown, State, WEBS, capacity, capacity_up_to,
+    carried_load, plastic_plateau,
 };
 use crate::parameters::Parameters;
 
@@ -54,6 +55,8 @@ pub struct AssessedResponse {
     pub plastic_shear: [f64; WEBS],
     /// Largest `v1` \[m\].
     pub max_v1: f64,
+    /// The reactions of the base.
+    pub base: BaseReport,
 }
 
 impl PreparedAssessment {
@@ -79,6 +82,7 @@ impl PreparedAssessment {
                 .collect(),
             input: AssessmentInput {
                 deciding: Vec::new(),
+                no_base: None,
                 ..input
             },
             resistances,
@@ -198,6 +202,10 @@ impl PreparedAssessment {
             shear: AssessedShear::of(model, response.plastic_shear),
             max_v1: response.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
+            base_demand: Some(BaseDemand {
+                report: response.base,
+                has_flowed: response.outcome != Outcome::Elastic,
+            }),
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
             // Empty: nothing is allocated.

@@ -6,7 +6,7 @@ use crate::column::{
     BendingAxis, BucklingCurve, BucklingResistance, Capacity, CapacityEnd, CapacityError, Model,
     RolledSection, State, buckling_resistance, capacity, carried_load, effective_length_factor,
 };
-use crate::parameters::{CatalogueSection, Parameters};
+use crate::parameters::Parameters;
 
 /// Curve of a section whose dimensions are not known: the less favourable one of rolled sections about their strong axis
 /// with flanges up to 100 mm, or up to 40 mm where they are deeper than 1.2 times their width (an assumption).
@@ -100,11 +100,7 @@ impl RemainingCapacity {
 /// Dimensions of a named section whose properties are not overridden.
 #[must_use]
 pub fn section_dimensions(parameters: &Parameters) -> Option<RolledSection> {
-    let given = &parameters.settings().section;
-    let as_named = given.area == 0.0 && given.second_moment == 0.0;
-    CatalogueSection::named(&given.name)
-        .filter(|_| as_named)
-        .map(|section| section.dimensions)
+    parameters.section_dimensions()
 }
 
 /// The buckling curve about an axis; about the weak one `None` where the dimensions of the section are not known.

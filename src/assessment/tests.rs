@@ -2,7 +2,9 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-use crate::column::{Capacity, CapacityEnd, Impact, Model, Outcome, State, respond, simulate};
+use crate::column::{
+    BaseForces, BaseReport, Capacity, CapacityEnd, Impact, Model, Outcome, State, respond, simulate,
+};
 use crate::parameters::{CRITERION_NAMES, DEFAULT_CRITERIA, Parameters, parse_override};
 
 fn parameters(overrides: &[&str]) -> Parameters {
@@ -224,6 +226,150 @@ fn what_cannot_be_evaluated_is_listed_with_its_reason() {
         "{}",
         capping.statement
     );
+}
+
+/// What `shear`, `moment` \[N, N m\] put into the base under a compression of 490 kN.
+fn base_demand(shear: f64, moment: f64, has_flowed: bool) -> Option<BaseDemand> {
+    let forces = BaseForces {
+        shear,
+        moment,
+        normal_force: -490e3,
+    };
+    Some(BaseDemand {
+        report: BaseReport {
+            peak_shear: forces,
+            checked_moment: forces,
+            least_compressed: forces,
+            ..BaseReport::default()
+        },
+        has_flowed,
+    })
+}
+
+/// HEB 220 on the assumed plate bears 378 kN and 173 kNm: an engineer has worked these out by hand.
+#[test]
+fn the_base_is_judged_by_its_plate() {
+    let mut input = input(&[]);
+    let assessed = |demand: Option<BaseDemand>, input: &mut AssessmentInput| {
+        input.base_demand = demand;
+        let assessment = assess(input);
+        (
+            assessment.severity,
+            assessment.deciding_criterion,
+            assessment,
+        )
+    };
+    assert_eq!(criterion(&assess(&input), "base_shear").value, Some(0.0));
+    input.plastic_rotation[0] = 1e-3;
+    let not_known = assess(&input);
+    input.plastic_rotation[0] = 0.0;
+    let unknown = criterion(&not_known, "base_shear");
+    assert_eq!(unknown.value, None);
+    assert!(
+        unknown.statement.contains("of an impact only"),
+        "{}",
+        unknown.statement
+    );
+    let (severity, _, held) = assessed(base_demand(370e3, 170e3, false), &mut input);
+    assert_eq!(severity, Severity::None);
+    let shear = criterion(&held, "base_shear");
+    assert!((shear.limit.expect("a limit") / 378e3 - 1.0).abs() < 0.005);
+    assert!(
+        shear.statement.contains("4 anchors M24 8.8"),
+        "{}",
+        shear.statement
+    );
+    assert!(shear.statement.contains("[A]"));
+    let (severity, name, _) = assessed(base_demand(400e3, 0.0, false), &mut input);
+    assert_eq!((severity, name), (Severity::Inspect, "base_shear"));
+    let (severity, name, moved) = assessed(base_demand(100e3, 180e3, false), &mut input);
+    assert_eq!((severity, name), (Severity::Inspect, "base_moment"));
+    let moment = criterion(&moved, "base_moment");
+    assert!(moment.statement.contains("kNm"), "{}", moment.statement);
+    assert!(
+        moment.statement.contains("anchors in tension"),
+        "{}",
+        moment.statement
+    );
+    // The overstrength of a column that has flowed.
+    let (severity, name, _) = assessed(base_demand(400e3, 0.0, true), &mut input);
+    assert_eq!((severity, name), (Severity::Restrict, "base_anchors_1_3"));
+    // Lifted off its grout by more than the anchors bear.
+    let mut lifted = base_demand(0.0, 0.0, false);
+    let demand = lifted.as_mut().expect("a demand");
+    demand.report.least_compressed.normal_force = 1.1e6;
+    let (severity, name, _) = assessed(lifted, &mut input);
+    assert_eq!((severity, name), (Severity::Inspect, "base_uplift"));
+}
+
+/// A base that nobody knows is not evaluated, with the reason, and one that is given does not say that it is assumed.
+#[test]
+fn only_a_known_base_is_judged() {
+    let statement = |overrides: &[&str], name: &str| {
+        let mut input = input(overrides);
+        input.base_demand = base_demand(400e3, 0.0, false);
+        let assessment = assess(&input);
+        let found = criterion(&assessment, name);
+        (found.value, found.statement.clone())
+    };
+    let by_numbers = [
+        "section.name:=''",
+        "section.area:=0.0091",
+        "section.second_moment:=8.09e-5",
+        "section.mass_per_length:=71.5",
+        "section.height:=0.22",
+        "resistance.moment:=2.936e5",
+    ];
+    for (overrides, reason) in [
+        (
+            &by_numbers[..],
+            "the dimensions of the section are not known",
+        ),
+        (
+            &["support.base:=pinned"][..],
+            "none is assumed where it is not built in",
+        ),
+    ] {
+        let (value, found) = statement(overrides, "base_shear");
+        assert_eq!(value, None);
+        assert!(
+            found.starts_with("Not evaluated") && found.contains(reason),
+            "{found}"
+        );
+    }
+    let plate = [
+        "base.connection:=plate",
+        "base.plate_thickness:=0.03",
+        "base.plate_length:=0.4",
+        "base.plate_width:=0.4",
+        "base.anchor_count:=4",
+        "base.anchor_diameter:=0.024",
+        "base.anchor_grade:='8.8'",
+        "base.anchor_distance:=0.14",
+        "base.concrete:=C25/30",
+    ];
+    let (given, text) = statement(&plate, "base_shear");
+    let (assumed, _) = statement(&[], "base_shear");
+    assert_eq!(given, assumed);
+    assert!(!text.contains("is assumed"), "{text}");
+    // A pinned base with a plate bears shear, and no moment.
+    let pinned = [&plate[..], &["support.base:=pinned"]].concat();
+    assert_eq!(statement(&pinned, "base_shear").0, given);
+    let (value, found) = statement(&pinned, "base_moment");
+    assert_eq!(value, None);
+    assert!(found.contains("bears no moment"), "{found}");
+}
+
+/// What an earlier impact has put into the base remains.
+#[test]
+fn the_base_remembers_the_larger_forces() {
+    let large = base_demand(500e3, 10e3, true).expect("a demand");
+    let small = base_demand(50e3, 20e3, false).expect("a demand");
+    let after = small.after(Some(&large));
+    assert_eq!(after.report.peak_shear.shear, 500e3);
+    assert_eq!(after.report.checked_moment.moment, 20e3);
+    assert!(after.has_flowed);
+    assert_eq!(small.after(None), small);
 }
 
 /// EN 1991-1-7, Annex C, and the plateau in closed form.

@@ -9,7 +9,7 @@ use column_twin::column::{
 };
 use column_twin::figures::units::{Unit, significant};
 use column_twin::parameters::NoShear;
-use column_twin::report::{EnergyBalance, end_in_words, outcome_in_words};
+use column_twin::report::{EnergyBalance, base_rows, end_in_words, in_kilo, outcome_in_words};
 use column_twin::results::ImpactFields;
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
@@ -353,6 +353,30 @@ impl Summary<'_> {
         Ok(())
     }
 
+    /// What the base has to bear.
+    fn base(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let rows = base_rows(&self.report().base);
+        if rows.is_empty() {
+            return Ok(());
+        }
+        writeln!(
+            f,
+            "\n{:<32}{:>14}{:>14}{:>16}",
+            "Base, means over 1 ms", "shear", "moment", "normal force"
+        )?;
+        for (name, forces) in rows {
+            let [shear, moment, normal] = in_kilo(forces);
+            writeln!(
+                f,
+                "  {name:<30}{:>14}{:>14}{:>16}",
+                format!("{shear} kN"),
+                format!("{moment} kNm"),
+                format!("{normal} kN"),
+            )?;
+        }
+        Ok(())
+    }
+
     fn energy(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let report = self.report();
         let balance = EnergyBalance::from(report);
@@ -410,6 +434,7 @@ impl Display for Summary<'_> {
         self.vehicle(f)?;
         self.contact(f)?;
         self.hinges(f)?;
+        self.base(f)?;
         self.energy(f)?;
         writeln!(
             f,

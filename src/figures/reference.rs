@@ -181,5 +181,6 @@ fn report(samples: &[Sample], summary: &serde_json::Value) -> Report {
         hinges,
         vehicle: Default::default(),
         webs: Default::default(),
+        base: Default::default(),
     }
 }

@@ -244,6 +244,7 @@ fn nothing_happened() -> Report {
         hinges: [HingeReport::default(); HINGES],
         vehicle: Default::default(),
         webs: Default::default(),
+        base: Default::default(),
     }
 }
 

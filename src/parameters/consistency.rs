@@ -2,12 +2,17 @@
 //!
 //! Whether the column carries its load is checked by the mechanics.
 
+use super::base::given_plate;
 use super::catalogue::CatalogueSection;
-use super::settings::{RateLawKind, Settings, ShearModel, SpringSettings, SupportKind};
+use super::dimensions_of;
+use super::settings::{
+    BaseConnection, RateLawKind, Settings, ShearModel, SpringSettings, SupportKind,
+};
 use super::value::readable;
 use super::vehicles::VehicleFault;
 use crate::column::{
-    CrushCurve, CrushSpring, ElasticLaw, MAX_BUMPER_SHARE, MAX_IMPERFECTION, Vehicle, VehicleError,
+    BaseFactors, BasePlateError, CrushCurve, CrushSpring, ElasticLaw, MAX_BUMPER_SHARE,
+    MAX_IMPERFECTION, Vehicle, VehicleError,
 };
 
 /// Parameters that are not compatible.
@@ -31,6 +36,7 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     imperfection_suits_the_height(settings, &mut found);
     bumper_leaves_the_bars_clear(settings, &mut found);
     section_is_a_profile(settings, &mut found);
+    base_is_complete(settings, &mut found);
     found
 }
 
@@ -498,6 +504,110 @@ fn strain_rate_has_a_height(settings: &Settings, found: &mut Vec<Inconsistency>)
     }
 }
 
+/// The numbers of a base plate: all of them with a plate, none without.
+fn base_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let base = &settings.base;
+    let given = [
+        (
+            "base.plate_thickness",
+            base.plate_thickness > 0.0,
+            "it in m",
+        ),
+        ("base.plate_length", base.plate_length > 0.0, "it in m"),
+        ("base.plate_width", base.plate_width > 0.0, "it in m"),
+        ("base.anchor_count", base.anchor_count > 0, "an even number"),
+        (
+            "base.anchor_diameter",
+            base.anchor_diameter > 0.0,
+            "it in m",
+        ),
+        (
+            "base.anchor_grade",
+            base.anchor_grade != "none",
+            "a grade such as \"8.8\", in quotes",
+        ),
+        (
+            "base.anchor_distance",
+            base.anchor_distance > 0.0,
+            "it in m",
+        ),
+        (
+            "base.concrete",
+            base.concrete != "none",
+            "a class such as C25/30",
+        ),
+    ];
+    let mut reject = |name, others: &[&'static str], message: String| {
+        let others = others.iter().copied();
+        found.push(Inconsistency {
+            names: std::iter::once(name).chain(others).collect(),
+            message,
+        });
+    };
+    if base.connection == BaseConnection::None {
+        for (name, ..) in given.into_iter().filter(|(_, is_given, _)| *is_given) {
+            reject(
+                name,
+                &["base.connection"],
+                "describes a base plate, but base.connection is none; write base.connection: plate, or omit it".to_owned(),
+            );
+        }
+        return;
+    }
+    if settings.support.base == SupportKind::SemiRigid {
+        reject(
+            "base.connection",
+            &["support.base"],
+            "plate and support.base: semi_rigid both describe the base; omit one of the two"
+                .to_owned(),
+        );
+    }
+    let mut is_complete = true;
+    for (name, is_given, what) in given {
+        if !is_given {
+            is_complete = false;
+            reject(
+                name,
+                &["base.connection"],
+                format!("is required, because base.connection is plate; give {what}"),
+            );
+        }
+    }
+    let Some(section) = dimensions_of(&settings.section) else {
+        reject(
+            "base.connection",
+            &["section.name", "section.area", "section.second_moment"],
+            "plate needs the dimensions of the section; give section.name without section.area and section.second_moment, \
+             or write base.connection: none, with which the base is not evaluated"
+                .to_owned(),
+        );
+        return;
+    };
+    // The strength of the steel decides nothing here.
+    let plate = given_plate(base, section, 235e6).filter(|_| is_complete);
+    let checked = plate.map(|plate| plate.resistance(&BaseFactors::CHARACTERISTIC));
+    if let Some(Err(error)) = checked {
+        let (name, others): (_, &[&'static str]) = match &error {
+            BasePlateError::PlateTooSmall { .. } => {
+                ("base.plate_length", &["base.plate_width", "section.name"])
+            }
+            BasePlateError::AnchorsOutsideThePlate { .. } => (
+                "base.anchor_distance",
+                &["base.plate_length", "base.anchor_diameter"],
+            ),
+            BasePlateError::AnchorsInTheFlange { .. } => (
+                "base.anchor_distance",
+                &["section.name", "base.anchor_diameter"],
+            ),
+            BasePlateError::OutOfRange { name, .. } => match *name {
+                "number of anchors" => ("base.anchor_count", &[]),
+                _ => ("base.anchor_diameter", &[]),
+            },
+        };
+        reject(name, others, format!("makes no base: {error}"));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{Parameters, Value};
@@ -547,6 +657,62 @@ mod tests {
             ])
             .is_empty()
         );
+    }
+
+    #[test]
+    fn a_base_plate_is_complete_and_holds_its_anchors() {
+        let plate: [(&str, Value); 9] = [
+            ("base.connection", "plate".into()),
+            ("base.plate_thickness", 0.03.into()),
+            ("base.plate_length", 0.4.into()),
+            ("base.plate_width", 0.4.into()),
+            ("base.anchor_count", Value::Integer(4)),
+            ("base.anchor_diameter", 0.024.into()),
+            ("base.anchor_grade", "8.8".into()),
+            ("base.anchor_distance", 0.14.into()),
+            ("base.concrete", "C25/30".into()),
+        ];
+        assert!(faults(&plate).is_empty());
+        for missing in 1..plate.len() {
+            let mut incomplete = plate.to_vec();
+            let (name, _) = incomplete.remove(missing);
+            assert_eq!(faults(&incomplete), [name]);
+            // Without the connection the numbers have no effect.
+            assert_eq!(faults(&plate[missing..=missing]), [name]);
+        }
+        let with = |name, value: Value| {
+            let changed = [&plate[..], &[(name, value)]].concat();
+            faults(&changed)
+        };
+        assert_eq!(
+            with("base.anchor_distance", 0.19.into()),
+            ["base.anchor_distance"]
+        );
+        assert_eq!(
+            with("base.anchor_distance", 0.105.into()),
+            ["base.anchor_distance"]
+        );
+        assert_eq!(with("base.plate_width", 0.2.into()), ["base.plate_length"]);
+        assert_eq!(
+            with("base.anchor_count", Value::Integer(5)),
+            ["base.anchor_count"]
+        );
+        assert_eq!(
+            with("base.anchor_diameter", 0.025.into()),
+            ["base.anchor_diameter"]
+        );
+        let overridden = [
+            ("section.name", Value::from("HEB220")),
+            ("section.area", 0.0091.into()),
+        ];
+        let without_dimensions = [&plate[..], &overridden].concat();
+        assert_eq!(faults(&without_dimensions), ["base.connection"]);
+        let semi_rigid = [
+            ("support.base", Value::from("semi_rigid")),
+            ("support.base_stiffness", 1e7.into()),
+        ];
+        let both = [&plate[..], &semi_rigid].concat();
+        assert_eq!(faults(&both), ["base.connection"]);
     }
 
     #[test]

@@ -21,6 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod base;
 mod catalogue;
 mod check;
 mod consistency;
@@ -54,6 +55,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use base::{assumed_plate, plate_in_words};
 pub use catalogue::{CatalogueSection, catalogue};
 pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
@@ -72,13 +74,14 @@ pub use reference::markdown;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
-    AcceptEstimates, AssessmentSettings, CapacitySettings, Compression, DampingSettings,
-    EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
-    RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
-    ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
-    SensorsSettings, Settings, ShearModel, ShearSettings, SiteSettings, SolverSettings,
-    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AcceptEstimates, AssessmentSettings, BaseConnection, BaseSettings, CapacitySettings,
+    Compression, DampingSettings, EstimationSettings, EventSettings, GeometrySettings,
+    HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
+    RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, SendersSettings,
+    SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings, ShearModel,
+    ShearSettings, SiteSettings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
+    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -90,8 +93,8 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
-    RateProperties, RolledSection, ShearProperties, Support, Vehicle, YieldExponents,
+    BasePlate, ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model,
+    RateLaw, RateProperties, RolledSection, ShearProperties, Support, Vehicle, YieldExponents,
 };
 use crate::senses::Sensor;
 use draft::Draft;
@@ -390,6 +393,23 @@ impl Parameters {
         }
     }
 
+    /// Dimensions of a named section whose properties are not overridden.
+    #[must_use]
+    pub fn section_dimensions(&self) -> Option<RolledSection> {
+        dimensions_of(&self.settings.section)
+    }
+
+    /// The base plate that the parameters describe; `None` with `base.connection: none`. Its steel is that of the column.
+    #[must_use]
+    pub fn base_plate(&self) -> Option<BasePlate> {
+        let yield_strength = self.steel().yield_strength;
+        base::given_plate(
+            &self.settings.base,
+            self.section_dimensions()?,
+            yield_strength,
+        )
+    }
+
     /// `M^p` \[N m\]: as given, or `W_pl f_y` (EN 1993-1-1, 6.2.5).
     #[must_use]
     pub fn resistance_moment(&self) -> f64 {
@@ -649,6 +669,14 @@ fn section_of(given: &SectionSettings) -> ColumnSection {
         height: or_of_name(given.height, named.map(|it| it.dimensions.depth)),
         plastic_modulus: computed.map(|it| it.plastic_modulus),
     }
+}
+
+/// Dimensions of a named section whose properties are not overridden.
+fn dimensions_of(given: &SectionSettings) -> Option<RolledSection> {
+    let as_named = given.area == 0.0 && given.second_moment == 0.0;
+    CatalogueSection::named(&given.name)
+        .filter(|_| as_named)
+        .map(|section| section.dimensions)
 }
 
 /// The given number, or else that of the named section or grade.

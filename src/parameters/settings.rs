@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
+use super::base::FRICTION;
 use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
 use super::table::PARAMETERS;
@@ -28,6 +29,9 @@ pub struct Settings {
     pub yield_surface: YieldSurfaceSettings,
     pub hinge: HingeSettings,
     pub support: SupportSettings,
+    // Absent in recordings and states of programs that know no connections.
+    #[serde(default)]
+    pub base: BaseSettings,
     pub top: TopSettings,
     /// Default impact, for what an impact event leaves open.
     pub impact: ImpactSettings,
@@ -103,6 +107,19 @@ groups! {
     HingeSettings { elastic_law: ElasticLaw, stiffness_1a: f64, stiffness_1b: f64, stiffness_2: f64, stiffness_3: f64 }
     /// Rotational supports.
     SupportSettings { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
+    /// The connection of the base.
+    BaseSettings {
+        connection: BaseConnection,
+        plate_thickness: f64,
+        plate_length: f64,
+        plate_width: f64,
+        anchor_count: u32,
+        anchor_diameter: f64,
+        anchor_grade: String,
+        anchor_distance: f64,
+        concrete: String,
+        friction: f64,
+    }
     /// The structure above the column.
     TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
     /// The default impact.
@@ -240,6 +257,13 @@ words! {
         /// A plastic slider in each bar.
         Web,
     }
+    /// Connection of the base.
+    BaseConnection {
+        /// Nothing is known of it.
+        None,
+        /// A plate with anchors.
+        Plate,
+    }
     /// Form of the dynamic increase factor, without its numbers.
     RateLawKind {
         /// No increase.
@@ -306,6 +330,24 @@ words! {
         Connect,
         /// A viewer that this program starts.
         Spawn,
+    }
+}
+
+impl Default for BaseSettings {
+    /// The defaults of the table.
+    fn default() -> Self {
+        Self {
+            connection: BaseConnection::None,
+            plate_thickness: 0.0,
+            plate_length: 0.0,
+            plate_width: 0.0,
+            anchor_count: 0,
+            anchor_diameter: 0.0,
+            anchor_grade: "none".to_owned(),
+            anchor_distance: 0.0,
+            concrete: "none".to_owned(),
+            friction: FRICTION,
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
+use super::base::{CONCRETE_WORDS, FRICTION, GRADE_WORDS};
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::ranges::{
@@ -11,6 +12,9 @@ use crate::column::MAX_MASSES;
 
 /// Largest dynamic increase factor that may be asked for, and the limit of a law that has none of its own.
 pub(super) const MAX_RATE_FACTOR: f64 = 100.0;
+
+/// Meaning of 0 for the numbers of a base plate.
+const NO_PLATE: &str = "not given";
 
 /// Every parameter, in the order of the documentation.
 pub const PARAMETERS: &[Parameter] = &[
@@ -350,6 +354,106 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: SUPPORT_STIFFNESS,
         applies: Applies::AfterResponse,
         meaning: "rotational stiffness of a semi-rigid top",
+    },
+    Parameter {
+        name: "base.connection",
+        unit: "",
+        default: DefaultValue::Text("none"),
+        admissible: Admissible::Choice(&["none", "plate"]),
+        applies: Applies::AfterResponse,
+        meaning: "how the base is connected; none: nothing is known of it, and the assessment assumes a plate for a named section that is built in; plate: a plate with anchors, which needs the other parameters of this group and `section.name`",
+    },
+    Parameter {
+        name: "base.plate_thickness",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.004,
+            max: 0.5,
+            zero: NO_PLATE,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "t_p: thickness of the base plate",
+    },
+    Parameter {
+        name: "base.plate_length",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.02,
+            max: 10.0,
+            zero: NO_PLATE,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "length of the base plate in the plane of bending, parallel to the web",
+    },
+    Parameter {
+        name: "base.plate_width",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.02,
+            max: 10.0,
+            zero: NO_PLATE,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "width of the base plate, parallel to the flanges",
+    },
+    Parameter {
+        name: "base.anchor_count",
+        unit: "",
+        default: DefaultValue::Integer(0),
+        admissible: Admissible::Integer { min: 0, max: 64 },
+        applies: Applies::AfterResponse,
+        meaning: "number of anchors in two lines parallel to the flanges, half of them in each; even; 0 without a plate",
+    },
+    Parameter {
+        name: "base.anchor_diameter",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.012,
+            max: 0.056,
+            zero: NO_PLATE,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "nominal diameter of the anchors, a thread of the coarse series such as 0.024",
+    },
+    Parameter {
+        name: "base.anchor_grade",
+        unit: "",
+        default: DefaultValue::Text("none"),
+        admissible: Admissible::Choice(GRADE_WORDS),
+        applies: Applies::AfterResponse,
+        meaning: "property class of the anchors, in quotes; stronger ones than 8.8 may not bear shear (EN 1993-1-8, 6.2.2); none without a plate",
+    },
+    Parameter {
+        name: "base.anchor_distance",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.001,
+            max: 5.0,
+            zero: NO_PLATE,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "z_T: distance of each line of anchors from the axis of the section",
+    },
+    Parameter {
+        name: "base.concrete",
+        unit: "",
+        default: DefaultValue::Text("none"),
+        admissible: Admissible::Choice(CONCRETE_WORDS),
+        applies: Applies::AfterResponse,
+        meaning: "strength class of the concrete under the plate; none without a plate",
+    },
+    Parameter {
+        name: "base.friction",
+        unit: "",
+        default: DefaultValue::Double(FRICTION),
+        admissible: Admissible::Real { min: 0.0, max: 1.0 },
+        applies: Applies::AfterResponse,
+        meaning: "C_f: coefficient of friction between plate and grout; 0.2 for sand and cement (EN 1993-1-8, 6.2.2)",
     },
     Parameter {
         name: "top.spring_stiffness",

@@ -9,7 +9,7 @@ use super::energy_balance::EnergyBalance;
 use super::reported_impact::ReportedImpact;
 use super::uncertainty;
 use super::verdict::Verdict;
-use super::words::end_in_words;
+use super::words::{base_rows, end_in_words, in_kilo};
 use crate::column::{HINGE_NAMES, HINGES, Support, WEB_NAMES, WEBS};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
@@ -56,6 +56,7 @@ pub(super) fn markup(
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
             (hinges(impact))
             (webs(impact))
+            (base(impact))
             (figures.markup("fig8_bending_moments", "Bending moments of the hinges over time; rings mark the first yield."))
             (figures.yield_path(impact.governing_hinge()))
             h3 { "Contact" }
@@ -315,6 +316,27 @@ fn webs(impact: &ReportedImpact) -> Markup {
                                 td.number { (format!("{:.3}", web.max_utilisation)) }
                             }
                         }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn base(impact: &ReportedImpact) -> Markup {
+    html! {
+        h3 { "Base" }
+        table.compact {
+            caption {
+                "Reactions of the base, means over 1 ms except for the plateau; the normal force is positive in tension. What is larger \
+                 than the resistance of the connection stands among the criteria."
+            }
+            thead { tr { th { "at" } th.number { "shear force, kN" } th.number { "moment, kNm" } th.number { "normal force, kN" } } }
+            tbody {
+                @for (name, forces) in base_rows(&impact.report.base) {
+                    tr {
+                        th scope="row" { (name) }
+                        @for number in in_kilo(forces) { td.number { (number) } }
                     }
                 }
             }

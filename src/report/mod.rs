@@ -39,4 +39,4 @@ pub use felt_impact::{FeltDecision, FeltImpact};
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedFile, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;
-pub use words::{end_in_words, outcome_in_words, short, title};
+pub use words::{base_rows, end_in_words, in_kilo, outcome_in_words, short, title};

@@ -1,6 +1,6 @@
 //! The wording that summary and report share.
 
-use crate::column::{End, Impact, Outcome};
+use crate::column::{BaseForces, BaseReport, End, Impact, Outcome};
 use crate::figures::units::significant;
 use crate::parameters::{Parameters, RIGID};
 
@@ -67,4 +67,27 @@ pub(super) fn capitalised(text: &str) -> String {
     letters.next().map_or(String::new(), |first| {
         first.to_uppercase().chain(letters).collect()
     })
+}
+
+/// The reactions of the base that summaries and reports show, with their names.
+pub fn base_rows(base: &BaseReport) -> Vec<(&'static str, &BaseForces)> {
+    let plateau = base.plateau.iter().map(|it| ("plateau", it));
+    let peaks = [
+        ("largest shear", &base.peak_shear),
+        ("shear reversed after release", &base.reversed_shear),
+        ("largest moment of hinge 3", &base.peak_moment),
+        ("moment to be checked", &base.checked_moment),
+        ("least compression", &base.least_compressed),
+        ("largest compression", &base.most_compressed),
+    ];
+    plateau
+        .chain(peaks)
+        .filter(|(_, forces)| **forces != BaseForces::default())
+        .collect()
+}
+
+/// Shear \[kN\], moment \[kNm\] and normal force \[kN\], tension positive, with a decimal.
+pub fn in_kilo(forces: &BaseForces) -> [String; 3] {
+    // Adding zero makes -0 and 0 the same.
+    [forces.shear, forces.moment, forces.normal_force].map(|it| format!("{:.1}", 1e-3 * it + 0.0))
 }

@@ -6,7 +6,9 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::assessment::{Criterion, ImpactEvaluation, Severity};
-use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport};
+use crate::column::{
+    BaseForces, BaseReport, End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport,
+};
 
 /// The word for an outcome.
 #[must_use]
@@ -76,6 +78,7 @@ pub struct ImpactFields<'a> {
     webs: Option<BTreeMap<&'static str, WebFields>>,
     /// Why they do not; `None` where they do.
     shear_not_evaluated: Option<String>,
+    base: BaseFields,
 }
 
 #[derive(Debug, Serialize)]
@@ -85,6 +88,26 @@ struct WebFields {
     max_utilisation: f64,
     max_dynamic_factor: f64,
     work_j: f64,
+}
+
+/// The reactions of the base: means over 1 ms, except for the plateau.
+#[derive(Debug, Serialize)]
+struct BaseFields {
+    plateau: Option<BaseForceFields>,
+    peak_shear: BaseForceFields,
+    peak_shear_time_s: f64,
+    reversed_shear: BaseForceFields,
+    peak_moment: BaseForceFields,
+    least_compressed: BaseForceFields,
+    most_compressed: BaseForceFields,
+    checked_moment: BaseForceFields,
+}
+
+#[derive(Debug, Serialize)]
+struct BaseForceFields {
+    shear_n: f64,
+    moment_n_m: f64,
+    normal_force_n: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -171,6 +194,7 @@ impl<'a> ImpactFields<'a> {
                 WEB_NAMES.into_iter().zip(webs).collect()
             }),
             shear_not_evaluated: evaluation.no_shear.map(|why| why.to_string()),
+            base: BaseFields::from(&report.base),
         }
     }
 }
@@ -194,6 +218,31 @@ impl From<&WebReport> for WebFields {
             max_utilisation: web.max_utilisation,
             max_dynamic_factor: web.max_dynamic_factor,
             work_j: web.work,
+        }
+    }
+}
+
+impl From<&BaseReport> for BaseFields {
+    fn from(base: &BaseReport) -> Self {
+        Self {
+            plateau: base.plateau.as_ref().map(BaseForceFields::from),
+            peak_shear: BaseForceFields::from(&base.peak_shear),
+            peak_shear_time_s: base.peak_shear_time,
+            reversed_shear: BaseForceFields::from(&base.reversed_shear),
+            peak_moment: BaseForceFields::from(&base.peak_moment),
+            least_compressed: BaseForceFields::from(&base.least_compressed),
+            most_compressed: BaseForceFields::from(&base.most_compressed),
+            checked_moment: BaseForceFields::from(&base.checked_moment),
+        }
+    }
+}
+
+impl From<&BaseForces> for BaseForceFields {
+    fn from(forces: &BaseForces) -> Self {
+        Self {
+            shear_n: forces.shear,
+            moment_n_m: forces.moment,
+            normal_force_n: forces.normal_force,
         }
     }
 }

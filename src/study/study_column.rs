@@ -292,6 +292,7 @@ impl StudyColumn {
             plastic_rotation: quick.plastic_rotation,
             plastic_shear: quick.plastic_shear,
             max_v1: quick.max_v1,
+            base: quick.base,
         };
         let assessment = &self.assessment;
         Ok(assessment.severity(&self.model, impact, &response, &rest, NEAR_LIMIT)?)
@@ -387,6 +388,7 @@ impl From<&StudyResponse> for Ended {
                 plastic_rotation: response.plastic_rotation,
                 plastic_shear: response.plastic_shear,
                 max_v1: response.max_v1,
+                base: response.base,
             },
             rest: response.rest,
             peak_contact_force: response.peak_contact_force,

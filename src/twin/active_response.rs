@@ -11,6 +11,7 @@ use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
 use super::what_if::Striking;
+use crate::assessment::BaseDemand;
 use crate::column::Report;
 use crate::parameters::Parameters;
 
@@ -24,6 +25,8 @@ pub(super) struct BegunImpact {
     /// Those that held when it began, so that forecast and result are assessed alike.
     pub parameters: Arc<Parameters>,
     pub step_nanos: u64,
+    /// What earlier impacts have put into the base.
+    pub base_before: Option<BaseDemand>,
 }
 
 /// The response to an impact.

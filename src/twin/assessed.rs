@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::plant::{Condition, Plant};
 use super::what_if::Striking;
 use crate::assessment::{
-    AssessedImpact, Assessment, AssessmentInput, RemainingCapacity, assess, imperfection,
+    AssessedImpact, Assessment, AssessmentInput, BaseDemand, RemainingCapacity, assess,
+    imperfection,
 };
 use crate::column::{
     Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport, carried_load,
@@ -29,18 +30,27 @@ pub struct LastImpact {
     pub vehicle: VehicleReport,
     /// Estimated relative error of `max_v1` by the time step; `None` if it is not known.
     pub error_estimate: Option<f64>,
+    /// What it and the impacts before it have put into the base; `None` in states of programs that know no connections.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<BaseDemand>,
     /// Whether its response was computed to its end. Otherwise the damage may be more than is known, and nothing is assessed.
     pub is_complete: bool,
 }
 
 impl LastImpact {
-    /// The impact of a response that has ended with this report.
-    pub(super) fn new(striking: &Striking, report: &Report, error_estimate: Option<f64>) -> Self {
+    /// The impact of a response that has ended with this report, after impacts that have put `base_before` into the base.
+    pub(super) fn new(
+        striking: &Striking,
+        report: &Report,
+        error_estimate: Option<f64>,
+        base_before: Option<&BaseDemand>,
+    ) -> Self {
         Self {
             impact: AssessedImpact::from(&striking.impact),
             max_v1: report.max_v1,
             vehicle: report.vehicle,
             error_estimate,
+            base: Some(BaseDemand::of(report).after(base_before)),
             is_complete: report.end != End::NotConverged,
         }
     }
@@ -193,6 +203,7 @@ pub(super) fn assessed(
     if let Some(last) = last {
         input.max_v1 = input.max_v1.max(last.max_v1.abs());
         input = input.struck_by(model, last.impact);
+        input.base_demand = last.base;
     }
     Arc::new(Assessed {
         remaining,

@@ -126,7 +126,12 @@ impl Forecast {
                 } => {
                     let last_step = ahead.step();
                     *virgin = found.or(*virgin);
-                    let last = LastImpact::new(&impact.striking, &report, None);
+                    let last = LastImpact::new(
+                        &impact.striking,
+                        &report,
+                        None,
+                        impact.base_before.as_ref(),
+                    );
                     let foreseen = Foreseen {
                         report,
                         at_rest: at_rest.clone(),

@@ -243,6 +243,7 @@ impl Twin {
                 striking,
                 parameters,
                 step_nanos: struck.model.properties.step_nanos,
+                base_before: self.registry.life.base_before(),
             },
             before,
             timeline: Timeline::begin(stamp, struck, steps_per_sample, history),

@@ -181,6 +181,7 @@ impl Twin {
             parameters: Arc::clone(self.parameters.current()),
             plant,
             virgin: self.virgin,
+            base_before: self.registry.life.base_before(),
         }
     }
 
@@ -430,7 +431,12 @@ impl Twin {
             .take_foreseen()
             .filter(|it| it.report == report);
         let error_estimate = foreseen.as_ref().and_then(|it| it.error_estimate);
-        let last = LastImpact::new(&response.impact.striking, &report, error_estimate);
+        let last = LastImpact::new(
+            &response.impact.striking,
+            &report,
+            error_estimate,
+            response.impact.base_before.as_ref(),
+        );
         let assessed = match foreseen {
             Some(foreseen) => foreseen.assessed,
             None => assess_at_once(

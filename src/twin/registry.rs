@@ -13,6 +13,7 @@ use super::refusal::{Refusal, RefusalCode, truncated};
 use super::seconds;
 use super::seen_ids::SeenIds;
 use super::what_if::Striking;
+use crate::assessment::BaseDemand;
 use crate::parameters::Parameters;
 use crate::printable::{Printable, is_printable};
 
@@ -107,6 +108,13 @@ pub(super) struct PendingImpact {
     pub striking: Striking,
     /// Above the base \[m\]; `None`: where the parameters have it.
     pub height: Option<f64>,
+}
+
+impl Life {
+    /// What the impacts so far have put into the base.
+    pub(super) fn base_before(&self) -> Option<BaseDemand> {
+        self.last_impact.as_ref()?.base
+    }
 }
 
 impl From<&PendingImpact> for WithdrawnImpact {

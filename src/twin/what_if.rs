@@ -8,7 +8,7 @@ use super::refusal::{Refusal, RefusalCode};
 use super::registry::check_column_id;
 use super::seconds;
 use super::timeline::{LookAhead, Outlook};
-use crate::assessment::imperfection;
+use crate::assessment::{BaseDemand, imperfection};
 use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
 };
@@ -28,6 +28,8 @@ pub struct ColumnSnapshot {
     pub(super) parameters: Arc<Parameters>,
     pub(super) plant: Plant,
     pub(super) virgin: Option<VirginCapacity>,
+    /// What earlier impacts have put into the base.
+    pub(super) base_before: Option<BaseDemand>,
 }
 
 /// What hits the column: an impact with everything that its specification left open.
@@ -130,7 +132,12 @@ impl ColumnSnapshot {
             Outlook::Refined(estimate) => estimate,
             _ => None,
         };
-        let last = LastImpact::new(&striking, &report, error_estimate);
+        let last = LastImpact::new(
+            &striking,
+            &report,
+            error_estimate,
+            self.base_before.as_ref(),
+        );
         Ok(Prediction {
             assessed: capacities.map(|it| assessed(&self.parameters, &at_rest, Some(&last), &it)),
             striking,

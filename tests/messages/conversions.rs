@@ -197,6 +197,7 @@ fn report() -> Report {
             elastic_energy: 82.0,
         },
         webs: Default::default(),
+        base: Default::default(),
     }
 }
 

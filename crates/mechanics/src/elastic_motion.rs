@@ -13,12 +13,14 @@ use nalgebra::Vector3;
 
 use super::backbone::HingeFactors;
 use super::bar::{BarForces, PerBar};
+use super::base_reactions::base_forces;
 use super::chain::Chain;
 use super::frame;
 use super::geometry::Displacement;
 use super::model::Model;
 use super::motion::collapse_of;
 use super::rate::{Collocation, HingeStrength, WebState};
+use super::sample::BaseForces;
 use super::shear::SliderStrength;
 use super::state::{State, Velocity};
 use super::statics::{self, Settled};
@@ -76,6 +78,8 @@ pub(crate) struct Glimpse<'a> {
     pub impactor_position: f64,
     /// Largest utilisation, as the sum of the yield function, if it is worth a look; otherwise [`CLEARLY_ELASTIC`].
     pub utilisation_sum: f64,
+    /// What acts on the base.
+    pub base: BaseForces,
 }
 
 /// A column in motion at one instant.
@@ -557,11 +561,21 @@ impl<'a> Run<'a> {
             (Some(impactor), None) => impactor.position_in_flight(self.model, step, 0.0),
             (None, None) => 0.0,
         };
+        let contact_force = self.contact_force(self.now.chain.as_ref());
+        let base = base_forces(
+            self.model,
+            displacement,
+            &self.now.settled.forces,
+            // Long steps are those of a column without damping.
+            (0.0, contact_force),
+            0.0,
+        );
         observe(&Glimpse {
+            base,
             step,
             displacement,
             peak_v1,
-            contact_force: self.contact_force(self.now.chain.as_ref()),
+            contact_force,
             impactor_position,
             utilisation_sum: self.sum,
         })

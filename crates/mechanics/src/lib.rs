@@ -20,6 +20,8 @@ mod accuracy;
 mod backbone;
 mod bar;
 mod bar_strength;
+mod base_plate;
+mod base_reactions;
 mod bracketing;
 mod buckling;
 mod bumper;
@@ -67,6 +69,10 @@ mod yielding;
 pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use backbone::HingeFactors;
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use base_plate::{
+    Anchors, BaseFactors, BaseFailure, BasePlate, BasePlateError, BaseResistance, stress_area,
+};
+pub use base_reactions::BASE_WINDOW;
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
 };
@@ -91,11 +97,11 @@ pub use properties::{
     SofteningProperties, Support, YieldExponents,
 };
 pub use rate::{HingeStrength, WebState};
-pub use report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
+pub use report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 pub use response::{Progress, Response, SimulationError, respond, simulate};
 pub use sample::{
-    HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEB_NAMES, WEBS,
-    WebSample,
+    BaseForces, HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample,
+    WEB_NAMES, WEBS, WebSample,
 };
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::properties::is_default;
-use super::sample::{HINGES, WEBS};
+use super::sample::{BaseForces, HINGES, WEBS};
 use super::vehicle::MAX_MASSES;
 
 /// How a response ended.
@@ -107,6 +107,32 @@ pub struct Report {
     /// The webs; their default in a column without shear.
     #[serde(default, skip_serializing_if = "is_default")]
     pub webs: [WebReport; WEBS],
+    /// The reactions of the base.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub base: BaseReport,
+}
+
+/// The reactions of the base in a response. Except for the plateau they are means over 1 ms
+/// ([`BASE_WINDOW`](super::BASE_WINDOW)); each comes with the other forces of the same millisecond. Percussions do not count.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BaseReport {
+    /// Mean over the time in which `v1` grew from 0.30 to 0.95 of its largest value; `None` where it did not grow.
+    pub plateau: Option<BaseForces>,
+    /// With the largest shear force.
+    pub peak_shear: BaseForces,
+    /// End of that millisecond \[s\].
+    pub peak_shear_time: f64,
+    /// With the largest shear force in the direction of the hit after the vehicle has left, negative; 0 if there was none.
+    pub reversed_shear: BaseForces,
+    /// With the largest moment of hinge 3 by absolute value.
+    pub peak_moment: BaseForces,
+    /// With the largest tension, or the least compression: uplift where its normal force is positive.
+    pub least_compressed: BaseForces,
+    /// With the largest compression.
+    pub most_compressed: BaseForces,
+    /// With the largest moment that a connection has to be checked for, >= 0: that of hinge 3, or once the web of the lower
+    /// bar has flowed, `M(N)` of the column, at most `V L_a` and at least `V L_a / 2`.
+    pub checked_moment: BaseForces,
 }
 
 /// What became of a compliant vehicle: arrays over its masses and the springs in front of them, front first.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::bar::{BarForces, PerBar, PlasticFlow};
+use super::base_reactions::{BaseHistory, BaseInstant};
 use super::elastic_motion::Glimpse;
 use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
@@ -13,8 +14,8 @@ use super::modes;
 use super::motion::StepError;
 use super::properties::{ColumnProperties, is_default, is_zero};
 use super::rate::WebState;
-use super::report::{End, HingeReport, Outcome, Report, VehicleReport, WebReport};
-use super::sample::{HINGES, Sample, WEBS};
+use super::report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
+use super::sample::{BaseForces, HINGES, Sample, WEBS};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
@@ -87,6 +88,9 @@ pub struct Response {
     /// What has become of the webs, the values at the end not filled in.
     #[serde(default, skip_serializing_if = "is_default")]
     webs: [WebReport; WEBS],
+    /// The reactions of the base.
+    #[serde(default)]
+    base: BaseHistory,
 }
 
 /// Why an impact could not be simulated.
@@ -138,6 +142,7 @@ impl Response {
             max_sum: [0.0; HINGES],
             max_dynamic_factor: [1.0; HINGES],
             webs: [WebReport::default(); WEBS],
+            base: BaseHistory::begin(state.displacement.v1, state.base_forces(model)),
         };
         response.record_extremes(&Extremes::of(state), 0.0);
         response.record_residual_and_sums(model, state);
@@ -157,6 +162,7 @@ impl Response {
         if let Some(steps) = state.steps_to_contact(model).filter(|&steps| steps > 0) {
             state.coast(model, steps.min(max_coasting));
             self.counted_from = model.time_of_step(state.step);
+            self.base.wait(self.counted_from);
             return Ok(Progress::Running);
         }
         self.observed_stride::<true>(model, state, 1)
@@ -299,6 +305,12 @@ impl Response {
                 self.record_extremes(&before.extremes_after(share, state), instant);
             }
         }
+        self.record_base(
+            model,
+            state,
+            (state.displacement.v1, state.base_forces(model)),
+            now,
+        );
         if IN_FULL {
             self.record_residual_and_sums(model, state);
         }
@@ -326,6 +338,27 @@ impl Response {
             }
             self.record_shear(model, before, state);
         }
+    }
+
+    /// Takes the reactions of the base at the instant `now` \[s\].
+    fn record_base(
+        &mut self,
+        model: &Model,
+        state: &State,
+        (v1, forces): (f64, BaseForces),
+        now: f64,
+    ) {
+        let touched = state.impactor.as_ref().and_then(|it| it.touched_at);
+        let factors = &state.strength.below[1].factors;
+        self.base.take(&BaseInstant {
+            time: now,
+            v1,
+            forces,
+            slides: state.webs.below.flowing,
+            last_contact: touched.map(|_| self.last_contact),
+            model,
+            strength: [factors.dynamic, factors.hardening],
+        });
     }
 
     /// Both schemes move with the mean of the velocities at both ends of a step: between them `v1` is a parabola, of which the
@@ -442,6 +475,15 @@ impl Response {
     /// Takes what an observer sees of a long elastic step.
     pub(crate) fn take(&mut self, model: &Model, seen: &Glimpse<'_>) {
         let now = model.time_of_step(seen.step);
+        self.base.take(&BaseInstant {
+            time: now,
+            v1: seen.displacement.v1,
+            forces: seen.base,
+            slides: false,
+            last_contact: (self.last_contact > 0.0).then_some(self.last_contact),
+            model,
+            strength: [1.0; 2],
+        });
         if seen.peak_v1 > self.max_v1 {
             self.max_v1 = seen.peak_v1;
             self.max_v1_time = now;
@@ -478,6 +520,11 @@ impl Response {
     /// Largest contact force so far \[N\].
     pub(crate) fn peak_force(&self) -> f64 {
         self.peak_force
+    }
+
+    /// The reactions of the base so far.
+    pub(crate) fn base(&self) -> BaseReport {
+        self.base.report()
     }
 
     /// Whether a hinge or a web has flowed.
@@ -556,6 +603,7 @@ impl Response {
                 web_report(&self.webs[0], below, &state.webs.below),
                 web_report(&self.webs[1], above, &state.webs.above),
             ],
+            base: self.base.report(),
         }
     }
 }

@@ -100,6 +100,20 @@ pub struct Sample {
     /// The webs; their default in a column without shear.
     #[serde(default, skip_serializing_if = "is_default")]
     pub webs: [WebSample; WEBS],
+    /// What acts on the base, the inertia of the lower bar included.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub base: BaseForces,
+}
+
+/// What the column bears upon its base.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BaseForces {
+    /// `V`: shear force \[N\], positive where the base holds the column back from the direction of the hit.
+    pub shear: f64,
+    /// `M`: moment of hinge 3 \[N m\], positive with a positive shear force.
+    pub moment: f64,
+    /// Force along the undeformed column \[N\], positive in tension: the base is lifted.
+    pub normal_force: f64,
 }
 
 /// A compliant vehicle at one instant: arrays over its masses and the springs in front of them, front first.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::base_reactions::base_forces;
 use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
 use super::frame;
@@ -14,7 +15,7 @@ use super::model::Model;
 use super::properties::is_default;
 use super::rate::{HingeStrength, Strengths, WebState, Webs};
 use super::sample::{
-    HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEBS, WebSample,
+    BaseForces, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEBS, WebSample,
 };
 use super::shear::SliderStrength;
 use super::vehicle::MAX_MASSES;
@@ -499,7 +500,24 @@ impl State {
             vehicle: self.vehicle(),
             hinges: self.hinges(model),
             webs: self.web_samples(model),
+            base: self.base_forces(model),
         }
+    }
+
+    /// What acts on the base, the inertia of the lower bar included.
+    pub fn base_forces(&self, model: &Model) -> BaseForces {
+        let web = &self.webs.below;
+        base_forces(
+            model,
+            &self.displacement,
+            &self.forces,
+            (self.velocity.v1, self.contact_force),
+            if web.flowing {
+                web.dynamic_factor()
+            } else {
+                0.0
+            },
+        )
     }
 
     /// The webs of both bars; their default where they do not yield.

@@ -19,7 +19,7 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::{ColumnProperties, Scheme};
-use super::report::{End, Outcome};
+use super::report::{BaseReport, End, Outcome};
 use super::response::{Progress, Response, SimulationError};
 use super::sample::{HINGES, WEBS};
 use super::state::State;
@@ -97,6 +97,8 @@ pub struct StudyResponse {
     pub last: State,
     /// How close an elastic column came to yielding: largest `|M/M^p|^alpha + |N/N^p|^beta`, if it is worth a look.
     pub utilisation_sum: f64,
+    /// The reactions of the base.
+    pub base: BaseReport,
     /// Strides and steps of the model.
     pub strides: u32,
     /// Long elastic steps.
@@ -403,6 +405,7 @@ impl Course<'_> {
             rest,
             last: self.state,
             utilisation_sum: self.utilisation_sum,
+            base: self.response.base(),
             strides: self.strides,
             elastic_steps: self.elastic_steps,
         }
