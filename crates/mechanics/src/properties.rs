@@ -46,7 +46,7 @@ pub struct ColumnProperties {
     /// `b`: slope of the stress-strain curve after yield over Young's modulus, 0 to 0.1; 0 in the paper.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub hardening_ratio: f64,
-    /// Absolute plastic rotation at which a hinge is severed \[rad\], >= 0; 0 for no limit.
+    /// Absolute plastic rotation at which a hinge is severed, of hinges 1a and 1b together \[rad\], >= 0; 0 for no limit.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
     /// Shear of the web of each bar; `None` in the paper: the web neither yields nor deforms.
