@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use super::criteria::{DEFINITIONS, Definition};
+use super::criteria::{DEFINITIONS, Definition, share_of_limit};
 use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
 use super::{AssessedImpact, AssessmentInput, Choice, Severity, decides, measured};
 use crate::column::{
@@ -38,7 +38,8 @@ pub struct Verdict {
     pub severity: Severity,
     /// Name of the criterion that decides.
     pub deciding_criterion: &'static str,
-    /// Smallest distance of a criterion that decides to its limit, relative to that, on either side.
+    /// Smallest distance of a criterion that decides to its limit, relative to that, on either side; that of a residual bow
+    /// relative to the largest one where that is larger, because it has the error of the largest displacement.
     pub least_margin: f64,
 }
 
@@ -49,6 +50,8 @@ pub struct AssessedResponse {
     pub outcome: Outcome,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 \[rad\].
     pub plastic_rotation: [f64; HINGES],
+    /// `v1` of the residual equilibrium \[m\]; `None` if there is none.
+    pub residual_v1: Option<f64>,
     /// Largest `v1` \[m\].
     pub max_v1: f64,
 }
@@ -192,6 +195,7 @@ impl PreparedAssessment {
             collapsed: response.outcome == Outcome::Collapsed,
             severed: response.outcome == Outcome::Severed,
             plastic_rotation: response.plastic_rotation,
+            residual_v1: response.residual_v1,
             max_v1: response.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
             plateau: plastic_plateau(model, remaining.carried_load),
@@ -202,10 +206,12 @@ impl PreparedAssessment {
         let mut choice = Choice::default();
         let mut least_margin = f64::INFINITY;
         for &index in &self.deciding {
-            if let Ok(measured) = measured(&DEFINITIONS[index], &input) {
+            let definition = &DEFINITIONS[index];
+            if let Ok(measured) = measured(definition, &input) {
                 choice.consider(index, &measured);
                 if measured.limit != 0.0 {
-                    least_margin = least_margin.min(measured.margin.abs());
+                    let share = share_of_limit(definition, &input, measured.limit);
+                    least_margin = least_margin.min(measured.margin.abs() * share);
                 }
             }
         }
