@@ -5,7 +5,9 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use column_twin::assessment::{AssessmentInput, RemainingCapacity, assess, respond_and_rest};
+use column_twin::assessment::{
+    AssessmentInput, RemainingCapacity, assess, largest_plastic_rotation, respond_and_rest,
+};
 use column_twin::column::{Impact, Model, Outcome};
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::study::{Batch, Screening, StudyColumn, StudyError};
@@ -38,7 +40,7 @@ fn plain(parameters: &Parameters, impact: &Impact) -> Screening {
         RemainingCapacity::compute(parameters, &model, rest.as_ref()).expect("a capacity");
     let input = AssessmentInput::of_response(parameters, &model, impact, &report, remaining);
     let assessment = assess(&input);
-    let rotations = report.hinges.map(|hinge| hinge.plastic_rotation.abs());
+    let rotations = report.hinges.map(|hinge| hinge.plastic_rotation);
     Screening {
         severity: assessment.severity,
         deciding_criterion: assessment.deciding_criterion,
@@ -49,7 +51,7 @@ fn plain(parameters: &Parameters, impact: &Impact) -> Screening {
         remaining_capacity: remaining.now.force,
         capacity_ratio: remaining.ratio,
         capacity_reserve: remaining.reserve,
-        max_plastic_rotation: rotations.into_iter().fold(0.0, f64::max),
+        max_plastic_rotation: largest_plastic_rotation(&rotations),
     }
 }
 

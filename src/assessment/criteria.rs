@@ -3,8 +3,10 @@
 use std::borrow::Cow;
 
 use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
-use super::rotation_limits::{HingeSlenderness, not_compact};
+use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
+use super::section_class::{SectionClass, section_class};
 use super::{AssessedShear, AssessmentInput, Severity};
+use crate::column::RolledSection;
 use crate::parameters::Provenance;
 
 /// Spring constant of a vehicle in Annex C of EN 1991-1-7 \[N/m\] (JCSS Probabilistic Model Code, 2.18).
@@ -34,7 +36,44 @@ pub(super) struct Definition {
 }
 
 /// Value and limit, or why there are none.
-pub(super) type Evaluation = Result<(f64, f64), Cow<'static, str>>;
+pub(super) type Evaluation = Result<(f64, f64), NotEvaluated>;
+
+/// Why a criterion has no value.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum NotEvaluated {
+    /// It says nothing about this column: it cannot be exceeded.
+    NotApplicable(Cow<'static, str>),
+    /// Data are missing with which it might be exceeded: which, and what to give.
+    Missing(Cow<'static, str>),
+}
+
+impl NotEvaluated {
+    /// The reason in words.
+    pub fn reason(&self) -> &str {
+        match self {
+            Self::NotApplicable(reason) | Self::Missing(reason) => reason,
+        }
+    }
+}
+
+/// What to give where the dimensions of the section are not known.
+const NO_DIMENSIONS: NotEvaluated = NotEvaluated::Missing(Cow::Borrowed(
+    "the section is given by numbers and the dimensions of its plates are not known; give section.name without overriding its \
+     properties",
+));
+
+/// An impact is judged without knowing where the column came to rest.
+const NO_EQUILIBRIUM: NotEvaluated = NotEvaluated::Missing(Cow::Borrowed(
+    "the equilibrium in which the column comes to rest is not known; measure its bow",
+));
+
+/// The web of the column does not yield in shear.
+const NO_SHEAR: NotEvaluated = NotEvaluated::Missing(Cow::Borrowed(
+    "the web is not known, or shear.model is none, and a hit near a support may shear the web long before the column bends; give \
+     section.name, or section.height, section.web_thickness, section.width and section.flange_thickness",
+));
+
+const NO_IMPACT: NotEvaluated = NotEvaluated::NotApplicable(Cow::Borrowed("no impact is given"));
 
 const PROGRAM: &str = "column_twin";
 const ASCE: &str = "ASCE/SEI 41-17, table 9-6";
@@ -45,7 +84,14 @@ const TABLE_4_1: &str = "EN 1991-1-7:2006, table 4.1";
 const DAMAGE: &str = "damage index D = 1 - N_u / N_u virgin";
 const LINKS: &str = "ASCE/SEI 41-17, links that yield in shear, rotation b";
 const WEB: &str = "largest plastic shear angle of a web";
-const HINGE: &str = "largest plastic rotation of a hinge";
+const HINGE: &str = "largest plastic rotation, of hinges 1a and 1b together";
+const RESISTANCE: &str =
+    "remaining buckling resistance about the weaker axis, over the carried load";
+const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin about the strong axis";
+const BOW: &str = "residual bow over the height L";
+const BENT: &str = "residual bow over the height L, or of the bent part over its length";
+/// Unit of a bow over the length to which it belongs.
+pub(super) const PART_OF_LENGTH: &str = "L";
 const SUPPORT: &str = "largest rotation of a bar at its support";
 const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
 const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";
@@ -121,19 +167,14 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "remaining_resistance",
-        edition: "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin about the strong axis",
+        edition: TIMES_RATIO,
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
         severity: Severity::Evacuate,
-        value: "remaining buckling resistance about the weaker axis, over the carried load",
+        value: RESISTANCE,
         consequence: "the load exceeds the characteristic buckling resistance that is left",
-        evaluate: |input| {
-            let resistance = input.remaining.resistance.ok_or(
-                "the dimensions of the section are not known, and the weak axis may govern; give section.name",
-            )?;
-            Ok((resistance / carried(input)?, 1.0))
-        },
+        evaluate: |input| resistance(input, 1.0),
     },
     Definition {
         name: "damage_80",
@@ -158,17 +199,49 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         evaluate: |input| reserve(input, 1.5),
     },
     Definition {
+        name: "remaining_resistance_1_5",
+        edition: TIMES_RATIO,
+        tag: Provenance::Assumed,
+        unit: "",
+        relation: Relation::AtLeast,
+        severity: Severity::Prop,
+        value: RESISTANCE,
+        consequence: "less is left of the characteristic buckling resistance than a load with its partial factors needs",
+        evaluate: |input| resistance(input, 1.5),
+    },
+    Definition {
+        name: "residual_bow_100",
+        edition: PROGRAM,
+        tag: Provenance::Assumed,
+        unit: PART_OF_LENGTH,
+        relation: Relation::AtMost,
+        severity: Severity::Prop,
+        value: BOW,
+        consequence: "the column is bent so far that its buckling resistance must not be relied on",
+        evaluate: |input| bow(input, AssessmentInput::bow_of_column, 100.0),
+    },
+    Definition {
         name: "capping_rotation",
-        edition: LIGNOS,
-        tag: Provenance::Read,
+        edition: "Lignos et al. 2019, monotonic, for classes 1 and 2; 0.01 rad at most for class 3, none for class 4",
+        tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Prop,
         value: HINGE,
         consequence: "local buckling lowers the moment of the hinge, so that the computed capacity is too high",
         evaluate: |input| {
-            let limit = slenderness(input)?.capping_rotation();
-            Ok((input.largest_rotation(), limit))
+            let rotation = input.largest_rotation();
+            let Some(section) = &input.section else {
+                // Without any, no limit is exceeded.
+                return Err(match rotation {
+                    0.0 => NotEvaluated::NotApplicable(Cow::Borrowed("no hinge has yielded")),
+                    _ => NO_DIMENSIONS,
+                });
+            };
+            let strength = input.yield_strength;
+            let (height, ratio) = (input.height(), input.axial_ratio());
+            let limit = rotation_before_buckling(section, strength, height, ratio);
+            Ok((rotation, limit))
         },
     },
     Definition {
@@ -183,6 +256,17 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         evaluate: |input| Ok((input.remaining.damage, 0.5)),
     },
     Definition {
+        name: "residual_bow_250",
+        edition: "EN 1993-1-1:2005, table 5.1, e0 of buckling curve b",
+        tag: Provenance::Recalled,
+        unit: PART_OF_LENGTH,
+        relation: Relation::AtMost,
+        severity: Severity::Restrict,
+        value: BENT,
+        consequence: "the bow is larger than the one that the buckling curves contain, so that they do not hold",
+        evaluate: |input| bow(input, AssessmentInput::bow_of_bent_part, 250.0),
+    },
+    Definition {
         name: "damage_20",
         edition: DAMAGE,
         tag: Provenance::Recalled,
@@ -192,6 +276,17 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         value: "loss of axial capacity",
         consequence: "the damage is medium",
         evaluate: |input| Ok((input.remaining.damage, 0.2)),
+    },
+    Definition {
+        name: "residual_bow_750",
+        edition: "EN 1090-2:2018, straightness of a column",
+        tag: Provenance::Recalled,
+        unit: PART_OF_LENGTH,
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: BENT,
+        consequence: "the column is no longer as straight as it has to be erected; its shape must be measured",
+        evaluate: |input| bow(input, AssessmentInput::bow_of_bent_part, 750.0),
     },
     Definition {
         name: "plastic_flow",
@@ -248,7 +343,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         evaluate: |input| {
             let (base, demand) = base(input)?;
             if !base.bears_moment {
-                return Err("a pinned base bears no moment".into());
+                return Err(NotEvaluated::NotApplicable(Cow::Borrowed(
+                    "a pinned base bears no moment",
+                )));
             }
             let used = base.moment(demand);
             Ok((used.demand, used.resistance))
@@ -393,9 +490,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         consequence: "the front is stronger than the plastic plateau F0 of the column, so that the column gives way first",
         evaluate: |input| {
             let impact = input.impact.ok_or(NO_IMPACT)?;
-            let force = impact
-                .front_force
-                .ok_or("the vehicle is rigid: its front has no crush force")?;
+            let force = impact.front_force.ok_or(NotEvaluated::NotApplicable(
+                "the vehicle is rigid: its front has no crush force".into(),
+            ))?;
             Ok((force, input.plateau))
         },
     },
@@ -423,27 +520,26 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     table_4_1("table_4_1_courtyard_car", |input| Ok((50e3, input.plateau))),
 ];
 
-const NO_SHEAR: &str = "the web of the column is not known, or shear.model is none: a hit near a support may shear the web long before \
-                        the column bends; give section.name, or section.height, section.web_thickness, section.width and \
-                        section.flange_thickness";
-const NO_IMPACT: &str = "no impact is given";
-
 /// The connection of the base and what it has to bear.
-fn base(input: &AssessmentInput) -> Result<(&ConnectedBase, &BaseDemand), Cow<'static, str>> {
+fn base(input: &AssessmentInput) -> Result<(&ConnectedBase, &BaseDemand), NotEvaluated> {
     match (&input.base, &input.base_demand) {
         (Some(base), Some(demand)) => Ok((base, demand)),
         // Nothing has happened to it.
         (Some(base), None) if input.impact.is_none() && input.largest_rotation() == 0.0 => {
             Ok((base, &AT_REST))
         }
-        (Some(_), None) => Err("the reactions of the base are known of an impact only".into()),
-        (None, _) => Err(input
-            .no_base
-            .clone()
-            .unwrap_or_else(|| {
-                "the connection of the base is not known; give base.connection".to_owned()
-            })
-            .into()),
+        (Some(_), None) => Err(NotEvaluated::Missing(Cow::Borrowed(
+            "the reactions of the base are known of an impact only",
+        ))),
+        (None, _) => Err(NotEvaluated::Missing(
+            input
+                .no_base
+                .clone()
+                .unwrap_or_else(|| {
+                    "the connection of the base is not known; give base.connection".to_owned()
+                })
+                .into(),
+        )),
     }
 }
 
@@ -462,15 +558,15 @@ const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluat
     }
 }
 
-fn carried(input: &AssessmentInput) -> Result<f64, Cow<'static, str>> {
+fn carried(input: &AssessmentInput) -> Result<f64, NotEvaluated> {
     let load = input.remaining.carried_load;
     if load > 0.0 {
         Ok(load)
     } else {
-        Err(Cow::Owned(format!(
+        Err(NotEvaluated::NotApplicable(Cow::Owned(format!(
             "the column carries no compressive load ({:.1} kN), so that there is no reserve to compare",
             load / 1e3
-        )))
+        ))))
     }
 }
 
@@ -478,18 +574,47 @@ fn reserve(input: &AssessmentInput, limit: f64) -> Evaluation {
     Ok((input.remaining.now.force / carried(input)?, limit))
 }
 
-fn slenderness(input: &AssessmentInput) -> Result<HingeSlenderness, Cow<'static, str>> {
-    let section = input.section.as_ref().ok_or(
-        "the dimensions of the section are not known; give section.name without overriding its properties",
-    )?;
-    if let Some(reason) = not_compact(section, input.yield_strength) {
-        return Err(Cow::Owned(reason));
+fn resistance(input: &AssessmentInput, limit: f64) -> Evaluation {
+    let carried = carried(input)?;
+    let resistance = input.remaining.resistance.ok_or(NO_DIMENSIONS)?;
+    Ok((resistance / carried, limit))
+}
+
+/// A bow over its length against a part of that length.
+fn bow(input: &AssessmentInput, bow: fn(&AssessmentInput) -> Option<f64>, part: f64) -> Evaluation {
+    match bow(input) {
+        Some(bow) => Ok((bow, 1.0 / part)),
+        None if input.collapsed || input.severed => Err(NotEvaluated::NotApplicable(
+            "the column has no equilibrium that remains".into(),
+        )),
+        None => Err(NO_EQUILIBRIUM),
     }
-    let axial_ratio = input.remaining.carried_load / input.squash_load;
-    let height = input.length_below + input.length_above;
-    Ok(HingeSlenderness::of(section, height, axial_ratio))
+}
+
+/// How much smaller the margin of a criterion is relative to the quantity that is computed with a certain relative error than
+/// relative to its limit: a residual bow is a small part of the largest displacement, whose relative error is known.
+pub(super) fn share_of_limit(definition: &Definition, input: &AssessmentInput, limit: f64) -> f64 {
+    if definition.unit != PART_OF_LENGTH {
+        return 1.0;
+    }
+    (limit / input.bow_of_kink(input.max_v1)).min(1.0)
+}
+
+/// Why the limits of a code for compact sections do not hold for a section; `None` if they do.
+fn not_compact(input: &AssessmentInput, section: &RolledSection) -> Option<NotEvaluated> {
+    let found = section_class(section, input.yield_strength, input.axial_ratio());
+    (found.class > SectionClass::Two).then(|| {
+        NotEvaluated::Missing(Cow::Owned(format!(
+            "the limit holds for compact sections, and this one is of {found}; let capping_rotation decide"
+        )))
+    })
 }
 
 fn rotation(input: &AssessmentInput, limit: fn(&HingeSlenderness) -> f64) -> Evaluation {
-    Ok((input.largest_rotation(), limit(&slenderness(input)?)))
+    let section = input.section.as_ref().ok_or(NO_DIMENSIONS)?;
+    if let Some(reason) = not_compact(input, section) {
+        return Err(reason);
+    }
+    let hinge = HingeSlenderness::of(section, input.height(), input.axial_ratio());
+    Ok((input.largest_rotation(), limit(&hinge)))
 }

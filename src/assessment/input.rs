@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::base::{BaseDemand, ConnectedBase};
 use super::remaining::{RemainingCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
+use super::utilisation::Utilisation;
 use crate::column::{
     ColumnProperties, HINGES, Impact, Model, Outcome, Report, RolledSection, ShearProperties,
     State, WEBS, plastic_plateau,
@@ -43,6 +44,11 @@ pub struct AssessmentInput {
     pub severed: bool,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 since the column was new \[rad\].
     pub plastic_rotation: [f64; HINGES],
+    /// `v1` in the equilibrium under the load that remains \[m\], from the straight line between the supports, which do not
+    /// move sideways; `None` if the column has none, or it is not known.
+    pub residual_v1: Option<f64>,
+    /// Which part of the column has come closest to its strength, and how close; `None` where it is not known.
+    pub utilisation: Option<Utilisation>,
     /// Plastic rotation at which a section tears \[rad\].
     pub ultimate_rotation: f64,
     /// Shear of the webs; `None` where they do not yield in shear.
@@ -144,6 +150,8 @@ impl AssessmentInput {
             severed: report.outcome == Outcome::Severed,
             plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
             shear: AssessedShear::of(model, report.webs.map(|web| web.plastic_angle)),
+            residual_v1: report.residual_v1,
+            utilisation: Some(Utilisation::of_report(report)),
             max_v1: report.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
             base_demand: Some(BaseDemand::of(report)),
@@ -171,6 +179,8 @@ impl AssessmentInput {
                 model,
                 [plastic.below.shear_angle, plastic.above.shear_angle],
             ),
+            residual_v1: Some(state.displacement.v1),
+            utilisation: Some(Utilisation::of_sample(&state.sample(model))),
             max_v1: state.displacement.v1.abs(),
             ..Self::of_column(parameters, model, remaining)
         }
@@ -204,6 +214,8 @@ impl AssessmentInput {
             collapsed: false,
             severed: false,
             plastic_rotation: [0.0; HINGES],
+            residual_v1: None,
+            utilisation: None,
             ultimate_rotation: if p.ultimate_rotation > 0.0 {
                 p.ultimate_rotation
             } else {
@@ -226,9 +238,37 @@ impl AssessmentInput {
         }
     }
 
-    /// The largest plastic rotation of a hinge \[rad\]; NaN if one of them is, which exceeds every limit.
+    /// The largest plastic rotation \[rad\], see [`largest_plastic_rotation`].
     pub(super) fn largest_rotation(&self) -> f64 {
-        largest(self.plastic_rotation)
+        largest_plastic_rotation(&self.plastic_rotation)
+    }
+
+    /// Height of the column \[m\].
+    pub(super) fn height(&self) -> f64 {
+        self.length_below + self.length_above
+    }
+
+    /// Which share of its squash load the column carries in compression.
+    pub(super) fn axial_ratio(&self) -> f64 {
+        self.remaining.carried_load / self.squash_load
+    }
+
+    /// The residual bow over the height: two straight bars are farthest from the line between the supports at the impact
+    /// point.
+    pub(super) fn bow_of_column(&self) -> Option<f64> {
+        self.residual_v1.map(|v1| v1.abs() / self.height())
+    }
+
+    /// The residual bow of the bent part over its length: of the piece that reaches from the impact point as far as the
+    /// shorter bar does, to both sides. A kink in its middle makes a bow of a quarter of the kink, never less than that of
+    /// the whole column.
+    pub(super) fn bow_of_bent_part(&self) -> Option<f64> {
+        self.residual_v1.map(|v1| self.bow_of_kink(v1))
+    }
+
+    /// The bow of the bent part over its length if the impact point lies this far from the line between the supports \[m\].
+    pub(super) fn bow_of_kink(&self, v1: f64) -> f64 {
+        0.25 * (v1.abs() / self.length_below + v1.abs() / self.length_above)
     }
 
     /// The largest rotation of a bar at its support \[deg\], its shortening neglected.
@@ -236,4 +276,18 @@ impl AssessmentInput {
         let shorter = self.length_below.min(self.length_above);
         libm::atan(self.max_v1 / shorter).to_degrees()
     }
+}
+
+/// The largest plastic rotation that has a limit of its own \[rad\]: that of the top, of the base, or the kink at the impact
+/// point, which hinges 1a and 1b share in a way that is undetermined. NaN if one of them is, which exceeds every limit.
+#[must_use]
+pub fn largest_plastic_rotation(rotations: &[f64; HINGES]) -> f64 {
+    let [below, above, top, base] = *rotations;
+    let mut largest = 0.0;
+    for rotation in [below + above, top, base].map(f64::abs) {
+        if rotation > largest || rotation.is_nan() {
+            largest = rotation;
+        }
+    }
+    largest
 }

@@ -23,27 +23,32 @@ mod input;
 mod prepared;
 mod remaining;
 mod rotation_limits;
+mod section_class;
 #[cfg(test)]
 mod tests;
+mod utilisation;
 
-use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
-use criteria::{DEFINITIONS, Definition, Relation};
+use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
 pub use evaluation::{
     HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
 };
-pub use input::{AssessedImpact, AssessedShear, AssessmentInput};
+pub use input::{AssessedImpact, AssessedShear, AssessmentInput, largest_plastic_rotation};
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
-    RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
+    RemainingCapacity, buckling_curve, buckling_resistances, dimensions_by_numbers, imperfection,
+    section_dimensions,
 };
 pub use rotation_limits::{
-    HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,
+    CLASS_3_ROTATION, HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,
+    rotation_before_buckling,
 };
+pub use section_class::{SectionClass, SectionClassification, section_class};
+pub use utilisation::{Utilisation, UtilisedPart};
 
 use crate::parameters::Provenance;
 
@@ -97,15 +102,64 @@ pub struct Criterion {
 /// The assessment of one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assessment {
-    /// What has to be done.
+    /// What has to be done; at least, see [`at_least`](Self::at_least).
     pub severity: Severity,
+    /// Whether more may have to be done, because a criterion that decides and is more severe could not be evaluated.
+    pub at_least: bool,
+    /// The criteria that decide and for which data are missing, the most severe first.
+    pub not_evaluated: Vec<MissingData>,
     /// Name of the criterion that decides: of the most severe ones that are exceeded the first, or the one closest to its
     /// limit where none is exceeded.
     pub deciding_criterion: &'static str,
-    /// The reason in words, with its margin and with what the model does not know.
+    /// The reason in words, with its margin and with what the model does not know. It begins with `At least` where more may
+    /// have to be done.
     pub reason: String,
     /// Every criterion.
     pub criteria: Vec<Criterion>,
+    /// Where in the reason the part about what is not evaluated and not known begins.
+    #[serde(skip)]
+    reservations: usize,
+}
+
+/// A criterion that decides and could not be evaluated for want of data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MissingData {
+    /// Its name.
+    pub criterion: &'static str,
+    /// What would have to be done if it were exceeded.
+    pub severity: Severity,
+    /// What is missing, and what to give.
+    pub needs: String,
+}
+
+impl Assessment {
+    /// What has to be done, as two or three words of a sentence.
+    #[must_use]
+    pub fn severity_in_words(&self) -> String {
+        match self.at_least {
+            true => format!("at least {}", self.severity),
+            false => self.severity.to_string(),
+        }
+    }
+
+    /// What has to be done, in capitals, and the reason.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self.at_least {
+            true => self.reason.clone(),
+            false => format!("{}: {}", in_capitals(self.severity), self.reason),
+        }
+    }
+
+    /// What the reason says beside the finding that decides: what was not evaluated and what is not known.
+    #[must_use]
+    pub fn reservations(&self) -> &str {
+        &self.reason[self.reservations..]
+    }
+}
+
+fn in_capitals(severity: Severity) -> String {
+    severity.name().to_uppercase()
 }
 
 /// Evaluates every criterion. Criteria without the data that they need are listed with the reason.
@@ -113,22 +167,46 @@ pub struct Assessment {
 pub fn assess(input: &AssessmentInput) -> Assessment {
     let mut choice = Choice::default();
     let mut criteria = Vec::with_capacity(DEFINITIONS.len());
+    let mut not_evaluated = Vec::new();
     for (index, definition) in DEFINITIONS.iter().enumerate() {
         let decides = decides(definition, &input.deciding);
         let measured = measured(definition, input);
-        if let (true, Ok(measured)) = (decides, &measured) {
-            choice.consider(index, measured);
+        match &measured {
+            Ok(measured) if decides => choice.consider(index, measured),
+            Err(NotEvaluated::Missing(needs)) if decides => not_evaluated.push(MissingData {
+                criterion: definition.name,
+                severity: definition.severity,
+                needs: needs.to_string(),
+            }),
+            _ => (),
         }
         let mut made = criterion(definition, decides, measured);
         base::annotate(&mut made, input.base.as_ref(), input.base_demand.as_ref());
         criteria.push(made);
     }
+    not_evaluated.sort_by_key(|missing| std::cmp::Reverse(missing.severity));
     let (severity, deciding) = (choice.severity(), &criteria[choice.deciding()]);
+    let at_least = not_evaluated
+        .iter()
+        .any(|missing| missing.severity > severity);
+    let mut reason = match at_least {
+        true => format!("At least {}: ", in_capitals(severity)),
+        false => String::new(),
+    };
+    reason += &finding(input, severity, deciding);
+    let reservations = reason.len();
+    reason += &missing_data(&not_evaluated);
+    if !(input.collapsed || input.severed) {
+        reason += &axes(input);
+    }
     Assessment {
         severity,
+        at_least,
+        not_evaluated,
         deciding_criterion: deciding.name,
-        reason: reason(input, severity, deciding, &criteria),
+        reason,
         criteria,
+        reservations,
     }
 }
 
@@ -146,10 +224,7 @@ struct Measured {
     exceeded: bool,
 }
 
-fn measured(
-    definition: &Definition,
-    input: &AssessmentInput,
-) -> Result<Measured, Cow<'static, str>> {
+fn measured(definition: &Definition, input: &AssessmentInput) -> Result<Measured, NotEvaluated> {
     let (value, limit) = (definition.evaluate)(input)?;
     let sign = match definition.relation {
         Relation::AtMost => 1.0,
@@ -212,7 +287,7 @@ impl Choice {
 fn criterion(
     definition: &Definition,
     decides: bool,
-    measured: Result<Measured, Cow<'static, str>>,
+    measured: Result<Measured, NotEvaluated>,
 ) -> Criterion {
     let numbers = measured.as_ref().ok();
     Criterion {
@@ -227,7 +302,7 @@ fn criterion(
         severity: definition.severity,
         decides,
         statement: match &measured {
-            Err(reason) => format!("Not evaluated: {reason}."),
+            Err(fault) => format!("Not evaluated: {}.", fault.reason()),
             Ok(measured) => statement(definition, measured),
         },
     }
@@ -275,8 +350,18 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
-/// A number with its unit: forces in kN, moments in kNm, otherwise three significant digits.
+/// A number with its unit: forces in kN, moments in kNm, bows as parts of a length, otherwise three significant digits.
 fn quantity(value: f64, unit: &str) -> String {
+    if unit == PART_OF_LENGTH {
+        return match value {
+            value if value > 0.0 && value.is_finite() => match 1.0 / value {
+                part if part >= 1e4 => "less than L/10000".to_owned(),
+                part => format!("L/{part:.0}"),
+            },
+            0.0 => "0".to_owned(),
+            _ => "not a number".to_owned(),
+        };
+    }
     let (value, unit) = if unit == "N" {
         (value / 1e3, "kN")
     } else if unit == "N m" {
@@ -297,30 +382,34 @@ fn quantity(value: f64, unit: &str) -> String {
     format!("{value:.decimals$}{space}{unit}")
 }
 
-fn reason(
-    input: &AssessmentInput,
-    severity: Severity,
-    deciding: &Criterion,
-    criteria: &[Criterion],
-) -> String {
-    let mut text = if severity == Severity::None {
-        format!(
+/// The criterion that decides with its numbers, or how far the column has come where nothing decides.
+fn finding(input: &AssessmentInput, severity: Severity, deciding: &Criterion) -> String {
+    match (severity, input.utilisation) {
+        (Severity::None, Some(utilisation)) => {
+            format!("No deciding criterion is exceeded. Largest utilisation: {utilisation}.")
+        }
+        (Severity::None, None) => format!(
             "No deciding criterion is exceeded. The closest to its limit is {}: {}",
             deciding.name, deciding.statement
-        )
-    } else {
-        format!("{}: {}", deciding.name, deciding.statement)
-    };
-    let missing: Vec<_> = criteria
-        .iter()
-        .filter(|criterion| criterion.decides && criterion.value.is_none())
-        .map(|criterion| criterion.name)
-        .collect();
-    if !missing.is_empty() {
-        text.push_str(&format!(" Not evaluated: {}.", missing.join(", ")));
+        ),
+        _ => format!("{}: {}", deciding.name, deciding.statement),
     }
-    if !(input.collapsed || input.severed) {
-        text.push_str(&axes(input));
+}
+
+/// The criteria that could not be evaluated, with what has to be given, each need once.
+fn missing_data(missing: &[MissingData]) -> String {
+    let mut text = String::new();
+    for (index, one) in missing.iter().enumerate() {
+        let is_said = missing[..index].iter().any(|it| it.needs == one.needs);
+        if is_said {
+            continue;
+        }
+        let names: Vec<_> = missing
+            .iter()
+            .filter(|it| it.needs == one.needs)
+            .map(|it| format!("{} ({})", it.criterion, it.severity))
+            .collect();
+        text += &format!(" Not evaluated: {}: {}.", names.join(", "), one.needs);
     }
     text
 }
@@ -331,6 +420,14 @@ fn axes(input: &AssessmentInput) -> String {
     let remaining = &input.remaining;
     if remaining.now.is_lower_bound() {
         text.push_str(" The push-down could not be followed to its end: N_u is a lower bound.");
+    }
+    if let Some(section) = &input.section {
+        let found = section_class(section, input.yield_strength, input.axial_ratio());
+        if found.class > SectionClass::Two {
+            text.push_str(&format!(
+                " The section is of {found}: it buckles locally before it can rotate, and the computed capacity is too high."
+            ));
+        }
     }
     text.push_str(" The model is plane and knows neither connections nor local buckling; ");
     match &remaining.weak {

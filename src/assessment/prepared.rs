@@ -4,7 +4,7 @@
 use std::sync::OnceLock;
 
 use super::base::BaseDemand;
-use super::criteria::{DEFINITIONS, Definition};
+use super::criteria::{DEFINITIONS, Definition, share_of_limit};
 use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
 use super::{AssessedImpact, AssessedShear, AssessmentInput, Choice, Severity, decides, measured};
 use crate::column::{
@@ -40,7 +40,8 @@ pub struct Verdict {
     pub severity: Severity,
     /// Name of the criterion that decides.
     pub deciding_criterion: &'static str,
-    /// Smallest distance of a criterion that decides to its limit, relative to that, on either side.
+    /// Smallest distance of a criterion that decides to its limit, relative to that, on either side; that of a residual bow
+    /// relative to the largest one where that is larger, because it has the error of the largest displacement.
     pub least_margin: f64,
 }
 
@@ -53,6 +54,8 @@ pub struct AssessedResponse {
     pub plastic_rotation: [f64; HINGES],
     /// Plastic shear angles of the webs of the bars below and above the impact point \[rad\].
     pub plastic_shear: [f64; WEBS],
+    /// `v1` of the residual equilibrium \[m\]; `None` if there is none.
+    pub residual_v1: Option<f64>,
     /// Largest `v1` \[m\].
     pub max_v1: f64,
     /// The reactions of the base.
@@ -200,6 +203,7 @@ impl PreparedAssessment {
             severed: response.outcome == Outcome::Severed,
             plastic_rotation: response.plastic_rotation,
             shear: AssessedShear::of(model, response.plastic_shear),
+            residual_v1: response.residual_v1,
             max_v1: response.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
             base_demand: Some(BaseDemand {
@@ -214,10 +218,12 @@ impl PreparedAssessment {
         let mut choice = Choice::default();
         let mut least_margin = f64::INFINITY;
         for &index in &self.deciding {
-            if let Ok(measured) = measured(&DEFINITIONS[index], &input) {
+            let definition = &DEFINITIONS[index];
+            if let Ok(measured) = measured(definition, &input) {
                 choice.consider(index, &measured);
                 if measured.limit != 0.0 {
-                    least_margin = least_margin.min(measured.margin.abs());
+                    let share = share_of_limit(definition, &input, measured.limit);
+                    least_margin = least_margin.min(measured.margin.abs() * share);
                 }
             }
         }

@@ -103,6 +103,27 @@ pub fn section_dimensions(parameters: &Parameters) -> Option<RolledSection> {
     parameters.section_dimensions()
 }
 
+/// Dimensions of a section whose plates are given by numbers \[m\]; `None` where one of them is not given (0) or they do not
+/// fit into one another. Its fillets are not known and count as none, so that its plates are taken as more slender than they
+/// are.
+#[must_use]
+pub fn dimensions_by_numbers(
+    height: f64,
+    width: f64,
+    web_thickness: f64,
+    flange_thickness: f64,
+) -> Option<RolledSection> {
+    let given = [height, width, web_thickness, flange_thickness];
+    let fits = height > 2.0 * flange_thickness && width > web_thickness;
+    (fits && given.into_iter().all(|it| it > 0.0)).then_some(RolledSection {
+        depth: height,
+        width,
+        web_thickness,
+        flange_thickness,
+        root_radius: 0.0,
+    })
+}
+
 /// The buckling curve about an axis; about the weak one `None` where the dimensions of the section are not known.
 #[must_use]
 pub fn buckling_curve(parameters: &Parameters, axis: BendingAxis) -> Option<BucklingCurve> {

@@ -383,7 +383,8 @@ impl Column {
         let _ = write!(
             text,
             "\nSeverity: {}\n{}\n\n",
-            assessment.severity, assessment.reason
+            assessment.severity_in_words(),
+            assessment.reason
         );
         for criterion in &assessment.criteria {
             let mark = match criterion.exceeded {

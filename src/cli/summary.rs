@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
 
-use column_twin::assessment::{Assessment, HARDENING_BAND, ImpactEvaluation};
+use column_twin::assessment::{HARDENING_BAND, ImpactEvaluation};
 use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };
@@ -61,9 +61,7 @@ impl Summary<'_> {
     /// The verdict, before everything else.
     fn verdict(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let words = match &self.evaluation.assessment {
-            Some(Assessment {
-                severity, reason, ..
-            }) => format!("{}: {reason}", severity.to_string().to_uppercase()),
+            Some(assessment) => assessment.in_words(),
             None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
         };
         wrapped(f, "Severity", &words)

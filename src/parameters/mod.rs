@@ -570,6 +570,7 @@ impl Parameters {
             damping_ratio: damping.ratio,
             rate: self.rate(),
             hardening_ratio: hardening.ratio,
+            softening: None,
             ultimate_rotation: assessment.ultimate_rotation,
             shear: self.shear().ok(),
             scheme: solver.scheme,

@@ -975,7 +975,8 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::AfterResponse,
-        meaning: "theta_u: plastic rotation at which a hinge or web is torn: the response ends there, and the column is severed (Lignos 2019)",
+        meaning: "theta_u: plastic rotation at which a hinge is torn, of hinges 1a and 1b together: the response ends there, and the column \
+                  is severed (Lignos 2019)",
     },
     Parameter {
         name: "assessment.ultimate_shear_angle",

@@ -76,16 +76,6 @@ impl Assessed {
             .iter()
             .find(|criterion| criterion.name == name)
     }
-
-    /// What the reason of the assessment says beside the deciding criterion: what was not evaluated and is not known.
-    pub fn reservations(&self) -> &str {
-        let reason = &self.assessment.reason;
-        let statement = self.deciding().map_or("", |criterion| &criterion.statement);
-        reason
-            .find(statement)
-            .map_or(reason.as_str(), |place| &reason[place + statement.len()..])
-            .trim()
-    }
 }
 
 /// What has to be done, as a sentence.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::assessed::{Assessed, action};
 use super::reported_impact::ReportedImpact;
 use super::words::capitalised;
-use crate::assessment::Severity;
+use crate::assessment::{Assessment, Criterion, Severity};
 use crate::column::{End, HINGE_NAMES, Outcome};
 use crate::figures::units::{Unit, significant};
 use crate::shape::{HINGE_PLACES, WEB_PLACES};
@@ -38,19 +38,20 @@ impl Verdict {
         }
         let (class, headline, action) = match assessed {
             Ok(assessed) => {
-                let severity = assessed.assessment.severity;
-                let statement = assessed
-                    .deciding()
-                    .map_or("", |criterion| &criterion.statement);
-                let headline = match severity {
-                    Severity::None => format!(
-                        "None: no criterion that decides is exceeded. Closest to its limit: {}",
-                        lowered(statement)
-                    ),
-                    severity => format!("{}. {statement}", capitalised(&severity.to_string())),
+                let assessment = &assessed.assessment;
+                reservations.push(assessment.reservations().trim().to_owned());
+                let class = match assessment.at_least {
+                    // The calm colours would say that no more can be the matter.
+                    true if assessment.severity < Severity::Restrict => {
+                        class_of(Severity::Restrict)
+                    }
+                    _ => class_of(assessment.severity),
                 };
-                reservations.push(assessed.reservations().to_owned());
-                (class_of(severity), headline, action(severity).to_owned())
+                (
+                    class,
+                    headline(assessment, assessed.deciding()),
+                    action(assessment.severity).to_owned(),
+                )
             }
             Err(reason) => (
                 "warning",
@@ -77,6 +78,27 @@ impl Verdict {
                 @for reservation in self.reservations.iter().filter(|it| !it.is_empty()) { p.reservation { (reservation) } }
             }
         }
+    }
+}
+
+/// The severity and what decides it, in one or two sentences.
+fn headline(assessment: &Assessment, deciding: Option<&Criterion>) -> String {
+    let mut words = capitalised(&assessment.severity_in_words());
+    if assessment.at_least {
+        let missing: Vec<_> = assessment
+            .not_evaluated
+            .iter()
+            .filter(|it| it.severity > assessment.severity)
+            .map(|it| it.criterion.replace('_', " "))
+            .collect();
+        words += &format!(", because {} could not be evaluated", missing.join(", "));
+    }
+    match assessment.severity {
+        Severity::None => words + ": no criterion that decides is exceeded.",
+        _ => format!(
+            "{words}. {}",
+            deciding.map_or("", |criterion| &criterion.statement)
+        ),
     }
 }
 
@@ -155,11 +177,4 @@ fn outcome(impact: &ReportedImpact) -> String {
              nothing."
         ),
     }
-}
-
-fn lowered(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| {
-        first.to_lowercase().chain(letters).collect()
-    })
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::assessment::{Assessment, Criterion, RemainingCapacity, Severity};
+use crate::assessment::{Assessment, Criterion, MissingData, RemainingCapacity, Severity};
 use crate::column::CapacityEnd;
 
 /// The capacity of a column for programs, in SI units; the names are a stable interface. A value that does not exist is null.
@@ -25,8 +25,10 @@ pub struct CapacityFields<'a> {
     weak_axis_resistance_n: Option<f64>,
     remaining_resistance_n: Option<f64>,
     severity: Severity,
+    at_least: bool,
     deciding_criterion: &'a str,
     reason: &'a str,
+    not_evaluated: &'a [MissingData],
     criteria: &'a [Criterion],
 }
 
@@ -52,8 +54,10 @@ impl<'a> CapacityFields<'a> {
             weak_axis_resistance_n: remaining.weak.map(|weak| weak.force),
             remaining_resistance_n: remaining.resistance,
             severity: assessment.severity,
+            at_least: assessment.at_least,
             deciding_criterion: assessment.deciding_criterion,
             reason: &assessment.reason,
+            not_evaluated: &assessment.not_evaluated,
             criteria: &assessment.criteria,
         }
     }

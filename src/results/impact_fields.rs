@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::assessment::{Criterion, ImpactEvaluation, Severity};
+use crate::assessment::{Criterion, ImpactEvaluation, MissingData, Severity};
 use crate::column::{
     BaseForces, BaseReport, End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport,
 };
@@ -25,6 +25,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
 #[derive(Debug, Serialize)]
 pub struct ImpactFields<'a> {
     severity: Option<Severity>,
+    at_least: Option<bool>,
     deciding_criterion: Option<&'static str>,
     reason: Option<&'a str>,
     outcome: Outcome,
@@ -72,6 +73,7 @@ pub struct ImpactFields<'a> {
     capacity_ratio: Option<f64>,
     carried_load_n: Option<f64>,
     reserve: Option<f64>,
+    not_evaluated: Option<&'a [MissingData]>,
     criteria: Option<&'a [Criterion]>,
     hinges: BTreeMap<&'static str, HingeFields>,
     /// `None` where the webs do not yield in shear.
@@ -133,6 +135,7 @@ impl<'a> ImpactFields<'a> {
         let vehicle = &report.vehicle;
         Self {
             severity: assessment.map(|it| it.severity),
+            at_least: assessment.map(|it| it.at_least),
             deciding_criterion: assessment.map(|it| it.deciding_criterion),
             reason: assessment.map(|it| it.reason.as_str()),
             outcome: report.outcome,
@@ -184,6 +187,7 @@ impl<'a> ImpactFields<'a> {
             capacity_ratio: remaining.map(|it| it.ratio),
             carried_load_n: remaining.map(|it| it.carried_load),
             reserve: remaining.and_then(|it| it.reserve),
+            not_evaluated: assessment.map(|it| &*it.not_evaluated),
             criteria: assessment.map(|it| it.criteria.as_slice()),
             hinges: HINGE_NAMES
                 .into_iter()

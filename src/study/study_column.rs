@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::Serialize;
 
-use crate::assessment::{AssessedResponse, PreparedAssessment, Severity};
+use crate::assessment::{AssessedResponse, PreparedAssessment, Severity, largest_plastic_rotation};
 use crate::column::{
     CapacityError, ColumnProperties, End, HINGES, Impact, ImpactSpecification, Model, Outcome,
     PerBar, Scheme, SimulationError, State, StudyModel, StudyResponse, carried_over,
@@ -88,7 +88,7 @@ pub struct Screening {
     pub capacity_ratio: f64,
     /// `N_u` over the load that the column carries; `None` where that is not compressive.
     pub capacity_reserve: Option<f64>,
-    /// Largest plastic rotation of a hinge \[rad\].
+    /// Largest plastic rotation, of hinges 1a and 1b together \[rad\].
     pub max_plastic_rotation: f64,
 }
 
@@ -291,6 +291,7 @@ impl StudyColumn {
             outcome: quick.outcome,
             plastic_rotation: quick.plastic_rotation,
             plastic_shear: quick.plastic_shear,
+            residual_v1: Some(rest.displacement.v1),
             max_v1: quick.max_v1,
             base: quick.base,
         };
@@ -362,12 +363,12 @@ impl StudyColumn {
             deciding_criterion: verdict.deciding_criterion,
             outcome: response.outcome,
             max_v1: response.max_v1,
-            residual_v1: rest.as_ref().map(|rest| rest.displacement.v1),
+            residual_v1: response.residual_v1,
             peak_contact_force: ended.peak_contact_force,
             remaining_capacity: remaining.now.force,
             capacity_ratio: remaining.ratio,
             capacity_reserve: remaining.reserve,
-            max_plastic_rotation: largest(&response.plastic_rotation),
+            max_plastic_rotation: largest_plastic_rotation(&response.plastic_rotation),
         };
         Ok((screening, verdict.least_margin))
     }
@@ -387,6 +388,7 @@ impl From<&StudyResponse> for Ended {
                 outcome: response.outcome,
                 plastic_rotation: response.plastic_rotation,
                 plastic_shear: response.plastic_shear,
+                residual_v1: response.rest.map(|rest| rest.displacement.v1),
                 max_v1: response.max_v1,
                 base: response.base,
             },

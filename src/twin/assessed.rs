@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::plant::{Condition, Plant};
 use super::what_if::Striking;
 use crate::assessment::{
-    AssessedImpact, Assessment, AssessmentInput, BaseDemand, RemainingCapacity, assess,
-    imperfection,
+    AssessedImpact, Assessment, AssessmentInput, BaseDemand, RemainingCapacity, Utilisation,
+    assess, imperfection,
 };
 use crate::column::{
     Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport, carried_load,
@@ -26,6 +26,10 @@ pub struct LastImpact {
     pub impact: AssessedImpact,
     /// Largest `v1` of its response \[m\].
     pub max_v1: f64,
+    /// Which part of the column came closest to its strength.
+    // Absent in recordings and states of programs that do not keep it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub utilisation: Option<Utilisation>,
     /// The vehicle after the response.
     pub vehicle: VehicleReport,
     /// Estimated relative error of `max_v1` by the time step; `None` if it is not known.
@@ -48,6 +52,7 @@ impl LastImpact {
         Self {
             impact: AssessedImpact::from(&striking.impact),
             max_v1: report.max_v1,
+            utilisation: Some(Utilisation::of_report(report)),
             vehicle: report.vehicle,
             error_estimate,
             base: Some(BaseDemand::of(report).after(base_before)),
@@ -200,10 +205,15 @@ pub(super) fn assessed(
     let mut input = AssessmentInput::of_state(parameters, model, state, remaining);
     input.collapsed = *condition == Condition::Collapsed;
     input.severed = *condition == Condition::Severed;
+    if *condition != Condition::Standing {
+        input.residual_v1 = None;
+    }
     if let Some(last) = last {
         input.max_v1 = input.max_v1.max(last.max_v1.abs());
         input = input.struck_by(model, last.impact);
         input.base_demand = last.base;
+        let utilisation = last.utilisation.into_iter().chain(input.utilisation);
+        input.utilisation = utilisation.reduce(Utilisation::or_larger);
     }
     Arc::new(Assessed {
         remaining,

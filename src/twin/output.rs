@@ -253,7 +253,8 @@ impl<O: Outputs> Verdicts for O {
         };
         let text = format!(
             "{kind} of impact \"{event_id}\": severity {}; {}",
-            assessment.severity, assessment.reason
+            assessment.severity_in_words(),
+            assessment.reason
         );
         self.notice(severity, now, text);
     }

@@ -49,7 +49,7 @@ pub struct ColumnProperties {
     /// How a hinge loses strength once its flanges and web buckle locally; `None` in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub softening: Option<SofteningProperties>,
-    /// Absolute plastic rotation at which a hinge is severed \[rad\], >= 0; 0 for no limit.
+    /// Absolute plastic rotation at which a hinge is severed, of hinges 1a and 1b together \[rad\], >= 0; 0 for no limit.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
     /// Shear of the web of each bar; `None` in the paper: the web neither yields nor deforms.

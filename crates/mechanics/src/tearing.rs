@@ -1,5 +1,12 @@
 //! When a hinge or a web tears: its plastic rotation exceeds the ultimate rotation, its plastic shear angle the ultimate
 //! angle.
+//!
+//! Hinges 1a and 1b are one section, that of the impact point, and have one limit between them. They are in series with the
+//! same moment, so that only the sum of their rotations is determined, not its split: a limit on each of them would let the
+//! tear hang on an arbitrary number. A test from which such a limit is taken has one plastic zone, beside a stiff base. The
+//! kink at the impact point has two, one in each bar, and where both have the same gradient of the moment each takes half of
+//! it; where the gradients differ, the zone in the longer bar takes nearly all. One limit for the sum is right for the
+//! latter and on the safe side for the former.
 
 use super::bar::{PerBar, PlasticFlow};
 use super::model::Model;
@@ -20,15 +27,20 @@ pub(crate) fn share_until_torn(
         [plastic.below.shear_angle, plastic.above.shear_angle].map(f64::abs)
     };
     let torn = [
-        share_until(rotation, rotations(before), rotations(after)),
+        share_until(
+            rotation,
+            section_rotations(before),
+            section_rotations(after),
+        ),
         share_until(angle, angles(before), angles(after)),
     ];
     torn.into_iter().flatten().reduce(f64::min)
 }
 
-fn rotations(plastic: &PerBar<PlasticFlow>) -> [f64; 4] {
-    let ([a, b], [c, d]) = (plastic.below.rotation, plastic.above.rotation);
-    [a, b, c, d].map(f64::abs)
+/// The absolute plastic rotations that have one limit each \[rad\]: of the impact point, of the top and of the base.
+fn section_rotations(plastic: &PerBar<PlasticFlow>) -> [f64; 3] {
+    let ([below, base], [above, top]) = (plastic.below.rotation, plastic.above.rotation);
+    [below + above, top, base].map(f64::abs)
 }
 
 /// The share after which any of the absolute deformations exceeds `ultimate`, 0 for no limit.
