@@ -24,6 +24,9 @@ PERIOD = 0.5
 # The encoding of every ROS 2 middleware on DDS.
 RELIABLE = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(10),
                Policy.DataRepresentation(use_cdrv0_representation=True))
+# Several forecasts at once, after a stop, are not lost in this reader however busy the machine is.
+MANY = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(1000),
+           Policy.DataRepresentation(use_cdrv0_representation=True))
 
 
 @dataclass
@@ -51,7 +54,7 @@ class ImpactReport(IdlStruct, typename="column_twin::msg::dds_::ImpactReport_"):
 def main():
     participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
     events = DataWriter(participant, Topic(participant, "rt/impact_event", ImpactEvent), qos=RELIABLE)
-    reports = DataReader(participant, Topic(participant, "rt/impact_forecast", ImpactReport), qos=RELIABLE)
+    reports = DataReader(participant, Topic(participant, "rt/impact_forecast", ImpactReport), qos=MANY)
     waitset = WaitSet(participant)
     waitset.attach(ReadCondition(reports, ViewState.Any | InstanceState.Any | SampleState.Any))
     number, due = 0, time.monotonic()

@@ -18,6 +18,8 @@ from column_twin.msg import ImpactEvent, ImpactReport, TwinStatus
 from diagnostic_msgs.msg import DiagnosticArray
 
 PERIOD = 0.5
+# Several forecasts at once, after a stop, are not lost in this reader however busy the machine is.
+MANY = QoSProfile(depth=1000)
 
 
 def main():
@@ -53,7 +55,7 @@ def main():
             rejected = status.events_refused
             print("rejected", rejected, flush=True)
 
-    node.create_subscription(ImpactReport, "impact_forecast", receive, QoSProfile(depth=10))
+    node.create_subscription(ImpactReport, "impact_forecast", receive, MANY)
     node.create_subscription(DiagnosticArray, "/diagnostics", diagnose, QoSProfile(depth=10))
     node.create_subscription(TwinStatus, "twin_status", count, QoSProfile(depth=10))
     node.create_timer(PERIOD, send)
