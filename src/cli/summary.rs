@@ -63,7 +63,10 @@ impl Summary<'_> {
             Some(Assessment {
                 severity, reason, ..
             }) => format!("{}: {reason}", severity.to_string().to_uppercase()),
-            None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
+            None => match &self.evaluation.capacity_fault {
+                Some(fault) => format!("NOT ASSESSED: {fault}"),
+                None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
+            },
         };
         wrapped(f, "Severity", &words)
     }

@@ -544,8 +544,11 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
         height: None,
     };
     let vehicle = settings.vehicle.vehicle()?;
-    let rigid = Impact::rigid(given.mass, given.velocity);
-    Ok(specification.complete(&rigid, vehicle)?)
+    let defaults = Impact {
+        transverse_force: given.transverse_force,
+        ..Impact::rigid(given.mass, given.velocity)
+    };
+    Ok(specification.complete(&defaults, vehicle)?)
 }
 
 /// The section as given, with the properties that its name gives.
@@ -576,6 +579,7 @@ fn support_of(kind: SupportKind, stiffness: f64) -> Support {
     match kind {
         SupportKind::BuiltIn => Support::BuiltIn,
         SupportKind::Pinned => Support::Pinned,
+        SupportKind::Free => Support::Free,
         SupportKind::SemiRigid => Support::SemiRigid { stiffness },
     }
 }
