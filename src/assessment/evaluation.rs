@@ -2,8 +2,9 @@
 
 use super::{Assessment, AssessmentInput, RemainingCapacity, assess};
 use crate::column::{
-    self, ColumnProperties, Impact, Model, Outcome, Progress, Report, Response, SimulationError,
-    State, carried_load, plastic_plateau, residual_without_bumper, respond, with_half_the_step,
+    self, CapacityError, ColumnProperties, Impact, Model, Outcome, Progress, Report, Response,
+    SimulationError, State, carried_load, plastic_plateau, residual_without_bumper, respond,
+    with_half_the_step,
 };
 use crate::parameters::{NoShear, Parameters};
 
@@ -28,6 +29,8 @@ pub struct ImpactEvaluation {
     pub report: Report,
     /// Capacity of the virgin column and of the column that the impact leaves; `None` if it could not be computed.
     pub remaining: Option<RemainingCapacity>,
+    /// Why there are no capacities, if there are none.
+    pub capacity_fault: Option<CapacityError>,
     /// Criteria and severity; `None` without the capacities.
     pub assessment: Option<Assessment>,
     /// Length of a time step \[s\].
@@ -60,7 +63,11 @@ impl ImpactEvaluation {
         let properties = &properties.before(impact);
         let model = Model::new(properties)?;
         let whole = model.without_bumper();
-        let remaining = RemainingCapacity::compute(parameters, &whole, rest.as_ref()).ok();
+        let (remaining, capacity_fault) =
+            match RemainingCapacity::compute(parameters, &whole, rest.as_ref()) {
+                Ok(remaining) => (Some(remaining), None),
+                Err(fault) => (None, Some(fault)),
+            };
         let assessment = remaining.map(|remaining| {
             let input =
                 AssessmentInput::of_response(parameters, &model, impact, &report, remaining);
@@ -72,6 +79,7 @@ impl ImpactEvaluation {
             no_shear: parameters.shear().err(),
             report,
             remaining,
+            capacity_fault,
             assessment,
             step: 1e-9 * model.properties.step_nanos as f64,
             error_estimate: error_estimate(&model.properties, impact, duration, &report),

@@ -3,9 +3,11 @@ use std::path::Path;
 
 use super::*;
 use crate::column::{
-    BaseForces, BaseReport, Capacity, CapacityEnd, Impact, Model, Outcome, State, respond, simulate,
+    BaseForces, BaseReport, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome, State,
+    respond, simulate,
 };
 use crate::parameters::{CRITERION_NAMES, DEFAULT_CRITERIA, Parameters, parse_override};
+use crate::study::StudyColumn;
 
 fn parameters(overrides: &[&str]) -> Parameters {
     let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
@@ -654,4 +656,36 @@ fn a_small_margin_is_not_minus_zero_per_cent() {
     ] {
         assert_eq!(percent(margin), text);
     }
+}
+
+/// A cantilever carries no load whose capacity could be asked for: whoever asks gets the reason and no number.
+#[test]
+fn a_free_top_is_not_assessed_and_says_so() {
+    let parameters = parameters(&[
+        "support.top:=free",
+        "top.load:=0.0",
+        "top.spring_stiffness:=0.0",
+    ]);
+    let properties = parameters.column_properties();
+    let impact = parameters.impact();
+    let response = respond_and_rest(&properties, &impact, 1.0).expect("a response");
+    assert_eq!(response.0.outcome, Outcome::Plastic);
+    let evaluation = ImpactEvaluation::complete(&parameters, &properties, &impact, response)
+        .expect("an evaluation");
+    assert_eq!(evaluation.remaining, None);
+    assert_eq!(evaluation.assessment, None);
+    assert_eq!(evaluation.capacity_fault, Some(CapacityError::FreeTop));
+    let model = Model::new(&properties).expect("a column");
+    let resistance = properties.resistance_moment / properties.length_below;
+    assert!((evaluation.plateau / resistance - 1.0).abs() < 1e-12);
+    for fault in [
+        RemainingCapacity::compute(&parameters, &model, None).map(|_| ()),
+        PreparedAssessment::new(&parameters, &model).map(|_| ()),
+    ] {
+        let text = fault.expect_err("no capacity").to_string();
+        assert!(text.contains("not evaluated: the top is free"), "{text}");
+    }
+    let study = StudyColumn::virgin(&parameters).map(|_| ());
+    let text = study.expect_err("no capacity").to_string();
+    assert!(text.contains("not evaluated: the top is free"), "{text}");
 }

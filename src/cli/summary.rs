@@ -62,7 +62,10 @@ impl Summary<'_> {
     fn verdict(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let words = match &self.evaluation.assessment {
             Some(assessment) => assessment.in_words(),
-            None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
+            None => match &self.evaluation.capacity_fault {
+                Some(fault) => format!("NOT ASSESSED: {fault}"),
+                None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
+            },
         };
         wrapped(f, "Severity", &words)
     }

@@ -10,9 +10,16 @@ use super::units::{Unit, significant};
 pub(super) fn deformed_shape(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
     let (below, above) = (response.lengths.below, response.lengths.above);
-    let shape =
-        |v1: f64, u1: f64, u2: f64| vec![(0.0, 0.0), (v1, below - u1), (0.0, below + above - u2)];
-    let undeformed = shape(0.0, 0.0, 0.0);
+    // Above a free top's impact point the column goes on straight, as it leans there.
+    let shape = |v1: f64, u1: f64, u2: f64, lean: f64| {
+        let height = below - u1;
+        let top = match response.lengths.top_is_free {
+            true => (v1 + above * lean.sin(), height + above * lean.cos()),
+            false => (0.0, below + above - u2),
+        };
+        vec![(0.0, 0.0), (v1, height), top]
+    };
+    let undeformed = shape(0.0, 0.0, 0.0, 0.0);
     let mut paths = vec![PathLine::new(
         "undeformed",
         undeformed,
@@ -28,7 +35,7 @@ pub(super) fn deformed_shape(response: &ResponseHistory<'_>) -> Drawn<String> {
     if let Some(peak) = highest {
         paths.push(PathLine::new(
             format!("at the peak, {}", response.time_unit().show(peak.time)),
-            shape(peak.v1, peak.u1, peak.u2),
+            shape(peak.v1, peak.u1, peak.u2, peak.beta1),
             Stroke::solid(colour::IMPACT_POINT, 18),
         ));
         marks.push(Mark {
@@ -43,7 +50,7 @@ pub(super) fn deformed_shape(response: &ResponseHistory<'_>) -> Drawn<String> {
     if let Some(((v1, u2), last)) = residual {
         paths.push(PathLine::new(
             format!("at rest, {}", unit.show(v1)),
-            shape(v1, last.u1, u2),
+            shape(v1, last.u1, u2, v1.atan2(below - last.u1)),
             Stroke::solid(colour::IMPACTOR, 12),
         ));
     }

@@ -56,6 +56,7 @@ impl Reference {
             lengths: Lengths {
                 below: 1.0,
                 above: 3.0,
+                top_is_free: false,
             },
             vehicle: None,
         }

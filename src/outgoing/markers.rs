@@ -181,6 +181,7 @@ mod tests {
     const LENGTHS: Lengths = Lengths {
         below: 1.0,
         above: 3.0,
+        top_is_free: false,
     };
 
     fn of(sample: &Sample) -> Vec<Marker> {

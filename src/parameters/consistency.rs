@@ -12,7 +12,7 @@ use super::value::readable;
 use super::vehicles::VehicleFault;
 use crate::column::{
     BaseFactors, BasePlateError, CrushCurve, CrushSpring, ElasticLaw, MAX_BUMPER_SHARE,
-    MAX_IMPERFECTION, Vehicle, VehicleError,
+    MAX_IMPERFECTION, MAX_TRANSVERSE_ACCELERATION, Vehicle, VehicleError,
 };
 
 /// Parameters that are not compatible.
@@ -31,7 +31,10 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     supports_have_their_stiffness(settings, &mut found);
     hinge_stiffness_has_its_law(settings, &mut found);
     rate_suits_the_step(settings, &mut found);
+    free_top_carries_nothing(settings, &mut found);
     vehicle_is_complete(settings, &mut found);
+    force_suits_the_mass(settings, &mut found);
+    estimates_know_the_column(settings, &mut found);
     strain_rate_has_a_height(settings, &mut found);
     imperfection_suits_the_height(settings, &mut found);
     bumper_leaves_the_bars_clear(settings, &mut found);
@@ -167,6 +170,98 @@ fn hinge_stiffness_has_its_law(settings: &Settings, found: &mut Vec<Inconsistenc
                 ),
             });
         }
+    }
+}
+
+/// What the mechanics rejects of a column with a free top, by the names of the parameters.
+fn free_top_carries_nothing(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let (support, top, hinge) = (&settings.support, &settings.top, &settings.hinge);
+    if support.top != SupportKind::Free {
+        return;
+    }
+    for (name, value, why) in [
+        (
+            "top.load",
+            top.load,
+            "a load on it would sway with it, which the model does not follow",
+        ),
+        (
+            "top.spring_stiffness",
+            top.spring_stiffness,
+            "there is nothing above it to which the spring could be fixed",
+        ),
+        (
+            "hinge.stiffness_1b",
+            hinge.stiffness_1b,
+            "hinge 1b bears no moment",
+        ),
+    ] {
+        if value > 0.0 {
+            found.push(Inconsistency {
+                names: vec![name, "support.top"],
+                message: format!(
+                    "is {}, but support.top is free: {why}; give 0, or hold the top",
+                    readable(value)
+                ),
+            });
+        }
+    }
+    if support.base == SupportKind::Pinned {
+        found.push(Inconsistency {
+            names: vec!["support.base", "support.top"],
+            message: "is pinned, but support.top is free, so that nothing holds the column; write support.base: built_in or \
+                      semi_rigid, or hold the top"
+                .to_owned(),
+        });
+    }
+}
+
+/// The estimation of impacts knows neither a free top nor a force on the vehicle.
+fn estimates_know_the_column(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    if settings.sensors.names.is_empty() {
+        return;
+    }
+    for (name, is_unknown, what) in [
+        (
+            "support.top",
+            settings.support.top == SupportKind::Free,
+            "is free",
+        ),
+        (
+            "impact.transverse_force",
+            settings.impact.transverse_force > 0.0,
+            "is given",
+        ),
+    ] {
+        if is_unknown {
+            found.push(Inconsistency {
+                names: vec![name, "sensors.names"],
+                message: format!(
+                    "{what}, which the estimation of impacts from sensors does not know; give no sensors.names, or change it"
+                ),
+            });
+        }
+    }
+}
+
+fn force_suits_the_mass(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let (force, mut mass) = (settings.impact.transverse_force, settings.impact.mass);
+    if mass == 0.0
+        && let Ok(Some(vehicle)) = settings.vehicle.vehicle()
+    {
+        mass = vehicle.total_mass();
+    }
+    let largest = MAX_TRANSVERSE_ACCELERATION * mass;
+    // A mass that is missing is a fault of its own.
+    if mass > 0.0 && force > largest {
+        found.push(Inconsistency {
+            names: vec!["impact.transverse_force", "impact.mass", "vehicle.name"],
+            message: format!(
+                "is {} N, which is more than 100 m/s^2 times the mass of the vehicle; give at most {} N",
+                readable(force),
+                readable(largest)
+            ),
+        });
     }
 }
 
@@ -622,6 +717,48 @@ mod tests {
                 .map(|fault| fault.name.clone().unwrap_or_default())
                 .collect(),
         }
+    }
+
+    #[test]
+    fn a_free_top_carries_nothing_and_needs_a_base() {
+        let bollard = [
+            ("support.top", "free".into()),
+            ("top.load", 0.0.into()),
+            ("top.spring_stiffness", 0.0.into()),
+        ];
+        assert!(faults(&bollard).is_empty());
+        let [free, load, spring] = bollard;
+        // The defaults hold the top and load it.
+        assert_eq!(
+            faults(std::slice::from_ref(&free)),
+            ["top.load", "top.spring_stiffness"]
+        );
+        assert_eq!(
+            faults(&[free.clone(), load.clone()]),
+            ["top.spring_stiffness"]
+        );
+        assert_eq!(
+            faults(&[free, load, spring, ("support.base", "pinned".into())]),
+            ["support.base"]
+        );
+        assert_eq!(faults(&[("support.base", "free".into())]), ["support.base"]);
+    }
+
+    #[test]
+    fn a_transverse_force_suits_the_mass() {
+        let force = |newton: f64| ("impact.transverse_force", newton.into());
+        assert!(faults(&[force(1500.0 * 9.81)]).is_empty());
+        assert_eq!(faults(&[force(151e3)]), ["impact.transverse_force"]);
+        let own_mass = [
+            ("impact.mass", 0.0.into()),
+            ("vehicle.name", "mid_car".into()),
+        ];
+        let [mass, vehicle] = own_mass;
+        assert!(faults(&[force(150e3), mass.clone(), vehicle.clone()]).is_empty());
+        assert_eq!(
+            faults(&[force(200e3), mass, vehicle]),
+            ["impact.transverse_force"]
+        );
     }
 
     #[test]

@@ -654,8 +654,11 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
         height: None,
     };
     let vehicle = settings.vehicle.vehicle()?;
-    let rigid = Impact::rigid(given.mass, given.velocity);
-    Ok(specification.complete(&rigid, vehicle, settings.vehicle.bumper_height)?)
+    let defaults = Impact {
+        transverse_force: given.transverse_force,
+        ..Impact::rigid(given.mass, given.velocity)
+    };
+    Ok(specification.complete(&defaults, vehicle, settings.vehicle.bumper_height)?)
 }
 
 /// The section as given, with the properties that its name gives.
@@ -694,6 +697,7 @@ fn support_of(kind: SupportKind, stiffness: f64) -> Support {
     match kind {
         SupportKind::BuiltIn => Support::BuiltIn,
         SupportKind::Pinned => Support::Pinned,
+        SupportKind::Free => Support::Free,
         SupportKind::SemiRigid => Support::SemiRigid { stiffness },
     }
 }

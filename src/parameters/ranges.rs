@@ -22,6 +22,8 @@ pub(super) const EXPONENT: Admissible = Admissible::Real {
 pub(super) const FROM_SECTION: &str = "from `section.name`";
 const FROM_SUPPORTS: &str = "from the supports";
 pub(super) const SUPPORT: Admissible = Admissible::Choice(&["built_in", "pinned", "semi_rigid"]);
+pub(super) const TOP_SUPPORT: Admissible =
+    Admissible::Choice(&["built_in", "pinned", "semi_rigid", "free"]);
 pub(super) const SUPPORT_STIFFNESS: Admissible = Admissible::RealOrZero {
     min: 1.0,
     max: 1e13,

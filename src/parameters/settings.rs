@@ -123,7 +123,15 @@ groups! {
     /// The structure above the column.
     TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
     /// The default impact.
-    ImpactSettings { mass: f64, velocity: f64, gap: f64, restitution: f64 }
+    ImpactSettings {
+        mass: f64,
+        velocity: f64,
+        gap: f64,
+        restitution: f64,
+        // Absent in recordings and states of programs that know no such force.
+        #[serde(default)]
+        transverse_force: f64,
+    }
     /// The vehicle as given: a name, or numbers alone.
     VehicleSettings {
         name: String,
@@ -249,6 +257,8 @@ words! {
         Pinned,
         /// A spring.
         SemiRigid,
+        /// Of the top only: nothing.
+        Free,
     }
     /// Whether the web of the column yields in shear.
     ShearModel {

@@ -6,7 +6,7 @@ use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::ranges::{
     CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION, HINGE_STIFFNESS, IDENTIFIER,
     LENGTH, OPTIONAL_PATH, SELECTED_COLUMNS, SENSOR_NAMES, SITE, SUPPORT, SUPPORT_STIFFNESS,
-    UNLOADING_STIFFNESS,
+    TOP_SUPPORT, UNLOADING_STIFFNESS,
 };
 use crate::column::MAX_MASSES;
 
@@ -343,9 +343,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "support.top",
         unit: "",
         default: DefaultValue::Text("built_in"),
-        admissible: SUPPORT,
+        admissible: TOP_SUPPORT,
         applies: Applies::AfterResponse,
-        meaning: "rotational support of the top",
+        meaning: "support of the top: rotational, or free for a cantilever such as a bollard, which then needs `top.load: 0` and \
+                  `top.spring_stiffness: 0`",
     },
     Parameter {
         name: "support.top_stiffness",
@@ -524,6 +525,16 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: Admissible::Real { min: 0.0, max: 1.0 },
         applies: Applies::AtOnce,
         meaning: "epsilon: coefficient of restitution of Newton's impact law; 0 is perfectly inelastic, 1 perfectly elastic",
+    },
+    Parameter {
+        name: "impact.transverse_force",
+        unit: "N",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::Real { min: 0.0, max: 1e7 },
+        applies: Applies::AtOnce,
+        meaning: "F: constant force on every vehicle in its direction of travel, before, during and after contact, shared by its \
+                  masses in proportion; at most 100 m/s^2 times its mass. The weight m g of a mass that falls on a horizontal \
+                  member",
     },
     Parameter {
         name: "vehicle.name",

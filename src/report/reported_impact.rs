@@ -120,10 +120,7 @@ impl ReportedImpact {
             yield_surface: properties.yield_surface,
             resistance_moment: properties.resistance_moment,
             resistance_axial: properties.resistance_axial,
-            lengths: Lengths {
-                below: properties.length_below,
-                above: properties.length_above,
-            },
+            lengths: Lengths::from(properties),
             vehicle: self.impact.vehicle,
         }
     }

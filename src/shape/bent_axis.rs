@@ -196,6 +196,7 @@ mod tests {
         let lengths = Lengths {
             below: 1.0,
             above: 3.0,
+            top_is_free: false,
         };
         let sample = Sample {
             v1: 0.1,
@@ -288,12 +289,38 @@ mod tests {
         assert!(close(axis.stations()[3 * BEND_PIECES + 1].section, up));
     }
 
+    /// The bar above the impact point of a cantilever goes on straight, as the column leans there.
+    #[test]
+    fn the_bar_below_a_free_top_goes_on_straight() {
+        let lengths = Lengths {
+            below: 1.0,
+            above: 3.0,
+            top_is_free: true,
+        };
+        let sample = Sample {
+            v1: 0.1,
+            u1: 0.005,
+            beta1: 0.15,
+            ..Sample::default()
+        };
+        let joints = Joints::new(lengths, &sample, 1.0);
+        let axis = BentAxis::new(&joints, sample.beta1, [0.0; WEBS], true, false);
+        let lean = PlanePoint::new(0.15_f64.sin(), 0.15_f64.cos());
+        let stations = axis.stations();
+        for station in &stations[2 * BEND_PIECES + 1..] {
+            assert!(close(station.direction, lean), "{station:?}");
+        }
+        assert!(close(stations[BentAxis::STATIONS - 1].place, joints.top));
+        assert!((joints.top.plus(-1.0, joints.impact).norm() - 3.0).abs() < 1e-12);
+    }
+
     /// Nothing folds or becomes NaN if the numbers of the model do, or if the magnification is absurd.
     #[test]
     fn absurd_columns_can_be_drawn() {
         let lengths = Lengths {
             below: 0.1,
             above: 3.0,
+            top_is_free: false,
         };
         for v1 in [0.0, 1e-300, 5.0, -5.0] {
             for rotation in [0.0, 30.0, f64::NAN, f64::INFINITY] {

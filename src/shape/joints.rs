@@ -1,7 +1,9 @@
 //! The ends of the two bars.
 
-use crate::column::{HINGES, Sample, WEBS};
-use crate::parameters::Parameters;
+use std::f64::consts::FRAC_PI_2;
+
+use crate::column::{ColumnProperties, HINGES, Sample, Support, WEBS};
+use crate::parameters::{Parameters, SupportKind};
 use crate::twin::Lengths;
 
 /// Where each hinge is, in the order of [`HINGE_NAMES`](crate::column::HINGE_NAMES).
@@ -61,10 +63,21 @@ impl Lengths {
 
 impl From<&Parameters> for Lengths {
     fn from(parameters: &Parameters) -> Self {
-        let geometry = &parameters.settings().geometry;
+        let settings = parameters.settings();
         Self {
-            below: geometry.length_below,
-            above: geometry.length_above,
+            below: settings.geometry.length_below,
+            above: settings.geometry.length_above,
+            top_is_free: settings.support.top == SupportKind::Free,
+        }
+    }
+}
+
+impl From<&ColumnProperties> for Lengths {
+    fn from(properties: &ColumnProperties) -> Self {
+        Self {
+            below: properties.length_below,
+            above: properties.length_above,
+            top_is_free: properties.top == Support::Free,
         }
     }
 }
@@ -76,7 +89,7 @@ pub struct Joints {
     pub base: PlanePoint,
     /// The impact point: hinges 1a and 1b.
     pub impact: PlanePoint,
-    /// The top, which moves only along the column: hinge 2.
+    /// The top, which moves only along the column unless it is free: hinge 2.
     pub top: PlanePoint,
 }
 
@@ -85,10 +98,21 @@ impl Joints {
     #[must_use]
     pub fn new(lengths: Lengths, sample: &Sample, magnification: f64) -> Self {
         let drawn = |displacement: f64| magnification * displacement;
+        let impact = PlanePoint::new(drawn(sample.v1), lengths.below - drawn(sample.u1));
+        let top = if lengths.top_is_free {
+            // The bar above bears nothing and goes on as the column leans at the impact point.
+            let lean = match drawn(sample.beta1) {
+                lean if lean.is_nan() => 0.0,
+                lean => lean.clamp(-FRAC_PI_2, FRAC_PI_2),
+            };
+            impact.plus(lengths.above, PlanePoint::new(lean.sin(), lean.cos()))
+        } else {
+            PlanePoint::new(0.0, lengths.total() - drawn(sample.u2))
+        };
         Self {
             base: PlanePoint::default(),
-            impact: PlanePoint::new(drawn(sample.v1), lengths.below - drawn(sample.u1)),
-            top: PlanePoint::new(0.0, lengths.total() - drawn(sample.u2)),
+            impact,
+            top,
         }
     }
 
@@ -120,6 +144,7 @@ mod tests {
     const LENGTHS: Lengths = Lengths {
         below: 1.0,
         above: 3.0,
+        top_is_free: false,
     };
 
     fn bent() -> Sample {

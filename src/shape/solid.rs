@@ -143,6 +143,7 @@ mod tests {
         let lengths = Lengths {
             below: 1.0,
             above: 3.0,
+            top_is_free: false,
         };
         let joints = Joints::new(lengths, sample, 1.0);
         let outline = Outline::new(&heb220());

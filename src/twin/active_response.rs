@@ -102,10 +102,7 @@ impl ActiveResponse {
     pub fn put_state(&mut self, phase: Option<TwinPhase>, out: &mut impl Outputs) {
         let sample = self.timeline.take_sample();
         let properties = &self.timeline.plant().model.properties;
-        let lengths = Lengths {
-            below: properties.length_below,
-            above: properties.length_above,
-        };
+        let lengths = Lengths::from(properties);
         let BegunImpact {
             event_id, striking, ..
         } = &self.impact;

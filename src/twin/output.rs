@@ -78,13 +78,15 @@ pub struct StrikingVehicle {
     pub mass: f64,
 }
 
-/// Undeformed lengths of the two bars \[m\].
+/// Undeformed lengths of the two bars \[m\], and what holds the upper one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lengths {
     /// Of the lower one: the height of hinges 1a and 1b above the base.
     pub below: f64,
     /// Of the upper one.
     pub above: f64,
+    /// Whether nothing holds the top, so that the upper bar goes on straight.
+    pub top_is_free: bool,
 }
 
 /// A forecast or a result.

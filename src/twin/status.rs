@@ -184,10 +184,7 @@ impl Status {
             error_estimate: last.and_then(|it| it.error_estimate),
             at_rest: struck.is_none().then(|| RestingColumn {
                 sample: sample_at_rest,
-                lengths: Lengths {
-                    below: at_rest.model.properties.length_below,
-                    above: at_rest.model.properties.length_above,
-                },
+                lengths: Lengths::from(&at_rest.model.properties),
                 is_unseen: responses == 0 || life.last_event_id.is_empty(),
             }),
         }

@@ -75,10 +75,11 @@ pub fn from_messages(
                     items.extend(forecast.map(|it| ViewerItem::Forecast(announcement(*it))));
                     let height = heights.get(&state.event_id).filter(|it| it.is_finite());
                     lengths = height.map(|below| {
-                        let total = Lengths::from(&*parameters).total();
+                        let whole = Lengths::from(&*parameters);
                         Lengths {
                             below: *below,
-                            above: total - below,
+                            above: whole.total() - below,
+                            ..whole
                         }
                     });
                 }

@@ -279,7 +279,7 @@ impl Drawing {
     #[must_use]
     pub fn axis(&self, sample: &Sample) -> (Joints, BentAxis) {
         let joints = Joints::new(self.lengths, sample, self.magnification);
-        let fixed = |support| support != SupportKind::Pinned;
+        let fixed = |support| !matches!(support, SupportKind::Pinned | SupportKind::Free);
         let rotation = self.magnification * sample.beta1;
         let shear = sample
             .webs

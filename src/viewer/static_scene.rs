@@ -163,8 +163,11 @@ fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point3> {
         .collect()
 }
 
-/// Draws the plate that slides along two guides, the support of the spring, and the load.
+/// Draws the plate that slides along two guides, the support of the spring, and the load; nothing at a free top.
 fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
+    if drawing.top == SupportKind::Free {
+        return Ok(());
+    }
     let height = drawing.lengths.total();
     let plate = Boxes3D::from_centers_and_half_sizes(
         [[0.0, 0.0, 0.02]],
@@ -182,7 +185,7 @@ fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
             std::f64::consts::TAU,
         )),
         SupportKind::SemiRigid => moving.push(spiral(PlanePoint::default(), drawing.half_depth())),
-        SupportKind::BuiltIn => {}
+        SupportKind::BuiltIn | SupportKind::Free => {}
     }
     lines(stream, "top/support", moving, colour::SUPPORT, 0.008)?;
     let mut fixed = Vec::new();

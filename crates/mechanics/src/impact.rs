@@ -107,7 +107,7 @@ const MASS_TOLERANCE: f64 = 1e-12;
 
 /// Largest acceleration by the transverse force \[m/s²\], ten times that of free fall, with which no brake, motor or weight
 /// pushes a vehicle. A much larger one would move it by more than its contact resolves within a step.
-const MAX_ACCELERATION: f64 = 100.0;
+pub const MAX_TRANSVERSE_ACCELERATION: f64 = 100.0;
 
 /// Why an impact is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -189,7 +189,7 @@ impl Impact {
             (
                 "transverse force [N]",
                 self.transverse_force,
-                (0.0..=MAX_ACCELERATION * self.mass).contains(&self.transverse_force),
+                (0.0..=MAX_TRANSVERSE_ACCELERATION * self.mass).contains(&self.transverse_force),
                 "a number from 0 to 100 m/s^2 times the mass: in the direction of travel",
             ),
         ];

@@ -88,7 +88,7 @@ pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION
 pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;
-pub use impact::{Impact, ImpactError, ImpactSpecification};
+pub use impact::{Impact, ImpactError, ImpactSpecification, MAX_TRANSVERSE_ACCELERATION};
 pub use ledger::{Energies, Ledger};
 pub use model::{MAX_BUMPER_SHARE, Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};

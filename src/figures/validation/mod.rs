@@ -2,6 +2,7 @@
 //! `UPDATE_DOCS=1 cargo test --release --lib validation` regenerates the page; otherwise the test checks it.
 
 mod analytic;
+mod experiments;
 mod fibre;
 
 use std::fmt::Write as _;
@@ -308,6 +309,7 @@ fn validation() -> Validation {
     figures.push(("validation_energy", ledger(&runs).unwrap()));
     page += &analytic::chapter();
     page += &fibre::chapter();
+    page += &experiments::chapters();
     Validation { page, figures }
 }
 
@@ -316,7 +318,8 @@ const PREFACE: &str = "\
 
 The tests write this page (`UPDATE_DOCS=1 cargo test --release --lib validation`) and fail if it differs from what they compute.
 The reference responses (`tests/data/`) were computed independently with steps of 0.5 µs.
-The first chapters validate the solution of the model's equations; the last ones compare the model itself with a crash test and with a finer model.
+The first chapters validate the solution of the model's equations; the others compare the model itself with a crash test, a finer model and impact tests.
+[The evidence in one table](#the-evidence-in-one-table) says how far each of them carries, and [data wanted](#data-wanted) what nobody has measured yet.
 Terms are explained in the [glossary](../README.md#glossary).
 
 ## Comparison with the reference
