@@ -49,6 +49,7 @@ mod response;
 mod return_search;
 mod sample;
 mod section;
+mod section_backbone;
 mod shear;
 mod sheared_moments;
 mod state;
@@ -96,6 +97,7 @@ pub use sample::{
     WebSample,
 };
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
+pub use section_backbone::SectionBackbone;
 pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD};
