@@ -32,7 +32,8 @@ use serde::{Deserialize, Serialize};
 
 use criteria::{DEFINITIONS, Definition, Relation};
 pub use evaluation::{
-    HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
+    HARDENING_BAND, HardeningBand, ImpactEvaluation, band_properties, observe_and_rest,
+    respond_and_rest,
 };
 pub use input::{AssessedImpact, AssessmentInput};
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use super::consistency::{Inconsistency, SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
+use super::hinge_rows::{HARDENING_OF_NAMED, HARDENING_WITH_RATE};
 use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;
 use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_required, with_sensor};
-use super::settings::{SensorSettings, Settings};
+use super::settings::{RateLawKind, SensorSettings, Settings};
 use super::spelling::nearest_word;
 use super::table::PARAMETERS;
 use super::value::Value;
@@ -21,6 +22,19 @@ const MAX_COMPARED: usize = 16;
 
 /// Number of unknown names in sections for any node of which each has its own warning.
 const MAX_FOREIGN: usize = 16;
+
+/// What a section has unless it is given: real columns harden and soften, the numbers of a section say nothing of it.
+fn section_defaults(name: &str, with_rate: bool) -> [(&'static str, Value); 2] {
+    let (ratio, model) = match (name.is_empty(), with_rate) {
+        (true, _) => (0.0, "none"),
+        (false, true) => (HARDENING_WITH_RATE, "backbone"),
+        (false, false) => (HARDENING_OF_NAMED, "backbone"),
+    };
+    [
+        ("hardening.ratio", ratio.into()),
+        ("softening.model", model.into()),
+    ]
+}
 
 /// Values with their origin, and the faults so far.
 pub(super) struct Draft {
@@ -107,6 +121,17 @@ impl Draft {
             && let Some(index) = Parameter::index_of("vehicle.narrow_object")
         {
             draft.slots[index].place = None;
+        }
+        // So does what follows from the section.
+        for (name, value) in section_defaults(
+            &settings.section.name,
+            settings.rate.law != RateLawKind::None,
+        ) {
+            if let Some(index) = Parameter::index_of(name)
+                && draft.slots[index].value == value
+            {
+                draft.slots[index].place = None;
+            }
         }
         draft
     }
@@ -250,6 +275,7 @@ impl Draft {
             &[&["vehicle.masses", "vehicle.slack"], SPRINGS.as_flattened()].concat(),
         );
         self.follow_vehicle();
+        self.follow_section();
         self.report_repeated_sensors();
         self.report_undeclared_sensors();
         self.report_missing_of_sensors();
@@ -417,6 +443,23 @@ impl Draft {
                 };
                 let fault = self.fault_of(sensor, inconsistency);
                 self.faults.extend(fault);
+            }
+        }
+    }
+
+    /// What depends on the section and on the rate law and is not given: hardening and softening.
+    fn follow_section(&mut self) {
+        let word = |name: &str| {
+            self.slot(name)
+                .map(|it| it.value.plain())
+                .unwrap_or_default()
+        };
+        let (section, rate) = (word("section.name"), word("rate.law"));
+        for (name, value) in section_defaults(&section, rate != "none") {
+            if let Some(index) = Parameter::index_of(name)
+                && self.slots[index].place.is_none()
+            {
+                self.slots[index].value = value;
             }
         }
     }

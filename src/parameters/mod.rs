@@ -31,6 +31,7 @@ mod file;
 mod fleet;
 mod fleet_selection;
 mod given;
+mod hinge_rows;
 mod lookup;
 mod node_name;
 mod overrides;
@@ -76,9 +77,9 @@ pub use settings::{
     EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
     RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
     ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
-    SensorsSettings, Settings, SiteSettings, SolverSettings, SpringSettings, StateSettings,
-    SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode,
-    ViewerSettings, YieldSurfaceSettings,
+    SensorsSettings, Settings, SiteSettings, SofteningModel, SofteningSettings, SolverSettings,
+    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
+    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -91,7 +92,7 @@ pub use vehicles::{
 
 use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
-    RateProperties, Support, Vehicle, YieldExponents,
+    RateProperties, SectionBackbone, SofteningProperties, Support, Vehicle, YieldExponents,
 };
 use crate::senses::Sensor;
 use draft::Draft;
@@ -415,6 +416,37 @@ impl Parameters {
         })
     }
 
+    /// How the hinges soften, with what is open from the section; `None` without. A column without a limit of its rotations has no
+    /// limit of its strength either.
+    fn softening(&self) -> Option<SofteningProperties> {
+        let given = &self.settings.softening;
+        let lifted = self.settings.assessment.ultimate_rotation == 0.0;
+        if given.model == SofteningModel::None || lifted {
+            return None;
+        }
+        let of_section = CatalogueSection::named(&self.settings.section.name).map(|section| {
+            let geometry = &self.settings.geometry;
+            let length = geometry.length_below + geometry.length_above;
+            let axial_ratio = self.settings.top.load / self.resistance_axial();
+            SectionBackbone::of(&section.dimensions, length, axial_ratio).softening()
+        });
+        let or_of_section = |given: f64, of_section: Option<f64>| match given {
+            0.0 => of_section.unwrap_or(0.0),
+            given => given,
+        };
+        Some(SofteningProperties {
+            capping_rotation: or_of_section(
+                given.capping_rotation,
+                of_section.map(|it| it.capping_rotation),
+            ),
+            post_capping_rotation: or_of_section(
+                given.post_capping_rotation,
+                of_section.map(|it| it.post_capping_rotation),
+            ),
+            residual: or_of_section(given.residual, of_section.map(|it| it.residual)),
+        })
+    }
+
     /// The column as the mechanics needs it; a step of 0 ns is still to be chosen, by [`Model::new`].
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
@@ -461,6 +493,7 @@ impl Parameters {
             damping_ratio: damping.ratio,
             rate: self.rate(),
             hardening_ratio: hardening.ratio,
+            softening: self.softening(),
             ultimate_rotation: assessment.ultimate_rotation,
             shear: None,
             scheme: solver.scheme,

@@ -1,6 +1,7 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
+use super::hinge_rows;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::ranges::{
     CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION, HINGE_STIFFNESS, IDENTIFIER,
@@ -721,15 +722,11 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AfterResponse,
         meaning: "length over which the rotation of a plastic hinge is spread, for its strain rate",
     },
-    Parameter {
-        name: "hardening.ratio",
-        unit: "",
-        default: DefaultValue::Double(0.0),
-        admissible: Admissible::Real { min: 0.0, max: 0.1 },
-        applies: Applies::AfterResponse,
-        meaning: "b: slope of the stress-strain curve after yield over Young's modulus; 0 is on the safe side for displacements and on the \
-                  unsafe side for forces; about 0.01 is realistic",
-    },
+    hinge_rows::HARDENING_RATIO,
+    hinge_rows::SOFTENING_MODEL,
+    hinge_rows::SOFTENING_CAPPING_ROTATION,
+    hinge_rows::SOFTENING_POST_CAPPING_ROTATION,
+    hinge_rows::SOFTENING_RESIDUAL,
     Parameter {
         name: "solver.scheme",
         unit: "",

@@ -337,6 +337,7 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         scheme: Scheme::ConservingMidpoint,
         step_nanos: 1,
         rate: None,
+        softening: None,
         ultimate_rotation: 0.0,
         ..*properties
     }
