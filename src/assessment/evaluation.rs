@@ -8,18 +8,41 @@ use crate::column::{
 };
 use crate::parameters::{NoShear, Parameters};
 
-/// The hardening ratios between which real steel lies, for the band that reports show.
-pub const HARDENING_BAND: [f64; 2] = [0.0, 0.01];
+/// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
+/// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
+pub const HARDENING_BAND: [f64; 2] = [0.003, 0.02];
 
-/// The response to one impact, without and with hardening: the band in which real steel lies.
+/// The response to one impact of the weakest and of the strongest real column with this yield strength: the band in which its
+/// result lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HardeningBand {
-    /// Outcome for each of [`HARDENING_BAND`].
+    /// Hardening ratio of each of [`band_properties`].
+    pub hardening: [f64; 2],
+    /// Outcome for each of [`band_properties`].
     pub outcome: [Outcome; 2],
-    /// Largest `v1` for each of [`HARDENING_BAND`] \[m\].
+    /// Largest `v1` for each of [`band_properties`] \[m\].
     pub max_v1: [f64; 2],
-    /// `v1` of the residual equilibrium for each of [`HARDENING_BAND`] \[m\]; `None` if there is none.
+    /// `v1` of the residual equilibrium for each of [`band_properties`] \[m\]; `None` if there is none.
     pub residual_v1: [Option<f64>; 2],
+    /// Whether the weakest column softens.
+    pub softens: bool,
+}
+
+/// The weakest column of the band, with the least hardening and the softening of the column, and the strongest one, with the
+/// most hardening and no softening. The hardening of the column itself lies within the band.
+#[must_use]
+pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
+    let [least, most] = HARDENING_BAND;
+    let own = properties.hardening_ratio;
+    [
+        (least.min(own), properties.softening),
+        (most.max(own), None),
+    ]
+    .map(|(hardening_ratio, softening)| ColumnProperties {
+        hardening_ratio,
+        softening,
+        ..*properties
+    })
 }
 
 /// What an impact on the virgin column leads to.
@@ -37,7 +60,7 @@ pub struct ImpactEvaluation {
     pub step: f64,
     /// Estimated relative error of the largest `v1`, from a run with half the step; `None` if that run failed.
     pub error_estimate: Option<f64>,
-    /// The band between no hardening and one per cent; `None` if one of its runs failed.
+    /// The band of hardening and softening; `None` if one of its runs failed.
     pub band: Option<HardeningBand>,
     /// `F0`: plastic plateau of the virgin column under the load that it carries \[N\].
     pub plateau: f64,
@@ -153,22 +176,21 @@ fn band(
     duration: f64,
     report: &Report,
 ) -> Option<HardeningBand> {
-    let run = |hardening_ratio: f64| {
-        // Without yielding, hardening changes nothing.
-        if hardening_ratio == properties.hardening_ratio || report.outcome == Outcome::Elastic {
+    let run = |changed: ColumnProperties| {
+        // Without yielding, neither hardening nor softening changes anything.
+        if changed == *properties || report.outcome == Outcome::Elastic {
             return Some(*report);
         }
-        let properties = ColumnProperties {
-            hardening_ratio,
-            ..*properties
-        };
-        respond(&properties, impact, duration).ok()
+        respond(&changed, impact, duration).ok()
     };
-    let [without, with] = HARDENING_BAND.map(run);
-    let (without, with) = (without?, with?);
+    let ends = band_properties(properties);
+    let [weakest, strongest] = ends.map(run);
+    let (weakest, strongest) = (weakest?, strongest?);
     Some(HardeningBand {
-        outcome: [without.outcome, with.outcome],
-        max_v1: [without.max_v1, with.max_v1],
-        residual_v1: [without.residual_v1, with.residual_v1],
+        hardening: ends.map(|end| end.hardening_ratio),
+        outcome: [weakest.outcome, strongest.outcome],
+        max_v1: [weakest.max_v1, strongest.max_v1],
+        residual_v1: [weakest.residual_v1, strongest.residual_v1],
+        softens: properties.softening.is_some(),
     })
 }

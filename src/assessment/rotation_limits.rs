@@ -1,7 +1,7 @@
 //! Limits of the plastic rotation of a hinge in an I or H section.
 
 use super::section_class::{SectionClass, section_class};
-use crate::column::RolledSection;
+use crate::column::{RolledSection, SectionBackbone};
 
 /// `theta_u`: plastic rotation at which a section tears \[rad\] (Lignos et al. 2019).
 pub const ULTIMATE_ROTATION: f64 = 0.15;
@@ -48,6 +48,16 @@ impl HingeSlenderness {
         }
     }
 
+    /// The monotonic backbone of Lignos et al. (2019), of which [`capping_rotation`](Self::capping_rotation) is a part.
+    #[must_use]
+    pub fn backbone(&self) -> SectionBackbone {
+        SectionBackbone {
+            axial_ratio: self.axial_ratio,
+            member: self.member,
+            web: self.web,
+        }
+    }
+
     fn rest(&self) -> f64 {
         1.0 - self.axial_ratio
     }
@@ -78,11 +88,7 @@ impl HingeSlenderness {
     /// begins to lower the moment.
     #[must_use]
     pub fn capping_rotation(&self) -> f64 {
-        (294.0
-            * libm::pow(self.web, -1.7)
-            * libm::pow(self.member, -0.7)
-            * libm::pow(self.rest(), 1.6))
-        .min(0.20)
+        self.backbone().capping_rotation()
     }
 }
 

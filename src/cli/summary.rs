@@ -3,12 +3,12 @@
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
 
-use column_twin::assessment::{HARDENING_BAND, ImpactEvaluation};
+use column_twin::assessment::ImpactEvaluation;
 use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };
 use column_twin::figures::units::{Unit, significant};
-use column_twin::parameters::NoShear;
+use column_twin::parameters::{NoShear, readable};
 use column_twin::report::{EnergyBalance, base_rows, end_in_words, in_kilo, outcome_in_words};
 use column_twin::results::ImpactFields;
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
@@ -179,18 +179,34 @@ impl Summary<'_> {
         )?;
         if let Some(band) = &evaluation.band {
             let unit = Unit::length(self.report().max_v1);
-            let one = |index: usize| match band.outcome[index] {
+            let one = |index: usize, value: Option<f64>| match band.outcome[index] {
                 Outcome::Collapsed => "collapse".to_owned(),
                 Outcome::Severed => "a torn hinge or web".to_owned(),
-                Outcome::Elastic | Outcome::Plastic => unit.show(band.max_v1[index]),
+                Outcome::Elastic | Outcome::Plastic => {
+                    value.map_or("none".to_owned(), |value| unit.show(value))
+                }
             };
-            let [without, with] = HARDENING_BAND.map(|it| 100.0 * it);
-            let (from, to) = (one(0), one(1));
-            let name = format!("hardening of {without} to {with} %");
-            match from == to {
-                true => writeln!(f, "  {name:<32}{from} with both")?,
-                false => writeln!(f, "  {name:<32}{from} to {to}")?,
+            let [least, most] = band.hardening.map(|it| readable(100.0 * it));
+            for (name, values) in [
+                ("largest v1", band.max_v1.map(Some)),
+                ("residual v1", band.residual_v1),
+            ] {
+                let (from, to) = (one(0, values[0]), one(1, values[1]));
+                let name = format!("{name}, band of the steel");
+                match from == to {
+                    true => writeln!(f, "  {name:<32}{from} at both ends")?,
+                    false => writeln!(f, "  {name:<32}{from} to {to}")?,
+                }
             }
+            let softens = match band.softens {
+                true => "with local buckling",
+                false => "without local buckling",
+            };
+            writeln!(
+                f,
+                "  {:<32}hardening of {least} % {softens}, to {most} % without",
+                "band of the steel"
+            )?;
         }
         let factors = self.report().max_dynamic_factor;
         let largest = factors.into_iter().fold(1.0, f64::max);

@@ -6,7 +6,7 @@ use super::base::given_plate;
 use super::catalogue::CatalogueSection;
 use super::dimensions_of;
 use super::settings::{
-    BaseConnection, RateLawKind, Settings, ShearModel, SpringSettings, SupportKind,
+    BaseConnection, RateLawKind, Settings, ShearModel, SofteningModel, SpringSettings, SupportKind,
 };
 use super::value::readable;
 use super::vehicles::VehicleFault;
@@ -40,6 +40,7 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     bumper_leaves_the_bars_clear(settings, &mut found);
     section_is_a_profile(settings, &mut found);
     base_is_complete(settings, &mut found);
+    softening_has_its_rotations(settings, &mut found);
     found
 }
 
@@ -587,6 +588,29 @@ fn mass_suits_the_vehicle(settings: &Settings, found: &mut Vec<Inconsistency>) {
     }
 }
 
+fn softening_has_its_rotations(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let softening = &settings.softening;
+    if softening.model == SofteningModel::None || !settings.section.name.is_empty() {
+        return;
+    }
+    for (name, rotation) in [
+        ("softening.capping_rotation", softening.capping_rotation),
+        (
+            "softening.post_capping_rotation",
+            softening.post_capping_rotation,
+        ),
+    ] {
+        if rotation == 0.0 {
+            found.push(Inconsistency {
+                names: vec![name, "softening.model", "section.name"],
+                message: "is required for the softening of a section given by numbers; give it in rad, name the section, or write \
+                          softening.model: none"
+                    .to_owned(),
+            });
+        }
+    }
+}
+
 fn strain_rate_has_a_height(settings: &Settings, found: &mut Vec<Inconsistency>) {
     let section = &settings.section;
     if settings.rate.law != RateLawKind::None && section.name.is_empty() && section.height == 0.0 {
@@ -1086,6 +1110,90 @@ mod tests {
         assert_eq!(faults(&by_numbers), ["section.height"]);
         let height = ("section.height", Value::from(0.22));
         assert!(faults(&[by_numbers.as_slice(), &[height]].concat()).is_empty());
+    }
+
+    #[test]
+    fn hardening_and_softening_follow_the_section() {
+        let properties = |changes: &[(&str, Value)]| {
+            let parameters = Parameters::from_values(changes.iter().cloned()).expect("right");
+            parameters.column_properties()
+        };
+        let by_numbers = [
+            ("section.area", Value::from(0.01)),
+            ("section.second_moment", 1e-4.into()),
+            ("section.mass_per_length", 78.5.into()),
+            ("resistance.moment", 3e5.into()),
+        ];
+        let named = properties(&[]);
+        assert_eq!(named.hardening_ratio, 0.01);
+        let with_rate = properties(&[("rate.law", "logarithmic".into())]);
+        assert_eq!(with_rate.hardening_ratio, 0.005);
+        let softening = named.softening.expect("softening");
+        assert!((softening.capping_rotation - 0.101).abs() < 5e-4);
+        let numbers = properties(&by_numbers);
+        assert_eq!((numbers.hardening_ratio, numbers.softening), (0.0, None));
+        // What is given stays, a zero too.
+        let given = properties(&[
+            ("hardening.ratio", 0.0.into()),
+            ("softening.model", "none".into()),
+        ]);
+        assert_eq!((given.hardening_ratio, given.softening), (0.0, None));
+        let given = [
+            ("hardening.ratio", Value::from(0.02)),
+            ("softening.model", "backbone".into()),
+            ("softening.capping_rotation", 0.03.into()),
+            ("softening.post_capping_rotation", 0.2.into()),
+        ];
+        let given = properties(&[by_numbers.as_slice(), &given].concat());
+        let softening = given.softening.expect("softening");
+        assert_eq!(
+            (
+                given.hardening_ratio,
+                softening.capping_rotation,
+                softening.residual
+            ),
+            (0.02, 0.03, 0.0)
+        );
+        // A change of the section changes what follows from it, and nothing else.
+        let named = Parameters::default();
+        let changes = by_numbers
+            .iter()
+            .cloned()
+            .chain([("section.name", Value::from(""))]);
+        let numbers = named
+            .with_changes(changes)
+            .expect("right")
+            .column_properties();
+        assert_eq!((numbers.hardening_ratio, numbers.softening), (0.0, None));
+        // Without a limit of deformation there is no softening either.
+        let lifted = properties(&[("assessment.ultimate_rotation", 0.0.into())]);
+        assert_eq!((lifted.ultimate_rotation, lifted.softening), (0.0, None));
+    }
+
+    #[test]
+    fn softening_of_a_section_by_numbers_needs_its_rotations() {
+        let mut changes = vec![
+            ("section.area", Value::from(0.01)),
+            ("section.second_moment", 1e-4.into()),
+            ("section.mass_per_length", 78.5.into()),
+            ("resistance.moment", 3e5.into()),
+            ("softening.model", "backbone".into()),
+        ];
+        assert_eq!(
+            faults(&changes),
+            [
+                "softening.capping_rotation",
+                "softening.post_capping_rotation"
+            ]
+        );
+        changes.push(("softening.capping_rotation", 0.03.into()));
+        assert_eq!(faults(&changes), ["softening.post_capping_rotation"]);
+        changes.push(("softening.post_capping_rotation", 0.0.into()));
+        let text = text(&changes);
+        assert!(
+            text.contains("softening.post_capping_rotation is required"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use super::consistency::{Inconsistency, SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
+use super::hinge_rows::{HARDENING_OF_NAMED, HARDENING_WITH_RATE};
 use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;
 use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_required, with_sensor};
-use super::settings::{SensorSettings, Settings};
+use super::settings::{RateLawKind, SensorSettings, Settings};
 use super::spelling::nearest_word;
 use super::steel::strength_ratio;
 use super::table::PARAMETERS;
@@ -22,6 +23,31 @@ const MAX_COMPARED: usize = 16;
 
 /// Number of unknown names in sections for any node of which each has its own warning.
 const MAX_FOREIGN: usize = 16;
+
+/// What follows from other parameters unless it is given.
+fn derived_defaults(
+    vehicle: &str,
+    (grade, yield_strength): (&str, f64),
+    section: &str,
+    with_rate: bool,
+) -> [(&'static str, Value); 5] {
+    // Real columns harden and soften; the numbers of a section say nothing of it.
+    let (ratio, model) = match (section.is_empty(), with_rate) {
+        (true, _) => (0.0, "none"),
+        (false, true) => (HARDENING_WITH_RATE, "backbone"),
+        (false, false) => (HARDENING_OF_NAMED, "backbone"),
+    };
+    [
+        ("vehicle.narrow_object", narrow_by_default(vehicle).into()),
+        ("vehicle.bumper_height", bumper_by_default(vehicle).into()),
+        (
+            "shear.max_hardening",
+            strength_ratio(grade, yield_strength).into(),
+        ),
+        ("hardening.ratio", ratio.into()),
+        ("softening.model", model.into()),
+    ]
+}
 
 /// Values with their origin, and the faults so far.
 pub(super) struct Draft {
@@ -102,23 +128,17 @@ impl Draft {
                 draft.of_sensors.insert((sensor.clone(), row), slot);
             }
         }
-        // A value that its vehicle or its steel has by default follows a change of those.
+        // A value that follows from others by default follows a change of those.
         let (vehicle, steel) = (&settings.vehicle, &settings.steel);
-        for (parameter, is_default) in [
-            (
-                "vehicle.narrow_object",
-                vehicle.narrow_object == narrow_by_default(&vehicle.name),
-            ),
-            (
-                "vehicle.bumper_height",
-                vehicle.bumper_height == bumper_by_default(&vehicle.name),
-            ),
-            (
-                "shear.max_hardening",
-                settings.shear.max_hardening == strength_ratio(&steel.grade, steel.yield_strength),
-            ),
-        ] {
-            if is_default && let Some(index) = Parameter::index_of(parameter) {
+        for (name, value) in derived_defaults(
+            &vehicle.name,
+            (&steel.grade, steel.yield_strength),
+            &settings.section.name,
+            settings.rate.law != RateLawKind::None,
+        ) {
+            if let Some(index) = Parameter::index_of(name)
+                && draft.slots[index].value == value
+            {
                 draft.slots[index].place = None;
             }
         }
@@ -263,8 +283,7 @@ impl Draft {
             "vehicle.name",
             &[&["vehicle.masses", "vehicle.slack"], SPRINGS.as_flattened()].concat(),
         );
-        self.follow_vehicle();
-        self.follow_steel();
+        self.follow_others();
         self.report_repeated_sensors();
         self.report_undeclared_sensors();
         self.report_missing_of_sensors();
@@ -436,27 +455,26 @@ impl Draft {
         }
     }
 
-    /// What depends on the vehicle and is not given: whether a column is a narrow object for it, the height of its bumper, and
-    /// its mass, which is its own unless it is rigid.
-    fn follow_vehicle(&mut self) {
-        let vehicle = self.slot("vehicle.name").map(|it| it.value.plain());
-        let name = vehicle.unwrap_or_default();
-        self.set_default("vehicle.narrow_object", narrow_by_default(&name).into());
-        self.set_default("vehicle.bumper_height", bumper_by_default(&name).into());
-        if name != RIGID {
-            self.set_default("impact.mass", 0.0.into());
-        }
-    }
-
-    /// What depends on the steel and is not given: how far a web hardens.
-    fn follow_steel(&mut self) {
-        let grade = self.slot("steel.grade").map(|it| it.value.plain());
+    /// What follows from other parameters and is not given.
+    fn follow_others(&mut self) {
+        let word = |name: &str| {
+            let slot = self.slot(name);
+            slot.map(|it| it.value.plain()).unwrap_or_default()
+        };
+        let [vehicle, grade, section, rate] =
+            ["vehicle.name", "steel.grade", "section.name", "rate.law"].map(word);
         let yield_strength = match self.slot("steel.yield_strength").map(|it| &it.value) {
             Some(Value::Double(given)) => *given,
             _ => 0.0,
         };
-        let ratio = strength_ratio(&grade.unwrap_or_default(), yield_strength);
-        self.set_default("shear.max_hardening", ratio.into());
+        let steel = (grade.as_str(), yield_strength);
+        for (name, value) in derived_defaults(&vehicle, steel, &section, rate != "none") {
+            self.set_default(name, value);
+        }
+        // A compliant vehicle has a mass of its own.
+        if vehicle != RIGID {
+            self.set_default("impact.mass", 0.0.into());
+        }
     }
 
     /// Gives a parameter that is not given the value that follows from others.

@@ -32,6 +32,7 @@ mod file;
 mod fleet;
 mod fleet_selection;
 mod given;
+mod hinge_rows;
 mod lookup;
 mod node_name;
 mod overrides;
@@ -79,9 +80,9 @@ pub use settings::{
     HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
     RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, SendersSettings,
     SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings, ShearModel,
-    ShearSettings, SiteSettings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
-    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
-    YieldSurfaceSettings,
+    ShearSettings, SiteSettings, SofteningModel, SofteningSettings, SolverSettings, SpringSettings,
+    StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings,
+    ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -94,7 +95,8 @@ pub use vehicles::{
 
 use crate::column::{
     BasePlate, ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model,
-    RateLaw, RateProperties, RolledSection, ShearProperties, Support, Vehicle, YieldExponents,
+    RateLaw, RateProperties, RolledSection, SectionBackbone, ShearProperties, SofteningProperties,
+    Support, Vehicle, YieldExponents,
 };
 use crate::senses::Sensor;
 use draft::Draft;
@@ -459,6 +461,37 @@ impl Parameters {
         })
     }
 
+    /// How the hinges soften, with what is open from the section; `None` without. A column without a limit of its rotations has no
+    /// limit of its strength either.
+    fn softening(&self) -> Option<SofteningProperties> {
+        let given = &self.settings.softening;
+        let lifted = self.settings.assessment.ultimate_rotation == 0.0;
+        if given.model == SofteningModel::None || lifted {
+            return None;
+        }
+        let of_section = CatalogueSection::named(&self.settings.section.name).map(|section| {
+            let geometry = &self.settings.geometry;
+            let length = geometry.length_below + geometry.length_above;
+            let axial_ratio = self.settings.top.load / self.resistance_axial();
+            SectionBackbone::of(&section.dimensions, length, axial_ratio).softening()
+        });
+        let or_of_section = |given: f64, of_section: Option<f64>| match given {
+            0.0 => of_section.unwrap_or(0.0),
+            given => given,
+        };
+        Some(SofteningProperties {
+            capping_rotation: or_of_section(
+                given.capping_rotation,
+                of_section.map(|it| it.capping_rotation),
+            ),
+            post_capping_rotation: or_of_section(
+                given.post_capping_rotation,
+                of_section.map(|it| it.post_capping_rotation),
+            ),
+            residual: or_of_section(given.residual, of_section.map(|it| it.residual)),
+        })
+    }
+
     /// Dimensions of the web and the flanges for the shear of the column: those of a named section and the numbers that override
     /// them, or numbers alone; width and thickness of the flanges are 0 where they are not known. The root radius is that of a
     /// named section. `None` where the height of the section or the thickness of its web is not known.
@@ -570,7 +603,7 @@ impl Parameters {
             damping_ratio: damping.ratio,
             rate: self.rate(),
             hardening_ratio: hardening.ratio,
-            softening: None,
+            softening: self.softening(),
             ultimate_rotation: assessment.ultimate_rotation,
             shear: self.shear().ok(),
             scheme: solver.scheme,

@@ -43,6 +43,9 @@ pub struct Settings {
     pub rate: RateSettings,
     pub shear: ShearSettings,
     pub hardening: HardeningSettings,
+    // Absent in recordings and states of programs whose hinges do not soften.
+    #[serde(default)]
+    pub softening: SofteningSettings,
     pub solver: SolverSettings,
     pub damping: DampingSettings,
     pub response: ResponseSettings,
@@ -161,6 +164,14 @@ groups! {
     ShearSettings { model: ShearModel, max_hardening: f64 }
     /// Hardening of the steel.
     HardeningSettings { ratio: f64 }
+    /// Softening of the hinges as given; 0: from the section.
+    #[derive(Copy, Default)]
+    SofteningSettings {
+        model: SofteningModel,
+        capping_rotation: f64,
+        post_capping_rotation: f64,
+        residual: f64,
+    }
     /// Admissible stamps of impact events.
     EventSettings { max_age: f64, max_ahead: f64 }
     /// Who may send events, parameters and resets, and how often.
@@ -282,6 +293,15 @@ words! {
         CowperSymonds,
         /// Of the CEB.
         Logarithmic,
+    }
+    /// How hinges lose strength.
+    #[derive(Default)]
+    SofteningModel {
+        /// They do not.
+        #[default]
+        None,
+        /// After a capping rotation.
+        Backbone,
     }
     /// When an estimate becomes an impact.
     AcceptEstimates {

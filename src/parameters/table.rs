@@ -2,6 +2,7 @@
 
 use super::base::{CONCRETE_WORDS, FRICTION, GRADE_WORDS};
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
+use super::hinge_rows;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::ranges::{
     CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION, HINGE_STIFFNESS, IDENTIFIER,
@@ -915,15 +916,11 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AfterResponse,
         meaning: "largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for steel given by numbers",
     },
-    Parameter {
-        name: "hardening.ratio",
-        unit: "",
-        default: DefaultValue::Double(0.0),
-        admissible: Admissible::Real { min: 0.0, max: 0.1 },
-        applies: Applies::AfterResponse,
-        meaning: "b: slope of the stress-strain curve after yield over Young's modulus; 0 is on the safe side for displacements and on the \
-                  unsafe side for forces; about 0.01 is realistic",
-    },
+    hinge_rows::HARDENING_RATIO,
+    hinge_rows::SOFTENING_MODEL,
+    hinge_rows::SOFTENING_CAPPING_ROTATION,
+    hinge_rows::SOFTENING_POST_CAPPING_ROTATION,
+    hinge_rows::SOFTENING_RESIDUAL,
     Parameter {
         name: "solver.scheme",
         unit: "",

@@ -1,20 +1,22 @@
-//! How far the numbers of an impact may be off: the time step, and the band between no hardening and one per cent.
+//! How far the numbers of an impact may be off: the time step, and the band of hardening and softening.
 
 use maud::{Markup, html};
 
 use super::document::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};
-use crate::assessment::HARDENING_BAND;
+use crate::assessment::band_properties;
 use crate::column::{ColumnProperties, Report};
 use crate::figures::units::Unit;
 
-/// The same impact with and without hardening.
+/// The same impact on the columns of [`band_properties`].
 struct Band {
-    /// Without hardening.
-    ideal: Report,
-    /// With the largest hardening of [`HARDENING_BAND`].
-    hardening: Report,
+    weakest: Report,
+    strongest: Report,
+    /// Whether the weakest one softens.
+    softens: bool,
+    /// Their hardening.
+    hardening: [f64; 2],
 }
 
 /// Error of the step, band, and where the error of the model is described.
@@ -36,7 +38,7 @@ pub(super) fn markup(impact: &ReportedImpact) -> Markup {
         }
         @match band(impact) {
             Ok(band) => { (band_table(&band)) }
-            Err(reason) => { p.note { "The band between no hardening and one per cent was not computed: " (reason) "." } }
+            Err(reason) => { p.note { "The band of hardening and softening was not computed: " (reason) "." } }
         }
     }
 }
@@ -53,29 +55,40 @@ fn band(impact: &ReportedImpact) -> Result<Band, String> {
         );
     }
     let properties = impact.model.properties;
-    let with = |hardening_ratio: f64| {
-        if properties.hardening_ratio.to_bits() == hardening_ratio.to_bits() {
+    let with = |changed: ColumnProperties| {
+        if changed == properties {
             return Ok(impact.report);
         }
-        let changed = ColumnProperties {
-            hardening_ratio,
-            ..properties
-        };
         struck
             .with_properties(&changed)
             .ok_or("these parameters allow no hardening".to_owned())?
             .report()
             .map_err(|error| error.to_string())
     };
+    let [weakest, strongest] = band_properties(&properties);
     Ok(Band {
-        ideal: with(HARDENING_BAND[0])?,
-        hardening: with(HARDENING_BAND[1])?,
+        softens: weakest.softening.is_some(),
+        hardening: [weakest.hardening_ratio, strongest.hardening_ratio],
+        weakest: with(weakest)?,
+        strongest: with(strongest)?,
     })
 }
 
-fn band_table(Band { ideal, hardening }: &Band) -> Markup {
-    let length = Unit::length(ideal.max_v1.max(hardening.max_v1));
-    let force = Unit::force(ideal.peak_contact_force.max(hardening.peak_contact_force));
+fn band_table(
+    Band {
+        weakest,
+        strongest,
+        softens,
+        hardening: [least, most],
+    }: &Band,
+) -> Markup {
+    let length = Unit::length(weakest.max_v1.max(strongest.max_v1));
+    let force = Unit::force(weakest.peak_contact_force.max(strongest.peak_contact_force));
+    let buckling = if *softens {
+        "local buckling"
+    } else {
+        "no local buckling"
+    };
     let residual = |report: &Report| {
         report
             .residual_v1
@@ -90,26 +103,30 @@ fn band_table(Band { ideal, hardening }: &Band) -> Markup {
     };
     let row = |name: &str, of: &dyn Fn(&Report) -> String| {
         html! {
-            tr { th scope="row" { (name) } td.number { (of(ideal)) } td.number { (of(hardening)) } }
+            tr { th scope="row" { (name) } td.number { (of(weakest)) } td.number { (of(strongest)) } }
         }
     };
     html! {
         table.compact {
             caption {
-                "Band of hardening, the slope of the steel after yield relative to its modulus of elasticity. Without hardening, \
-                 displacements are on the safe side and forces on the unsafe side."
+                "Band of the steel. Columns of one section and one yield strength differ in the slope of the steel after yield, here \
+                 relative to its modulus of elasticity, and in when their flanges and web buckle locally. The result lies between \
+                 these two; the weaker one is on the safe side for displacements, the stronger one for forces."
             }
-            thead { tr { th { "quantity" } th.number { "no hardening" } th.number { "hardening " (HARDENING_BAND[1]) } } }
+            thead { tr { th { "quantity" }
+                th.number { "hardening " (least) ", " (buckling) }
+                th.number { "hardening " (most) ", no local buckling" }
+            } }
             tbody {
                 (row("largest displacement of the impact point", &|report| length.show(report.max_v1)))
                 (row("residual displacement of the impact point", &residual))
                 (row("largest plastic rotation", &rotation))
                 (row("peak contact force, without percussions", &|report| force.show(report.peak_contact_force)))
-                @if ideal.outcome != hardening.outcome {
+                @if weakest.outcome != strongest.outcome {
                     tr {
                         th scope="row" { "outcome" }
-                        td { (outcome_in_words(ideal.outcome)) }
-                        td { (outcome_in_words(hardening.outcome)) }
+                        td { (outcome_in_words(weakest.outcome)) }
+                        td { (outcome_in_words(strongest.outcome)) }
                     }
                 }
             }

@@ -409,6 +409,7 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         scheme: Scheme::ConservingMidpoint,
         step_nanos: 1,
         rate: None,
+        softening: None,
         ultimate_rotation: 0.0,
         shear: properties.shear.map(|shear| ShearProperties {
             ultimate_angle: 0.0,

@@ -52,6 +52,7 @@ mod response;
 mod return_search;
 mod sample;
 mod section;
+mod section_backbone;
 mod shear;
 mod sheared_moments;
 mod state;
@@ -104,6 +105,7 @@ pub use sample::{
     WEB_NAMES, WEBS, WebSample,
 };
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
+pub use section_backbone::SectionBackbone;
 pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD};

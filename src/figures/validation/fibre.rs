@@ -86,6 +86,7 @@ impl FibreCase {
         };
         column.rate = None;
         column.hardening_ratio = self.hardening_ratio();
+        column.softening = None;
         column.ultimate_rotation = 0.0;
         // The fibre beam does not shear.
         column.shear = None;
