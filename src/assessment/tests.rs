@@ -195,7 +195,7 @@ fn what_cannot_be_evaluated_is_listed_with_its_reason() {
     assert!(
         assessment
             .reason
-            .contains("Not evaluated: remaining_resistance, capping_rotation."),
+            .contains("Not evaluated: remaining_resistance, capping_rotation, base_"),
         "{}",
         assessment.reason
     );
