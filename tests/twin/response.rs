@@ -10,7 +10,7 @@ use crate::{Bench, MS, START, event, fatal, light, parameters};
 fn simulated(parameters: &Parameters, event: &ImpactCommand) -> (Vec<Sample>, Report) {
     let impact = event
         .impact
-        .complete(&parameters.impact(), None)
+        .complete(&parameters.impact(), None, 0.0)
         .expect("an impact");
     let mut samples = Vec::new();
     let properties = parameters.column_properties();
