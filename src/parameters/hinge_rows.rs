@@ -8,6 +8,7 @@ pub(super) const HARDENING_OF_NAMED: f64 = 0.01;
 /// The same where the strength grows with the strain rate, too.
 pub(super) const HARDENING_WITH_RATE: f64 = 0.005;
 
+/// Of the steel.
 pub(super) const HARDENING_RATIO: Parameter = Parameter {
     name: "hardening.ratio",
     unit: "",
@@ -20,6 +21,7 @@ pub(super) const HARDENING_RATIO: Parameter = Parameter {
               the unsafe side for forces",
 };
 
+/// Local buckling.
 pub(super) const SOFTENING_MODEL: Parameter = Parameter {
     name: "softening.model",
     unit: "",

@@ -409,6 +409,8 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         scheme: Scheme::ConservingMidpoint,
         step_nanos: 1,
         rate: None,
+        // The rotations are the damage; the strength that they leave follows from them.
+        hardening_ratio: 0.0,
         softening: None,
         ultimate_rotation: 0.0,
         shear: properties.shear.map(|shear| ShearProperties {

@@ -373,7 +373,8 @@ fn another_height_is_rejected_while_the_column_responds() {
 /// strain rate nor hardening.
 #[test]
 fn a_state_file_of_version_1_is_read() {
-    let mut bench = Bench::new(&[]);
+    let ideal = [("hardening.ratio", 0.0.into())];
+    let mut bench = Bench::new(&ideal);
     bench.hit(event("a", START));
     bench.rest();
     let saved = SavedState {
@@ -384,7 +385,11 @@ fn a_state_file_of_version_1_is_read() {
     let text = saved.to_json().expect("JSON");
     let old = text.replacen("\"version\": 2", "\"version\": 1", 1);
     assert_ne!(old, text);
-    let parameters = parameters(&[]);
+    // What its columns did not have by default is no other column: they harden now.
+    let hardening = parameters(&[]);
+    assert!(hardening.column_properties().hardening_ratio > 0.0);
+    assert!(SavedState::from_json(&old, &hardening).is_ok());
+    let parameters = parameters(&ideal);
     let read = SavedState::from_json(&old, &parameters).expect("version 1 is read");
     assert_eq!(read, saved);
     let properties = serde_json::to_string(&parameters.column_properties()).expect("JSON");
