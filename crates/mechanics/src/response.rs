@@ -15,7 +15,7 @@ use super::motion::StepError;
 use super::properties::{ColumnProperties, is_default, is_zero};
 use super::rate::WebState;
 use super::report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
-use super::sample::{BaseForces, HINGES, Sample, WEBS};
+use super::sample::{HINGES, Sample, WEBS};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
@@ -305,12 +305,8 @@ impl Response {
                 self.record_extremes(&before.extremes_after(share, state), instant);
             }
         }
-        self.record_base(
-            model,
-            state,
-            (state.displacement.v1, state.base_forces(model)),
-            now,
-        );
+        self.base
+            .take(&state.base_instant(model, now, self.last_contact));
         if IN_FULL {
             self.record_residual_and_sums(model, state);
         }
@@ -338,27 +334,6 @@ impl Response {
             }
             self.record_shear(model, before, state);
         }
-    }
-
-    /// Takes the reactions of the base at the instant `now` \[s\].
-    fn record_base(
-        &mut self,
-        model: &Model,
-        state: &State,
-        (v1, forces): (f64, BaseForces),
-        now: f64,
-    ) {
-        let touched = state.impactor.as_ref().and_then(|it| it.touched_at);
-        let factors = &state.strength.below[1].factors;
-        self.base.take(&BaseInstant {
-            time: now,
-            v1,
-            forces,
-            slides: state.webs.below.flowing,
-            last_contact: touched.map(|_| self.last_contact),
-            model,
-            strength: [factors.dynamic, factors.hardening],
-        });
     }
 
     /// Both schemes move with the mean of the velocities at both ends of a step: between them `v1` is a parabola, of which the

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
-use super::base_reactions::base_forces;
+use super::base_reactions::{BaseInstant, base_forces};
 use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
 use super::frame;
@@ -518,6 +518,27 @@ impl State {
                 0.0
             },
         )
+    }
+
+    /// The reactions of the base at the instant `time` \[s\], for their history; `last_contact` \[s\] counts once the column has
+    /// been touched.
+    pub(crate) fn base_instant<'a>(
+        &self,
+        model: &'a Model,
+        time: f64,
+        last_contact: f64,
+    ) -> BaseInstant<'a> {
+        let touched = self.impactor.as_ref().and_then(|it| it.touched_at);
+        let factors = &self.strength.below[1].factors;
+        BaseInstant {
+            time,
+            v1: self.displacement.v1,
+            forces: self.base_forces(model),
+            slides: self.webs.below.flowing,
+            last_contact: touched.map(|_| last_contact),
+            model,
+            strength: [factors.dynamic, factors.hardening],
+        }
     }
 
     /// The webs of both bars; their default where they do not yield.
