@@ -229,6 +229,8 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         },
         hinges: std::array::from_fn(hinge),
         webs: std::array::from_fn(web),
+        // The messages of a state do not have it.
+        base: BaseForces::default(),
     }
 }
 
