@@ -246,12 +246,10 @@ fn collision_post() -> (String, f64) {
         ];
         let overrides = overrides.map(|text| parse_override(&text));
         let parameters = Parameters::load(&[], &overrides).expect("a post");
-        let report = respond(
-            &parameters.column_properties(),
-            &parameters.impact(),
-            parameters.response_duration(),
-        )
-        .expect("a response");
+        let mut column = parameters.column_properties();
+        column.ultimate_rotation = 0.0;
+        let duration = parameters.response_duration();
+        let report = respond(&column, &parameters.impact(), duration).expect("a response");
         report.plastic_work / report.residual_v1.expect("an equilibrium")
     };
     let simulated = force("logarithmic") / force("none");
@@ -397,7 +395,7 @@ const POST: &str = "
 ## A collision post
 
 The post of a railway car was struck by 6350 kg at 8.36 m/s; an equal one was pressed slowly.
-Its section is not known. The stand-in is HEB 220 in S355, 2 m high, built in at both ends and struck 0.76 m above the floor, which stops the mass after about the same way.
+Its section is not known. The stand-in is HEB 220 in S355, 2 m high, built in at both ends and struck 0.76 m above the floor, which stops the mass after about the same way; its hinges may turn as far as they need.
 ";
 
 const EVIDENCE: &str = "
