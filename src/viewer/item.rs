@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::felt::FeltUpdate;
-use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WebSample};
+use crate::column::{
+    BaseForces, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WebSample,
+};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
