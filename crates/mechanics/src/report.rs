@@ -91,7 +91,7 @@ pub struct Report {
     pub impact_loss: f64,
     /// Work of the damping \[J\].
     pub damping_work: f64,
-    /// Work of the load since the start, `P (u2 - u2 at the start)` \[J\].
+    /// Work of the load and of the transverse force on the vehicle since the start, `P Delta u2 + F Delta x_c` \[J\].
     pub load_work: f64,
     /// Largest error of the energy balance after any step, relative to the input energy, or for a very small input to 1e-5
     /// of the energies that the column takes elastically or holds at the event.

@@ -89,7 +89,7 @@ pub struct Sample {
     pub impact_loss: f64,
     /// Work of the damping \[J\].
     pub damping_work: f64,
-    /// `P u2`, work of the load \[J\].
+    /// `P u2 + F x_c`, work of the load and of the transverse force on the vehicle \[J\].
     pub load_work: f64,
     /// Error of the energy balance \[J\].
     pub ledger_residual: f64,
