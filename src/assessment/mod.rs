@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 
 use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
 pub use evaluation::{
-    HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
+    HARDENING_BAND, HardeningBand, ImpactEvaluation, WholeFront, observe_and_rest, respond_and_rest,
 };
 pub use input::{AssessedImpact, AssessmentInput, largest_plastic_rotation};
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
