@@ -1131,12 +1131,12 @@ fn a_height_lets_the_vehicle_say_where_it_strikes() {
                 "geometry.length_below:=1.0",
                 "geometry.length_above:=2.0",
             ][..],
-            "geometry.height: is 4 m, but geometry.length_below of 1 m and geometry.length_above of 2 m are 3 m together; omit \
+            "geometry.height is 4 m, but geometry.length_below of 1 m and geometry.length_above of 2 m are 3 m together; omit \
              one of the three",
         ),
         (
             &["geometry.height:=1.0", "vehicle.name:=lorry_8t"],
-            "geometry.height: of 1 m leaves bars of 1.25 m below and -0.25 m above the impact point",
+            "geometry.height of 1 m leaves bars of 1.25 m below and -0.25 m above the impact point",
         ),
     ] {
         let faults = loaded(overrides).expect_err("contradictory").to_string();

@@ -94,7 +94,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(1.0),
         admissible: LENGTH,
         applies: Applies::AfterResponse,
-        meaning: "L_a: height of the impact point above the base; see `geometry.height`",
+        meaning: "L_a: height of the impact point above the base",
     },
     Parameter {
         name: "geometry.length_above",

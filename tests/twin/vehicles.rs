@@ -306,7 +306,7 @@ fn slices_do_not_change_the_forecast() {
 
 /// Where the hinges of the impact point are \[m above the base\].
 fn impact_height(bench: &Bench) -> f64 {
-    bench.status().lengths.below
+    bench.status().at_rest.expect("at rest").lengths.below
 }
 
 /// On a column that is given by its height each vehicle strikes where it does, unless its event names a height.
