@@ -1093,3 +1093,71 @@ proptest! {
         }
     }
 }
+
+/// A column that is given by its height is hit where its vehicle strikes; lengths that are given stay.
+#[test]
+fn a_height_lets_the_vehicle_say_where_it_strikes() {
+    let loaded = |overrides: &[&str]| {
+        let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
+        Parameters::load(&[], &overrides)
+    };
+    let lengths = |overrides: &[&str]| {
+        let parameters = loaded(overrides).expect("right");
+        let geometry = &parameters.settings().geometry;
+        (geometry.length_below, geometry.length_above)
+    };
+    let height = "geometry.height:=4.0";
+    for (vehicle, below) in [
+        ("mid_car", 0.5),
+        ("lorry_16t", 1.25),
+        ("forklift", 0.75),
+        ("rigid", 1.0),
+    ] {
+        let vehicle = format!("vehicle.name:={vehicle}");
+        assert_eq!(lengths(&[height, &vehicle]), (below, 4.0 - below));
+        // Without a height nothing follows the vehicle.
+        assert_eq!(lengths(&[&vehicle]), (1.0, 3.0));
+        let given = "geometry.length_below:=0.8";
+        assert_eq!(lengths(&[height, &vehicle, given]), (0.8, 3.2));
+        let above = "geometry.length_above:=2.5";
+        assert_eq!(lengths(&[height, &vehicle, above]), (1.5, 2.5));
+        let both = lengths(&[height, &vehicle, given, "geometry.length_above:=3.2"]);
+        assert_eq!(both, (0.8, 3.2));
+    }
+    for (overrides, text) in [
+        (
+            &[
+                height,
+                "geometry.length_below:=1.0",
+                "geometry.length_above:=2.0",
+            ][..],
+            "geometry.height is 4 m, but geometry.length_below of 1 m and geometry.length_above of 2 m are 3 m together; omit \
+             one of the three",
+        ),
+        (
+            &["geometry.height:=1.0", "vehicle.name:=lorry_8t"],
+            "geometry.height of 1 m leaves bars of 1.25 m below and -0.25 m above the impact point",
+        ),
+    ] {
+        let faults = loaded(overrides).expect_err("contradictory").to_string();
+        assert!(faults.contains(text), "{faults}");
+    }
+
+    // What followed the vehicle follows a change of it, and a file says the same again.
+    let car = loaded(&[height, "vehicle.name:=mid_car"]).expect("right");
+    let changed = |name: &str, value: Value| {
+        let changed = car.with_changes([(name, value)]).expect("right");
+        let geometry = &changed.settings().geometry;
+        (geometry.length_below, geometry.length_above)
+    };
+    assert_eq!(changed("vehicle.name", "lorry_8t".into()), (1.25, 2.75));
+    assert_eq!(changed("geometry.height", 5.0.into()), (0.5, 4.5));
+    assert_eq!(changed("geometry.length_below", 1.5.into()), (1.5, 2.5));
+    let read = Parameters::from_yaml(Path::new("f.yaml"), &car.to_yaml());
+    assert_eq!(read, Ok(car.clone()));
+    let json = serde_json::to_string(&car).expect("serializes");
+    assert_eq!(
+        serde_json::from_str::<Parameters>(&json).expect("reads"),
+        car
+    );
+}

@@ -1,12 +1,12 @@
 //! One impact on the virgin column with all that an engineer needs to judge it.
 
-use super::{Assessment, AssessmentInput, RemainingCapacity, assess};
+use super::{Assessment, AssessmentInput, RemainingCapacity, Severity, assess};
 use crate::column::{
     self, CapacityError, ColumnProperties, Impact, Model, Outcome, Progress, Report, Response,
     SimulationError, State, carried_load, plastic_plateau, residual_without_bumper, respond,
     with_half_the_step,
 };
-use crate::parameters::{NoShear, Parameters};
+use crate::parameters::{NoShear, Parameters, Value};
 
 /// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
 /// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
@@ -45,6 +45,45 @@ pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
     })
 }
 
+/// The same impact with the whole force of the vehicle's front: without the assumption that a column meets less of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WholeFront {
+    /// Outcome of the response.
+    pub outcome: Outcome,
+    /// Largest `v1` \[m\].
+    pub max_v1: f64,
+    /// What would have to be done; `None` if the capacities could not be computed.
+    pub severity: Option<Severity>,
+}
+
+impl WholeFront {
+    /// Computes another response of the virgin column. `None` if the impact is not that of the parameters, its vehicle meets the
+    /// column with its whole front anyway, or the response cannot be computed.
+    #[must_use]
+    pub fn of(parameters: &Parameters, impact: &Impact) -> Option<Self> {
+        let is_narrow = parameters.settings().vehicle.narrow_object && impact.vehicle.is_some();
+        if !is_narrow || parameters.impact() != *impact {
+            return None;
+        }
+        let changes = [("vehicle.narrow_object", Value::from(false))];
+        let impact = parameters.with_changes(changes).ok()?.impact();
+        let properties = parameters.column_properties();
+        let duration = parameters.response_duration();
+        let (report, rest) = respond_and_rest(&properties, &impact, duration).ok()?;
+        let model = Model::new(&properties).ok()?;
+        let remaining = RemainingCapacity::compute(parameters, &model, rest.as_ref()).ok();
+        Some(Self {
+            outcome: report.outcome,
+            max_v1: report.max_v1,
+            severity: remaining.map(|remaining| {
+                let input =
+                    AssessmentInput::of_response(parameters, &model, &impact, &report, remaining);
+                assess(&input).severity
+            }),
+        })
+    }
+}
+
 /// What an impact on the virgin column leads to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactEvaluation {
@@ -62,6 +101,8 @@ pub struct ImpactEvaluation {
     pub error_estimate: Option<f64>,
     /// The band of hardening and softening; `None` if one of its runs failed.
     pub band: Option<HardeningBand>,
+    /// What the factor for narrow objects, an assumption, has changed; `None` where it takes no part.
+    pub whole_front: Option<WholeFront>,
     /// `F0`: plastic plateau of the virgin column under the load that it carries \[N\].
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
@@ -73,7 +114,8 @@ pub struct ImpactEvaluation {
 impl ImpactEvaluation {
     /// Completes the evaluation of a response that was computed with [`respond_and_rest`].
     ///
-    /// Three more responses are computed, one with half the step and the others for the band, and two push-downs.
+    /// Three or four more responses are computed, one with half the step, two for the band and one with the whole front of the
+    /// vehicle, and the push-downs of the virgin and of the damaged column.
     ///
     /// # Errors
     /// A column that is out of range, which the response has excluded.
@@ -107,6 +149,7 @@ impl ImpactEvaluation {
             step: 1e-9 * model.properties.step_nanos as f64,
             error_estimate: error_estimate(&model.properties, impact, duration, &report),
             band: band(properties, impact, duration, &report),
+            whole_front: WholeFront::of(parameters, impact),
             plateau: plastic_plateau(&model, carried),
             front_force: impact.vehicle.and_then(|vehicle| {
                 let envelope = vehicle.springs().first()?.envelope;

@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
 pub use evaluation::{
-    HARDENING_BAND, HardeningBand, ImpactEvaluation, band_properties, observe_and_rest,
+    HARDENING_BAND, HardeningBand, ImpactEvaluation, WholeFront, band_properties, observe_and_rest,
     respond_and_rest,
 };
 pub use input::{AssessedImpact, AssessedShear, AssessmentInput, largest_plastic_rotation};

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
 
-use column_twin::assessment::ImpactEvaluation;
+use column_twin::assessment::{HARDENING_BAND, ImpactEvaluation, Severity};
 use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };
@@ -152,6 +152,23 @@ impl Summary<'_> {
                 unit.show(crushed.max_crush[index]),
                 unit.show(crushed.permanent_crush[index]),
                 energy.show(crushed.dissipated[index]),
+            )?;
+        }
+        if let Some(whole) = &evaluation.whole_front {
+            let severity = evaluation.assessment.as_ref().map(|it| it.severity);
+            let words = |outcome, max_v1, severity: Option<Severity>| {
+                let peak = match outcome {
+                    Outcome::Collapsed | Outcome::Severed => String::new(),
+                    _ => Unit::length(max_v1).show(max_v1) + ", ",
+                };
+                peak + severity.map_or("not assessed", Severity::name)
+            };
+            writeln!(
+                f,
+                "  {:<32}{}; without: {}",
+                "narrow object, assumed [A]",
+                words(report.outcome, report.max_v1, severity),
+                words(whole.outcome, whole.max_v1, whole.severity),
             )?;
         }
         writeln!(

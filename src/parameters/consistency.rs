@@ -5,8 +5,10 @@
 use super::base::given_plate;
 use super::catalogue::CatalogueSection;
 use super::dimensions_of;
+use super::ranges::LENGTH_RANGE;
 use super::settings::{
-    BaseConnection, RateLawKind, Settings, ShearModel, SofteningModel, SpringSettings, SupportKind,
+    BaseConnection, GeometrySettings, RateLawKind, Settings, ShearModel, SofteningModel,
+    SpringSettings, SupportKind,
 };
 use super::value::readable;
 use super::vehicles::VehicleFault;
@@ -26,6 +28,7 @@ pub(super) struct Inconsistency {
 /// All inconsistencies of otherwise admissible parameters.
 pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     let mut found = Vec::new();
+    lengths_fit_the_height(settings, &mut found);
     section_is_complete(settings, &mut found);
     steel_is_complete(settings, &mut found);
     supports_have_their_stiffness(settings, &mut found);
@@ -42,6 +45,41 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     base_is_complete(settings, &mut found);
     softening_has_its_rotations(settings, &mut found);
     found
+}
+
+/// Relative difference between a height and the sum of the lengths that is round-off of numbers in decimal digits.
+const HEIGHT_TOLERANCE: f64 = 1e-6;
+
+fn lengths_fit_the_height(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let GeometrySettings {
+        height,
+        length_below: below,
+        length_above: above,
+    } = settings.geometry;
+    if height == 0.0 {
+        return;
+    }
+    let names = vec![
+        "geometry.height",
+        "geometry.length_above",
+        "geometry.length_below",
+    ];
+    let [height_text, below_text, above_text] = [height, below, above].map(readable);
+    let message = if ![below, above].iter().all(|it| LENGTH_RANGE.contains(it)) {
+        format!(
+            "of {height_text} m leaves bars of {below_text} m below and {above_text} m above the impact point, which are not \
+             lengths of bars; give a larger height, or the height of the impact point as geometry.length_below"
+        )
+    } else if (below + above - height).abs() > HEIGHT_TOLERANCE * height {
+        format!(
+            "is {height_text} m, but geometry.length_below of {below_text} m and geometry.length_above of {above_text} m are \
+             {} m together; omit one of the three",
+            readable(below + above)
+        )
+    } else {
+        return;
+    };
+    found.push(Inconsistency { names, message });
 }
 
 fn section_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {

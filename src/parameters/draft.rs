@@ -15,7 +15,7 @@ use super::spelling::nearest_word;
 use super::steel::strength_ratio;
 use super::table::PARAMETERS;
 use super::value::Value;
-use super::vehicles::{RIGID, bumper_by_default, narrow_by_default};
+use super::vehicles::{RIGID, bumper_by_default, contact_height, narrow_by_default};
 
 /// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long
 /// list of wrong names is rejected quickly.
@@ -140,6 +140,22 @@ impl Draft {
                 && draft.slots[index].value == value
             {
                 draft.slots[index].place = None;
+            }
+        }
+        // So do lengths that follow from a height and from where the vehicle strikes.
+        let geometry = &settings.geometry;
+        if geometry.height > 0.0 {
+            let rest = geometry.height - geometry.length_below;
+            for (name, follows) in [
+                (
+                    "geometry.length_below",
+                    settings.impact_point_follows_vehicle(),
+                ),
+                ("geometry.length_above", geometry.length_above == rest),
+            ] {
+                if let Some(index) = Parameter::index_of(name).filter(|_| follows) {
+                    draft.slots[index].place = None;
+                }
             }
         }
         draft
@@ -284,6 +300,7 @@ impl Draft {
             &[&["vehicle.masses", "vehicle.slack"], SPRINGS.as_flattened()].concat(),
         );
         self.follow_others();
+        self.follow_height();
         self.report_repeated_sensors();
         self.report_undeclared_sensors();
         self.report_missing_of_sensors();
@@ -483,6 +500,44 @@ impl Draft {
             && self.slots[index].place.is_none()
         {
             self.slots[index].value = value;
+        }
+    }
+
+    /// The lengths of the bars of a column whose height is given, as far as they are not given themselves: the impact point is
+    /// where the vehicle strikes.
+    fn follow_height(&mut self) {
+        let length = |name: &str| {
+            let slot = self.slot(name)?;
+            match slot.value {
+                Value::Double(value) => Some((value, slot.place.is_some())),
+                _ => None,
+            }
+        };
+        let (Some((height, _)), Some((below, has_below)), Some((above, has_above))) = (
+            length("geometry.height"),
+            length("geometry.length_below"),
+            length("geometry.length_above"),
+        ) else {
+            return;
+        };
+        if height == 0.0 {
+            return;
+        }
+        let vehicle = self.slot("vehicle.name").map(|it| it.value.plain());
+        let at_vehicle = contact_height(&vehicle.unwrap_or_default()).unwrap_or(below);
+        let (below, above) = match (has_below, has_above) {
+            (true, true) => return,
+            (true, false) => (below, height - below),
+            (false, true) => (height - above, above),
+            (false, false) => (at_vehicle, height - at_vehicle),
+        };
+        for (name, value) in [
+            ("geometry.length_below", below),
+            ("geometry.length_above", above),
+        ] {
+            if let Some(index) = Parameter::index_of(name) {
+                self.slots[index].value = Value::Double(value);
+            }
         }
     }
 

@@ -371,6 +371,15 @@ impl Parameters {
         self.settings.vehicle.bumper_named(name)
     }
 
+    /// Where a vehicle of this name strikes a column that is given by its height and by no impact point \[m above the base\]
+    /// if its impact names no height; `None`: where the parameters have the impact point. An empty name is the vehicle of the
+    /// parameters.
+    #[must_use]
+    pub fn impact_height_of(&self, vehicle: &str) -> Option<f64> {
+        let follows = self.settings.impact_point_follows_vehicle();
+        vehicles::contact_height(vehicle).filter(|_| follows)
+    }
+
     /// Maximum duration of a response \[s\].
     #[must_use]
     pub fn response_duration(&self) -> f64 {

@@ -1,14 +1,18 @@
 //! Ranges and texts that several rows of the parameter table share.
 
+use std::ops::RangeInclusive;
+
 use super::parameter::Admissible;
 use crate::senses::MAX_SENSORS;
 
 /// Most columns of a fleet that the viewer always shows in full: each has some thirty views and curves of its own.
 pub const MAX_SELECTED_COLUMNS: usize = 8;
 
+/// Lengths that a bar may have \[m\].
+pub(super) const LENGTH_RANGE: RangeInclusive<f64> = 0.02..=100.0;
 pub(super) const LENGTH: Admissible = Admissible::Real {
-    min: 0.02,
-    max: 100.0,
+    min: *LENGTH_RANGE.start(),
+    max: *LENGTH_RANGE.end(),
 };
 /// A position in a plan: a site, not a country, so that millimetres remain in the pictures.
 pub(super) const SITE: Admissible = Admissible::Real {

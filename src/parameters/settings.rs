@@ -10,6 +10,7 @@ use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
+use super::vehicles::contact_height;
 use crate::column::{ElasticLaw, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
@@ -87,8 +88,14 @@ groups! {
     /// Position in the plan of a fleet.
     #[derive(Copy, Default)]
     SiteSettings { x: f64, y: f64 }
-    /// Lengths of the two bars.
-    GeometrySettings { length_below: f64, length_above: f64 }
+    /// Height of the column and lengths of its two bars.
+    GeometrySettings {
+        // Absent in recordings and states of programs that know the lengths alone.
+        #[serde(default)]
+        height: f64,
+        length_below: f64,
+        length_above: f64,
+    }
     /// The section as given: a name, numbers that override its properties, or numbers alone.
     SectionSettings {
         name: String,
@@ -402,6 +409,14 @@ impl Settings {
             value_of_json(parts.fold(&tree, |node, part| &node[part]), parameter)
         };
         PARAMETERS.iter().map(value).collect()
+    }
+}
+
+impl Settings {
+    /// Whether the impact point is where the vehicle strikes: the column is given by its height, and no other place is given.
+    pub(super) fn impact_point_follows_vehicle(&self) -> bool {
+        let geometry = &self.geometry;
+        geometry.height > 0.0 && contact_height(&self.vehicle.name) == Some(geometry.length_below)
     }
 }
 

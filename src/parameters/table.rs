@@ -80,6 +80,20 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "position of the column in the plan of its fleet, upwards in the picture; see `site.x`",
     },
     Parameter {
+        name: "geometry.height",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.04,
+            max: 200.0,
+            zero: "the sum of both lengths",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the \
+                  heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a \
+                  height, and `geometry.length_above` is the rest",
+    },
+    Parameter {
         name: "geometry.length_below",
         unit: "m",
         default: DefaultValue::Double(1.0),

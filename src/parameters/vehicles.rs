@@ -327,6 +327,11 @@ impl SpringRow {
     }
 }
 
+/// Where the vehicle of this name strikes, above the ground \[m\]; `None` for a rigid one and one by numbers.
+pub(super) fn contact_height(name: &str) -> Option<f64> {
+    CatalogueVehicle::of_crushed(name).map(|it| it.contact_height.value.height_m)
+}
+
 /// Whether the vehicle of this name meets a column as a narrow object unless a parameter tells otherwise.
 pub(super) fn narrow_by_default(name: &str) -> bool {
     CatalogueVehicle::named(name).is_some_and(|it| it.narrow_object.value.on)

@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use super::document::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};
-use crate::assessment::band_properties;
-use crate::column::{ColumnProperties, Report};
+use crate::assessment::{HARDENING_BAND, Severity, WholeFront, band_properties};
+use crate::column::{ColumnProperties, Model, PerBar, Report};
 use crate::figures::units::Unit;
 
 /// The same impact on the columns of [`band_properties`].
@@ -33,6 +33,15 @@ pub(super) fn markup(impact: &ReportedImpact) -> Markup {
                     None => "not estimated".to_owned(),
                 }))
                 (fact("Energy balance", format!("largest residual {:.1e} of the energy of the vehicle", impact.report.ledger_residual)))
+                @if let Some(whole) = whole_front(impact) {
+                    (fact("Narrow object [A]", format!(
+                        "the column is assumed to meet a part of the front only (vehicle.narrow_object); with the whole front: {}, \
+                         largest displacement {}, severity {}",
+                        outcome_in_words(whole.outcome),
+                        Unit::length(whole.max_v1).show(whole.max_v1),
+                        whole.severity.map_or("not assessed", Severity::name),
+                    )))
+                }
                 (fact("Model", "see \"What this report cannot know\""))
             }
         }
@@ -41,6 +50,16 @@ pub(super) fn markup(impact: &ReportedImpact) -> Markup {
             Err(reason) => { p.note { "The band of hardening and softening was not computed: " (reason) "." } }
         }
     }
+}
+
+/// What the factor for narrow objects has changed, for a virgin column.
+fn whole_front(impact: &ReportedImpact) -> Option<WholeFront> {
+    let struck = impact.struck?;
+    let is_virgin = struck.state.plastic == PerBar::default();
+    let model = Model::new(&impact.parameters.column_properties());
+    (is_virgin && model.is_ok_and(|model| model == impact.model))
+        .then(|| WholeFront::of(&impact.parameters, &impact.impact))
+        .flatten()
 }
 
 fn band(impact: &ReportedImpact) -> Result<Band, String> {

@@ -44,7 +44,8 @@ impl Twin {
         if self.merge(&event_id, contact, &striking, has_mass, now, out) {
             return Ok(Accepted::Merged);
         }
-        let struck = snapshot.strike(striking.impact, specification.height)?;
+        let height = snapshot.height_of_impact(&striking.vehicle, specification.height);
+        let struck = snapshot.strike(striking.impact, height)?;
         let pending = PendingImpact {
             event_id: Arc::clone(&event_id),
             stamp: *stamp,
@@ -67,7 +68,8 @@ impl Twin {
         check_stamp(command.stamp.min(now), now, self.parameters.current())?;
         let snapshot = self.snapshot();
         let striking = snapshot.complete(&command.vehicle, &command.impact)?;
-        snapshot.strike(striking.impact, command.impact.height)?;
+        let height = snapshot.height_of_impact(&striking.vehicle, command.impact.height);
+        snapshot.strike(striking.impact, height)?;
         Ok(striking)
     }
 
@@ -180,7 +182,8 @@ impl Twin {
         out: &mut impl Outputs,
     ) {
         let snapshot = self.snapshot_of(plant);
-        match snapshot.strike(pending.striking.impact, pending.height) {
+        let height = snapshot.height_of_impact(&pending.striking.vehicle, pending.height);
+        match snapshot.strike(pending.striking.impact, height) {
             Ok(struck) => self.begin(pending, snapshot.plant, struck, now, out),
             Err(refusal) => {
                 self.registry.withdraw();

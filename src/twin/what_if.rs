@@ -112,7 +112,8 @@ impl ColumnSnapshot {
             check_column_id(&self.column_id, column_id)?;
         }
         let striking = self.complete(vehicle, specification)?;
-        let struck = self.strike(striking.impact, specification.height)?;
+        let height = self.height_of_impact(&striking.vehicle, specification.height);
+        let struck = self.strike(striking.impact, height)?;
         let mut ahead = LookAhead::new(struck, imperfection(&self.parameters), self.virgin);
         let not_computed = |reason| Err(Refusal::new(RefusalCode::NotComputed, reason));
         let mut budget = u64::MAX;
@@ -164,7 +165,10 @@ impl ColumnSnapshot {
             state,
             response,
             ..
-        } = self.strike(striking.impact, specification.height)?;
+        } = {
+            let height = self.height_of_impact(&striking.vehicle, specification.height);
+            self.strike(striking.impact, height)?
+        };
         Ok((model, state, response))
     }
 
@@ -213,6 +217,21 @@ impl ColumnSnapshot {
         }
         self.check_approach(&impact)?;
         Ok(Striking { vehicle, impact })
+    }
+
+    /// Where an impact of this vehicle meets the column \[m above the base\]: where its specification says, otherwise where the
+    /// vehicle strikes, if the column is given by its height; hinges that are damaged or respond take it where they are.
+    /// `None`: where the parameters have it.
+    pub(super) fn height_of_impact(&self, vehicle: &str, given: Option<f64>) -> Option<f64> {
+        if given.is_some() {
+            return given;
+        }
+        let own = self.parameters.impact_height_of(vehicle)?;
+        let properties = with_impact_height(&self.parameters.column_properties(), own);
+        match self.plant.with_hinges_at_impact(&properties) {
+            Ok(_) => Some(own),
+            Err(_) => Some(self.plant.impact_height()),
+        }
     }
 
     /// Where an impact that the sensors have felt meets the column \[m above the base\]: at the hinges, if they are damaged;

@@ -303,3 +303,36 @@ fn slices_do_not_change_the_forecast() {
     assert_eq!(run(1), run(u64::MAX));
     assert_eq!(run(7), run(1_000));
 }
+
+/// Where the hinges of the impact point are \[m above the base\].
+fn impact_height(bench: &Bench) -> f64 {
+    bench.status().at_rest.expect("at rest").lengths.below
+}
+
+/// On a column that is given by its height each vehicle strikes where it does, unless its event names a height.
+#[test]
+fn a_vehicle_strikes_at_its_own_height() {
+    let by_height = [
+        ("geometry.height", Value::from(4.0)),
+        ("vehicle.name", Value::from("mid_car")),
+    ];
+    let by_lengths = [("vehicle.name", Value::from("mid_car"))];
+    for (changes, heights) in [
+        (&by_height[..], [0.5, 1.25, 0.75]),
+        (&by_lengths, [1.0, 1.0, 1.0]),
+    ] {
+        for (name, height) in ["", "lorry_8t", "forklift"].into_iter().zip(heights) {
+            let mut bench = Bench::new(changes);
+            bench.hit(vehicle(name, 1.0));
+            bench.rest();
+            assert_eq!(bench.reports().len(), 1, "{name}");
+            assert_eq!(impact_height(&bench), height, "{name}");
+        }
+    }
+    let mut bench = Bench::new(&by_height);
+    let mut named = vehicle("lorry_8t", 1.0);
+    named.impact.height = Some(2.0);
+    bench.hit(named);
+    bench.rest();
+    assert_eq!(impact_height(&bench), 2.0);
+}

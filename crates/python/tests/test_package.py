@@ -49,8 +49,8 @@ def test_notebooks_show_columns_results_and_capacities(paper: Column, steel: Col
         ElementTree.fromstring(html)
         assert len(html) < 40_000
     html = result._repr_html_()
-    assert "INSPECT" in html and "<svg" in html and "94.6 mm" in html
-    assert "94.6 mm" in repr(result) and "inspect" in repr(result)
+    assert "PROP" in html and "<svg" in html and "94.6 mm" in html
+    assert "94.6 mm" in repr(result) and "prop" in repr(result)
     hostile = Column(column_id="<b>&", section__name="", section__area=9e-3, section__second_moment=8e-5,
                      section__mass_per_length=70.0, resistance__moment=3e5)
     assert "<b>&<" not in hostile._repr_html_()
