@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
 
-use column_twin::assessment::{HARDENING_BAND, ImpactEvaluation, Severity};
+use column_twin::assessment::{ImpactEvaluation, Severity};
 use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::document::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};
-use crate::assessment::{HARDENING_BAND, Severity, WholeFront, band_properties};
+use crate::assessment::{Severity, WholeFront, band_properties};
 use crate::column::{ColumnProperties, Model, PerBar, Report};
 use crate::figures::units::Unit;
 
