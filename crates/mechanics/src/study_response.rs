@@ -46,9 +46,15 @@ const OF_RIGID: StridesPerPeriod = StridesPerPeriod {
     far: 70.0,
 };
 
-/// Where the strength of the hinges depends on the strain rate, which has to be followed all the time, or grows with the rotation.
+/// Where the strength of the hinges depends on the strain rate, which has to be followed all the time.
 const WITH_RATE: StridesPerPeriod = StridesPerPeriod {
     near: 50.0,
+    far: 50.0,
+};
+
+/// Where it grows with the plastic rotation, which it does fastest as a hinge begins to flow.
+const WITH_HARDENING: StridesPerPeriod = StridesPerPeriod {
+    near: 70.0,
     far: 50.0,
 };
 
@@ -140,6 +146,7 @@ impl StudyModel {
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
         let strides = |per_period: StridesPerPeriod| {
             let per_period = match model.strength {
+                Some(_) if model.properties.hardening_ratio > 0.0 => WITH_HARDENING,
                 Some(_) => WITH_RATE,
                 None => per_period,
             };
