@@ -55,6 +55,7 @@ mod section;
 mod section_backbone;
 mod shear;
 mod sheared_moments;
+mod simulation;
 mod state;
 mod statics;
 mod step_length;
@@ -64,6 +65,7 @@ mod study_response;
 mod tearing;
 mod vehicle;
 mod web_slide;
+mod webs_of_state;
 mod yield_surface;
 mod yielding;
 
@@ -99,13 +101,14 @@ pub use properties::{
 };
 pub use rate::{HingeStrength, WebState};
 pub use report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
-pub use response::{Progress, Response, SimulationError, respond, simulate};
+pub use response::{Progress, Response, SimulationError};
 pub use sample::{
     BaseForces, HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample,
     WEB_NAMES, WEBS, WebSample,
 };
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use section_backbone::SectionBackbone;
+pub use simulation::{respond, simulate};
 pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD};

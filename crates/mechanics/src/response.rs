@@ -12,10 +12,10 @@ use super::ledger::Ledger;
 use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
-use super::properties::{ColumnProperties, is_default, is_zero};
+use super::properties::{is_default, is_zero};
 use super::rate::WebState;
 use super::report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
-use super::sample::{HINGES, Sample, WEBS};
+use super::sample::{HINGES, WEBS};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
@@ -661,54 +661,6 @@ impl StepStart {
             },
             u2: between(u2, end.displacement.u2),
             contact_force: between(self.contact_force, end.contact_force),
-        }
-    }
-}
-
-/// Simulates one impact on the virgin column from the event to the end of the response, at most `max_duration` \[s\] after
-/// first contact. `observe` receives a sample of the state at the event and after every step; the approach to the column at
-/// rest is passed in one stride.
-///
-/// # Errors
-/// A column or an impact that is out of range, or a step that does not converge. A collapse is a result.
-pub fn simulate(
-    properties: &ColumnProperties,
-    impact: &Impact,
-    max_duration: f64,
-    observe: &mut dyn FnMut(&Sample),
-) -> Result<Report, SimulationError> {
-    follow(properties, impact, max_duration, |model, state| {
-        observe(&state.sample(model));
-    })
-}
-
-/// As [`simulate`], without an observer: no sample is computed.
-///
-/// # Errors
-/// As [`simulate`].
-pub fn respond(
-    properties: &ColumnProperties,
-    impact: &Impact,
-    max_duration: f64,
-) -> Result<Report, SimulationError> {
-    follow(properties, impact, max_duration, |_, _| ())
-}
-
-fn follow(
-    properties: &ColumnProperties,
-    impact: &Impact,
-    max_duration: f64,
-    mut observe: impl FnMut(&Model, &State),
-) -> Result<Report, SimulationError> {
-    let model = Model::new(properties)?;
-    let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
-    observe(&model, &state);
-    loop {
-        let progress = response.advance(&model, &mut state, u64::MAX)?;
-        observe(&model, &state);
-        if let Progress::Over(end) = progress {
-            return Ok(response.report(&model, &state, end));
         }
     }
 }

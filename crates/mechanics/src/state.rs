@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
 use super::base_reactions::{BaseInstant, base_forces};
 use super::chain::{Chain, ChainPoint};
@@ -14,10 +13,7 @@ use super::ledger::{Energies, Ledger};
 use super::model::Model;
 use super::properties::is_default;
 use super::rate::{HingeStrength, Strengths, WebState, Webs};
-use super::sample::{
-    BaseForces, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample, WEBS, WebSample,
-};
-use super::shear::SliderStrength;
+use super::sample::{BaseForces, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
 use super::vehicle::MAX_MASSES;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
@@ -541,72 +537,6 @@ impl State {
         }
     }
 
-    /// The webs of both bars; their default where they do not yield.
-    fn web_samples(&self, model: &Model) -> [WebSample; WEBS] {
-        let utilisation = self.web_utilisations(model);
-        let web = |bar: &Bar, forces: &BarForces, plastic: &PlasticFlow, web: &WebState, used| {
-            if bar.slider.is_none() {
-                return WebSample::default();
-            }
-            WebSample {
-                shear_force: (forces.moment[0] + forces.moment[1]) / bar.length,
-                plastic_angle: plastic.shear_angle,
-                utilisation: used,
-                dynamic_factor: web.dynamic_factor(),
-                work: web.work,
-                state: hinge_state(web.flowing, bar.shears(plastic)),
-            }
-        };
-        let Self {
-            forces: f,
-            plastic: p,
-            webs: w,
-            ..
-        } = self;
-        [
-            web(
-                &model.frame.below,
-                &f.below,
-                &p.below,
-                &w.below,
-                utilisation[0],
-            ),
-            web(
-                &model.frame.above,
-                &f.above,
-                &p.above,
-                &w.above,
-                utilisation[1],
-            ),
-        ]
-    }
-
-    /// Which share of the resistance of each web is used, below and above the impact point; 0 where they do not yield.
-    pub(crate) fn web_utilisations(&self, model: &Model) -> [f64; WEBS] {
-        self.web_shares(model, WebState::strength)
-    }
-
-    /// The same share of the resistance of a virgin web at rest.
-    pub(crate) fn web_uses(&self, model: &Model) -> [f64; WEBS] {
-        self.web_shares(model, |_| SliderStrength::VIRGIN)
-    }
-
-    fn web_shares(
-        &self,
-        model: &Model,
-        strength: impl Fn(&WebState) -> SliderStrength,
-    ) -> [f64; WEBS] {
-        let of = |bar: &Bar, forces: &BarForces, web: &WebState, hinges: &[HingeStrength; 2]| {
-            let weakest = HingeFactors::weakest([&hinges[0].factors, &hinges[1].factors]);
-            bar.web_utilisation(forces, &strength(web), weakest)
-        };
-        let (frame, f, w, s) = (&model.frame, &self.forces, &self.webs, &self.strength);
-        [
-            of(&frame.below, &f.below, &w.below, &s.below),
-            of(&frame.above, &f.above, &w.above, &s.above),
-        ]
-    }
-
     fn vehicle(&self) -> VehicleSample {
         let impactor = self.impactor.as_ref();
         impactor.and_then(|i| i.vehicle()).map_or_else(
@@ -702,7 +632,7 @@ impl State {
     }
 }
 
-fn hinge_state(flowing: bool, has_flowed: bool) -> HingeState {
+pub(crate) fn hinge_state(flowing: bool, has_flowed: bool) -> HingeState {
     match (flowing, has_flowed) {
         (true, _) => HingeState::Plastic,
         (false, true) => HingeState::Unloaded,
