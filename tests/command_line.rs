@@ -12,9 +12,11 @@ use std::process::{Child, Command, Stdio};
 use program::{interrupt, program, run};
 
 /// A heavy and slow vehicle: contact lasts a third of a second, and its history takes many seconds to write.
-const LONG: [&str; 8] = [
+const LONG: [&str; 10] = [
     "-p",
     "solver.dt:=2.0e-7",
+    "-p",
+    "shear.model:=none",
     "--mass",
     "1e6",
     "--velocity",

@@ -63,7 +63,7 @@ fn an_impact_leaves_the_capacity_of_the_reference() {
     assert_eq!(found["severity"], "prop");
     assert_eq!(found["deciding_criterion"], "residual_bow_100");
     assert_eq!(found["at_least"], true);
-    assert_eq!(found["criteria"].as_array().unwrap().len(), 30);
+    assert_eq!(found["criteria"].as_array().unwrap().len(), 36);
 }
 
 #[test]

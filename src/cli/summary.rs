@@ -216,8 +216,8 @@ impl Summary<'_> {
                 }
             }
             let softens = match band.softens {
-                true => "with local buckling",
-                false => "without local buckling",
+                true => "with buckling",
+                false => "without buckling",
             };
             writeln!(
                 f,

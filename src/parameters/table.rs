@@ -1019,7 +1019,7 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: Admissible::List {
             of: &Admissible::Choice(CRITERION_NAMES),
             min_len: 1,
-            max_len: 28,
+            max_len: CRITERION_NAMES.len(),
         },
         applies: Applies::AtOnce,
         meaning: "criteria that decide the severity; all others are shown only. `collapse` always decides",

@@ -758,7 +758,7 @@ mod tests {
         );
         let constraints = &words.additional_constraints;
         assert!(
-            constraints.starts_with("a list of 1 to 26 elements, each collapse, "),
+            constraints.starts_with("a list of 1 to 36 elements, each collapse, "),
             "{constraints}"
         );
     }

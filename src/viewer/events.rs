@@ -1,10 +1,10 @@
 //! The events of an impact with their times: from a report if there is one, otherwise from the states.
 
-use crate::column::{HINGE_NAMES, HINGES, HingeState, Phase, Sample};
+use crate::column::{HINGE_NAMES, HINGES, HingeState, Phase, Sample, WEB_NAMES, WEBS};
 use crate::messages::column_twin::ImpactReport;
 
 use super::scene::force;
-use crate::shape::HINGE_PLACES;
+use crate::shape::{HINGE_PLACES, WEB_PLACES};
 
 /// An event of an impact.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,7 @@ pub struct EventDetector {
     released: bool,
     peaked: bool,
     yielded: [bool; HINGES],
+    sheared: [bool; WEBS],
     last: Option<Sample>,
 }
 
@@ -74,6 +75,12 @@ impl EventDetector {
                 add(sample.time, first_yield(index));
             }
         }
+        for (index, web) in sample.webs.iter().enumerate() {
+            if web.state == HingeState::Plastic && !self.sheared[index] {
+                self.sheared[index] = true;
+                add(sample.time, first_shear(index));
+            }
+        }
         if let Some(last) = &self.last {
             if !self.peaked && self.touched && last.v1_rate > 0.0 && sample.v1_rate <= 0.0 {
                 self.peaked = true;
@@ -92,6 +99,7 @@ fn of_report(report: &ImpactReport) -> Vec<Event> {
     let mut events: Vec<_> = (0..HINGES)
         .map(|index| (report.first_yield_time[index], first_yield(index)))
         .collect();
+    events.extend((0..WEBS).map(|index| (report.web_first_yield_time[index], first_shear(index))));
     events.push((report.max_v1_time, peak(report.max_v1)));
     events.push((report.release_time, separation(report.impactor_rebound)));
     events.push((report.end_time, end(report)));
@@ -113,6 +121,13 @@ fn first_yield(hinge: usize) -> String {
     format!(
         "first yield of hinge {} ({})",
         HINGE_NAMES[hinge], HINGE_PLACES[hinge]
+    )
+}
+
+fn first_shear(web: usize) -> String {
+    format!(
+        "the web {} ({}) begins to shear",
+        WEB_NAMES[web], WEB_PLACES[web]
     )
 }
 
@@ -174,7 +189,9 @@ mod tests {
             transverse_force: 0.0,
         };
         let mut samples = Vec::new();
-        let column = Parameters::default().column_properties();
+        let only_bends = [("shear.model", "none".into())];
+        let parameters = Parameters::from_values(only_bends).expect("admissible");
+        let column = parameters.column_properties();
         let report = simulate(&column, &car, 2.0, &mut |sample| samples.push(*sample));
         (samples, ImpactReport::from(&report.expect("simulated")))
     }

@@ -37,6 +37,8 @@ fn column(name: &str, load: f64, has_sensors: bool) -> FleetColumn {
         ("solver.dt", 1e-4.into()),
         ("response.duration", 0.2.into()),
         ("estimation.accept", "automatic".into()),
+        // The impacts are to leave a column that stands.
+        ("shear.model", "none".into()),
     ];
     if has_sensors {
         values.extend([

@@ -45,6 +45,7 @@ fn config(name: &str) -> PathBuf {
 /// strengthening, the same signal is that of a vehicle with 17 % more momentum.
 const OVERRIDES: [&str; 6] = [
     "rate.law:=none",
+    "shear.model:=none",
     "geometry.length_below:=0.8",
     "geometry.length_above:=3.2",
     "sensors.accelerometer.height:=0.8",

@@ -305,8 +305,13 @@ impl Response {
                 self.record_extremes(&before.extremes_after(share, state), instant);
             }
         }
-        self.base
-            .take(&state.base_instant(model, now, self.last_contact));
+        // However many strides the approach takes, the windows of the base begin where it ends.
+        match state.is_waiting() {
+            true => self.base.wait(now),
+            false => self
+                .base
+                .take(&state.base_instant(model, now, self.last_contact)),
+        }
         if IN_FULL {
             self.record_residual_and_sums(model, state);
         }

@@ -394,14 +394,17 @@ impl State {
     /// Number of whole steps for which an impactor still approaches a column at rest; `None` if the column moves or has
     /// been touched.
     pub fn steps_to_contact(&self, model: &Model) -> Option<u64> {
-        let impactor = self.impactor.as_ref()?;
-        if impactor.touched_at.is_some() || self.velocity != Velocity::default() {
-            return None;
-        }
+        let impactor = self.impactor.as_ref().filter(|_| self.is_waiting())?;
         // One step less than the quotient: its rounding must not let the impactor through.
         let acceleration = impactor.impact.acceleration();
         let steps = time_of_travel(self.gap(), impactor.velocity, acceleration) / model.step_secs;
         Some((steps.floor() as u64).saturating_sub(1))
+    }
+
+    /// Whether the column is at rest and waits for an impactor that has not touched it yet.
+    pub(crate) fn is_waiting(&self) -> bool {
+        let is_coming = |impactor: &Impactor| impactor.touched_at.is_none();
+        self.impactor.as_ref().is_some_and(is_coming) && self.velocity == Velocity::default()
     }
 
     /// Lets `steps` of [`State::steps_to_contact`] pass, during which only the impactor moves.

@@ -74,7 +74,7 @@ fn reactions_of_finite_elements() {
                     "V_reverse_1ms" => (0.95..3.5).contains(&ratio) || at_mid_height,
                     "M_peak_1ms" => (0.75..2.3).contains(&ratio),
                     "N_plateau" => off.abs() < if is_soft { 140.0 } else { 45.0 },
-                    "N_min_1ms" => off.abs() < if is_soft { 400.0 } else { 200.0 },
+                    "N_min_1ms" => off.abs() < if is_soft { 400.0 } else { 210.0 },
                     _ => off.abs() < 120.0,
                 };
                 if !right {

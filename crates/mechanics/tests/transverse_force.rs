@@ -48,7 +48,7 @@ fn falling(mass: f64, velocity: f64) -> Impact {
 fn the_energy_balance_closes_with_the_work_of_the_force() {
     for (changes, tolerance) in [
         (&["impact.transverse_force:=15000"][..], 1e-10),
-        (&["impact.transverse_force:=200000"], 1e-10),
+        (&["impact.transverse_force:=140000"], 1e-10),
         (
             &["impact.transverse_force:=15000", "impact.gap:=0.3"],
             1e-10,

@@ -16,13 +16,13 @@ use self::stage::{Stage, new_folder};
 use super::failure::{Exit, Failure, LinePrinter};
 use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
-use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
+use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification, WEBS};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{CatalogueVehicle, Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, severity_word,
 };
-use column_twin::shape::HINGE_PLACES;
+use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
 /// Arguments of `column-twin demo`.
 #[derive(Debug, Args)]
@@ -209,6 +209,7 @@ struct Narration<'a, 'b> {
     peak_announced: bool,
     phase: Option<u8>,
     yielded: [bool; HINGES],
+    sheared: [bool; WEBS],
     next_line: f64,
     /// Stamp of the first state, which is that of the event \[ns\].
     event: Option<i64>,
@@ -224,6 +225,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             peak_announced: false,
             phase: None,
             yielded: [false; HINGES],
+            sheared: [false; WEBS],
             next_line: 0.0,
             event: None,
         }
@@ -315,17 +317,24 @@ impl<'a, 'b> Narration<'a, 'b> {
         let (Some(event), Some(stamp)) = (self.event, forces.header.stamp.to_nanos()) else {
             return;
         };
+        let time = 1e-6 * (stamp - event) as f64;
+        let yields = |what: std::fmt::Arguments<'_>| {
+            self.out.print(format_args!(
+                "  {:>8} | {:BAR$} | {what} at {time:.1} ms",
+                "", ""
+            ));
+        };
         for hinge in 0..HINGES {
             if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
                 self.yielded[hinge] = true;
-                self.out.print(format_args!(
-                    "  {:>8} | {:BAR$} | hinge {} ({}) is yielding at {:.1} ms",
-                    "",
-                    "",
-                    HINGE_NAMES[hinge],
-                    HINGE_PLACES[hinge],
-                    1e-6 * (stamp - event) as f64
-                ));
+                let (name, place) = (HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
+                yields(format_args!("hinge {name} ({place}) is yielding"));
+            }
+        }
+        for web in 0..WEBS {
+            if forces.web_state[web] == HingeForces::PLASTIC && !self.sheared[web] {
+                self.sheared[web] = true;
+                yields(format_args!("the web {} is shearing", WEB_PLACES[web]));
             }
         }
     }

@@ -222,6 +222,7 @@ fn the_probability_of_a_displacement_of_an_elastic_column_is_in_its_interval() {
         ("resistance.axial", Value::Double(1e10)),
         ("top.load", Value::Double(0.0)),
         ("response.duration", Value::Double(0.1)),
+        ("shear.model", "none".into()),
     ])
     .unwrap();
     let properties = parameters.column_properties();
