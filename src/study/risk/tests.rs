@@ -180,7 +180,8 @@ fn predictions_agree_with_every_single_response() {
     let few = run(&study, 2, samples);
     let [all, few] = [&all, &few].map(|tally| result(&scenario, tally, 0.99));
     assert_eq!(all.counts.responses, 4000);
-    assert!(few.counts.responses < 800, "{:?}", few.counts);
+    // The forces in the base make the severity of a car less monotonic in its speed, so that more predictions are in doubt.
+    assert!(few.counts.responses < 1200, "{:?}", few.counts);
     let mut often = 0;
     for (all, few) in all.severities.iter().zip(&few.severities) {
         // The samples are the same, so that only the predictions can be wrong.
