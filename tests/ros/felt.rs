@@ -43,7 +43,7 @@ fn config(name: &str) -> PathBuf {
 
 /// The column and its sensors as in the signal, whose steel does not become stronger with the strain rate: with
 /// strengthening, the same signal is that of a vehicle with 17 % more momentum.
-const OVERRIDES: [&str; 6] = [
+const OVERRIDES: [&str; 7] = [
     "rate.law:=none",
     "shear.model:=none",
     "geometry.length_below:=0.8",
