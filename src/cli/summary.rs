@@ -215,13 +215,13 @@ impl Summary<'_> {
                     false => writeln!(f, "  {name:<32}{from} to {to}")?,
                 }
             }
-            let softens = match band.softens {
-                true => "with buckling",
-                false => "without buckling",
+            let ends = match band.softens {
+                true => format!("{least} % with buckling, to {most} % without"),
+                false => format!("{least} to {most} %, without buckling"),
             };
             writeln!(
                 f,
-                "  {:<32}hardening of {least} % {softens}, to {most} % without",
+                "  {:<32}hardening of {ends}",
                 "band of the steel"
             )?;
         }

@@ -471,9 +471,9 @@ fn converse<T>(
         let event = options.request.event(column_id.clone());
         let event_id = event.event_id.clone();
         say(&format!(
-            "sending impact {event_id:?} to column {:?}: {} kg at {} m/s",
+            "sending impact {event_id:?} to column {:?}: {} at {} m/s",
             event.column_id,
-            readable(event.mass),
+            what_strikes(&event),
             readable(event.velocity)
         ));
         let begun = Instant::now();
@@ -543,6 +543,17 @@ fn answer(seen: &Seen, sent: &Sent<'_>) -> Option<ImpactOutcome> {
 }
 
 /// A status with a rejection.
+/// The vehicle and the mass of an event in words, as far as the event tells them.
+fn what_strikes(event: &ImpactEvent) -> String {
+    let mass = (event.mass > 0.0).then(|| format!("{} kg", readable(event.mass)));
+    match (event.vehicle.as_str(), mass) {
+        ("", Some(mass)) => mass,
+        ("", None) => "the vehicle of the parameters".to_owned(),
+        (vehicle, Some(mass)) => format!("{vehicle} of {mass}"),
+        (vehicle, None) => vehicle.to_owned(),
+    }
+}
+
 #[cfg(test)]
 pub(super) fn refused(event_id: &str, count: u64) -> Seen {
     Seen::Status(TwinStatus {

@@ -393,15 +393,15 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
     };
     let both = [evaluated("none")?, evaluated("web")?];
     out.print(format_args!(
-        "  The column was hit near its base, where its web yields in shear before it bends. Version 0.1 and the paper\n  \
-         do not know shear; of the same hit they say:\n"
+        "  The column was hit near its base, where its web yields in shear before it bends.\n  \
+         Version 0.1 and the paper do not know shear. The same hit without and with it:\n"
     ));
     let row = |name: &str, words: fn(&ImpactEvaluation) -> String| {
         let [bending, sheared] = both.each_ref().map(words);
-        out.print(format_args!("  {name:26}{bending:>16}{sheared:>16}"));
+        out.print(format_args!("  {name:26}{bending:>20}{sheared:>20}"));
     };
     out.print(format_args!(
-        "  {:26}{:>16}{:>16}",
+        "  {:26}{:>20}{:>20}",
         "", "bending only", "with shear"
     ));
     row("peak of v1", |it| {
@@ -432,6 +432,10 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
     row("severity", |it| {
         let assessment = it.assessment.as_ref();
         assessment.map_or("not assessed".to_owned(), |it| it.severity.to_string())
+    });
+    row("decided by", |it| {
+        let assessment = it.assessment.as_ref();
+        assessment.map_or("nothing", |it| it.deciding_criterion).to_owned()
     });
     out.print("");
     Ok(())
