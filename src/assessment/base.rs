@@ -237,7 +237,7 @@ pub(super) fn annotate(
     }
     if worst.ratio() > 1.0 {
         text.push_str(&format!(
-            " Used most: {}, {:.2} times.",
+            " Of all that the base bears, its resistance is exceeded most in: {}, {:.2} times.",
             worst.failure.name(),
             worst.ratio()
         ));

@@ -580,9 +580,13 @@ fn resistance(input: &AssessmentInput, limit: f64) -> Evaluation {
     Ok((resistance / carried, limit))
 }
 
+/// A smaller bow over its length is round-off of the static equilibrium of a straight column; the smallest limit is 1/750.
+const ROUND_OFF_OF_BOW: f64 = 1e-12;
+
 /// A bow over its length against a part of that length.
 fn bow(input: &AssessmentInput, bow: fn(&AssessmentInput) -> Option<f64>, part: f64) -> Evaluation {
     match bow(input) {
+        Some(bow) if bow < ROUND_OFF_OF_BOW => Ok((0.0, 1.0 / part)),
         Some(bow) => Ok((bow, 1.0 / part)),
         None if input.collapsed || input.severed => Err(NotEvaluated::NotApplicable(
             "the column has no equilibrium that remains".into(),

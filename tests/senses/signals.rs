@@ -70,7 +70,7 @@ impl Signal {
         self.truth[name].as_f64().expect(name)
     }
 
-    /// The column, without strain rate and shear, which the fibre beam does not have.
+    /// The column, without strain rate, shear, hardening and softening, which the fibre beam does not have.
     pub fn parameters(&self) -> Parameters {
         let length = |name: &str| self.truth["column"][name].as_f64().expect(name);
         let overrides = [
@@ -78,6 +78,8 @@ impl Signal {
             format!("geometry.length_above:={:?}", length("Lb")),
             "rate.law:=none".to_owned(),
             "shear.model:=none".to_owned(),
+            "hardening.ratio:=0.0".to_owned(),
+            "softening.model:=none".to_owned(),
         ];
         let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");
