@@ -216,13 +216,13 @@ impl Summary<'_> {
                 }
             }
             let ends = match band.softens {
-                true => format!("{least} % with buckling, to {most} % without"),
-                false => format!("{least} to {most} %, without buckling"),
+                true => format!("{least} % with buckling to {most} % without"),
+                false => format!("{least} to {most} % without buckling"),
             };
             writeln!(
                 f,
-                "  {:<32}hardening of {ends}",
-                "band of the steel"
+                "  {:<32}{ends}",
+                "hardening of the steel"
             )?;
         }
         let factors = self.report().max_dynamic_factor;
