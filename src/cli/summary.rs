@@ -219,11 +219,7 @@ impl Summary<'_> {
                 true => format!("{least} % with buckling to {most} % without"),
                 false => format!("{least} to {most} % without buckling"),
             };
-            writeln!(
-                f,
-                "  {:<32}{ends}",
-                "hardening of the steel"
-            )?;
+            writeln!(f, "  {:<32}{ends}", "hardening of the steel")?;
         }
         let factors = self.report().max_dynamic_factor;
         let largest = factors.into_iter().fold(1.0, f64::max);

@@ -414,6 +414,8 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         softening: None,
         ultimate_rotation: 0.0,
         shear: properties.shear.map(|shear| ShearProperties {
+            hardening: 0.0,
+            max_hardening: 0.0,
             ultimate_angle: 0.0,
             ..shear
         }),

@@ -223,7 +223,8 @@ impl SavedState {
                 expected: expected.clone(),
             });
         }
-        if *read.content.fingerprint != *fingerprint(parameters) {
+        let found = &*read.content.fingerprint;
+        if found != fingerprint(parameters) && found != fingerprint_without_shear(parameters) {
             return Err(SavedStateError::OtherParameters(expected.clone()));
         }
         Ok(read.content)
@@ -241,7 +242,19 @@ fn is_zero(number: &u32) -> bool {
 
 /// Digest of the properties to which a damage belongs: lengths, section, steel, resistances, hinges and supports.
 pub(super) fn fingerprint(parameters: &Parameters) -> String {
-    let json = serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
+    fingerprint_of(&parameters.column_properties())
+}
+
+/// As [`fingerprint`], by programs that do not know shear.
+fn fingerprint_without_shear(parameters: &Parameters) -> String {
+    fingerprint_of(&ColumnProperties {
+        shear: None,
+        ..parameters.column_properties()
+    })
+}
+
+fn fingerprint_of(properties: &ColumnProperties) -> String {
+    let json = serde_json::to_string(&make_of(properties)).unwrap_or_default();
     Hexadecimal(&Sha256::digest(json)).to_string()
 }
 

@@ -95,7 +95,7 @@ fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_th
 }
 
 /// Every value against the prediction of the twin, which shares neither the search nor the screening: below the critical velocity the
-/// severity is lower, 1 % above it is reached.
+/// severity is lower, and within 1 % above it is reached.
 #[test]
 fn the_prediction_of_an_impact_confirms_them() {
     let mut bench = Bench::new(&[]);
@@ -131,7 +131,12 @@ fn the_prediction_of_an_impact_confirms_them() {
                 Some(0.0) => assert!(predicted(limits, LIMIT_VELOCITIES[0]) >= severity),
                 Some(velocity) => {
                     assert!(predicted(limits, velocity) < severity, "{limits:?}");
-                    assert!(predicted(limits, 1.01 * velocity) >= severity, "{limits:?}");
+                    // The search finds it within 1 %; severity need not grow with every further speed.
+                    let is_reached = (1..=10).any(|permille| {
+                        let faster = (1.0 + 1e-3 * f64::from(permille)) * velocity;
+                        predicted(limits, faster) >= severity
+                    });
+                    assert!(is_reached, "{limits:?}");
                     checked += 1;
                 }
             }

@@ -435,7 +435,9 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
     });
     row("decided by", |it| {
         let assessment = it.assessment.as_ref();
-        assessment.map_or("nothing", |it| it.deciding_criterion).to_owned()
+        assessment
+            .map_or("nothing", |it| it.deciding_criterion)
+            .to_owned()
     });
     out.print("");
     Ok(())
