@@ -11,9 +11,7 @@ pub fn outcome_in_words(outcome: Outcome) -> &'static str {
         Outcome::Elastic => "elastic: no hinge has yielded",
         Outcome::Plastic => "plastic: hinges or webs have yielded",
         Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
-        Outcome::Severed => {
-            "SEVERED: a hinge or web has passed its ultimate deformation and is torn"
-        }
+        Outcome::Severed => "SEVERED: a hinge or web passed its ultimate deformation and is torn",
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct BarStrength {
 
 impl BarStrength {
     /// Of a bar whose hinges have the factors `whole` of the whole yield surface, and in addition `moment` of the moments; all
-    /// > 0. `growth` is the growth of the moments, relative to them, with the plastic rotation \[1/rad\], >= 0. `slider` is
+    /// positive. `growth` is the growth of the moments, relative to them, with the plastic rotation \[1/rad\], >= 0. `slider` is
     /// the strength of its web. `None` where all have the resistances of a virgin column at rest.
     pub(crate) fn new(
         whole: [f64; 2],
