@@ -20,7 +20,7 @@ def test_the_notebook(root: Path, tmp_path: Path) -> None:
     client.execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert sum("image/png" in output.get("data", {}) for output in outputs) >= 3
-    assert any("INSPECT" in output.get("data", {}).get("text/html", "") for output in outputs)
+    assert any("RESTRICT" in output.get("data", {}).get("text/html", "") for output in outputs)
     assert not [output for output in outputs if output.get("name") == "stderr"]
 
 
