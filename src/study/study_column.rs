@@ -50,6 +50,9 @@ const FINE: Promise = Promise {
 /// yield rotation of a stocky column.
 const BARELY_PLASTIC: f64 = 2e-5;
 
+/// The column before a bumper of this height \[m\].
+type BeforeBumper = (f64, Arc<StudyColumn>);
+
 /// A column that is prepared once for many impacts.
 #[derive(Debug, Clone)]
 pub struct StudyColumn {
@@ -64,7 +67,7 @@ pub struct StudyColumn {
     rest: State,
     assessment: PreparedAssessment,
     /// The same column before the bumpers of other vehicles, by their height, once an impact has needed them.
-    before_bumpers: Arc<Mutex<Vec<(f64, Arc<Self>)>>>,
+    before_bumpers: Arc<Mutex<Vec<BeforeBumper>>>,
 }
 
 /// What one impact leads to, as far as a study compares it.

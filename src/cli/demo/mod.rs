@@ -331,10 +331,10 @@ impl<'a, 'b> Narration<'a, 'b> {
                 yields(format_args!("hinge {name} ({place}) is yielding"));
             }
         }
-        for web in 0..WEBS {
+        for (web, place) in WEB_PLACES.iter().enumerate() {
             if forces.web_state[web] == HingeForces::PLASTIC && !self.sheared[web] {
                 self.sheared[web] = true;
-                yields(format_args!("the web {} is shearing", WEB_PLACES[web]));
+                yields(format_args!("the web {place} is shearing"));
             }
         }
     }
