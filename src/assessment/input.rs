@@ -7,8 +7,8 @@ use super::remaining::{RemainingCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use super::utilisation::Utilisation;
 use crate::column::{
-    ColumnProperties, HINGES, Impact, Model, Outcome, Report, RolledSection, ShearProperties,
-    State, WEBS, plastic_plateau,
+    ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
+    ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
 };
 use crate::parameters::Parameters;
 
@@ -167,7 +167,17 @@ impl AssessmentInput {
         state: &State,
         remaining: RemainingCapacity,
     ) -> Self {
-        let plastic = &state.plastic;
+        Self {
+            residual_v1: Some(state.displacement.v1),
+            utilisation: Some(Utilisation::of_sample(&state.sample(model))),
+            max_v1: state.displacement.v1.abs(),
+            ..Self::of_column(parameters, model, remaining)
+        }
+        .deformed(model, &state.plastic)
+    }
+
+    /// With this plastic deformation of the column of this model.
+    fn deformed(self, model: &Model, plastic: &PerBar<PlasticFlow>) -> Self {
         Self {
             plastic_rotation: [
                 plastic.below.rotation[0],
@@ -179,15 +189,17 @@ impl AssessmentInput {
                 model,
                 [plastic.below.shear_angle, plastic.above.shear_angle],
             ),
-            residual_v1: Some(state.displacement.v1),
-            utilisation: Some(Utilisation::of_sample(&state.sample(model))),
-            max_v1: state.displacement.v1.abs(),
-            ..Self::of_column(parameters, model, remaining)
+            ..self
         }
     }
 
-    /// The same with what has struck the column of this model last, before whose bumper it has its plastic plateau.
-    pub(crate) fn struck_by(self, model: &Model, impact: AssessedImpact) -> Self {
+    /// The same with what has struck the column of this model, which is in this state, last: before its bumper the column
+    /// has its plastic plateau, and the angles are those over the lengths that the bumper left clear, as in the response.
+    pub(crate) fn struck_by(self, model: &Model, state: &State, impact: AssessedImpact) -> Self {
+        let struck = Self {
+            impact: Some(impact),
+            ..self
+        };
         let shear = model.properties.shear.map(|shear| ShearProperties {
             bumper_height: impact.bumper_height,
             ..shear
@@ -197,14 +209,15 @@ impl AssessmentInput {
             ..model.properties
         });
         // The parameters may have changed since then, so that the bumper no longer fits.
-        let plateau = before.map_or(self.plateau, |before| {
-            plastic_plateau(&before, self.remaining.carried_load)
-        });
+        let Ok(before) = before else { return struck };
         Self {
-            plateau,
-            impact: Some(impact),
-            ..self
+            plateau: plastic_plateau(&before, struck.remaining.carried_load),
+            ..struck
         }
+        .deformed(
+            &before,
+            &plastic_before_bumper(model, &before, &state.plastic),
+        )
     }
 
     fn of_column(parameters: &Parameters, model: &Model, remaining: RemainingCapacity) -> Self {

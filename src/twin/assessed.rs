@@ -210,7 +210,7 @@ pub(super) fn assessed(
     }
     if let Some(last) = last {
         input.max_v1 = input.max_v1.max(last.max_v1.abs());
-        input = input.struck_by(model, last.impact);
+        input = input.struck_by(model, state, last.impact);
         input.base_demand = last.base;
         let utilisation = last.utilisation.into_iter().chain(input.utilisation);
         input.utilisation = utilisation.reduce(Utilisation::or_larger);

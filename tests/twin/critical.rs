@@ -95,7 +95,7 @@ fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_th
 }
 
 /// Every value against the prediction of the twin, which shares neither the search nor the screening: below the critical velocity the
-/// severity is lower. Whether it is reached within 1 % above is printed.
+/// severity is lower, 1 % above it is reached.
 #[test]
 fn the_prediction_of_an_impact_confirms_them() {
     let mut bench = Bench::new(&[]);
@@ -119,7 +119,7 @@ fn the_prediction_of_an_impact_confirms_them() {
         let assessed = prediction.expect("computed").assessed;
         assessed.map_or(Severity::Evacuate, |it| it.assessment.severity)
     };
-    let (mut checked, mut different) = (0, Vec::<String>::new());
+    let mut checked = 0;
     for limits in compute(&bench).iter().skip(1) {
         for (severity, velocity) in [
             (Severity::Restrict, limits.restrict),
@@ -131,22 +131,12 @@ fn the_prediction_of_an_impact_confirms_them() {
                 Some(0.0) => assert!(predicted(limits, LIMIT_VELOCITIES[0]) >= severity),
                 Some(velocity) => {
                     assert!(predicted(limits, velocity) < severity, "{limits:?}");
-                    // The search finds it within 1 %; severity need not grow with every further speed.
-                    let is_reached = (1..=10).any(|permille| {
-                        let faster = (1.0 + 1e-3 * f64::from(permille)) * velocity;
-                        predicted(limits, faster) >= severity
-                    });
-                    if !is_reached {
-                        different.push(limits.vehicle.to_string());
-                    }
+                    assert!(predicted(limits, 1.01 * velocity) >= severity, "{limits:?}");
                     checked += 1;
                 }
             }
         }
     }
-    println!("{checked} checked, not reached by the prediction: {different:?}");
-    // An open fault: since the webs yield, the screening is more severe here than the prediction, on the safe side.
-    // That it is never milder is asserted above.
     assert!(checked >= 5, "{checked}");
 }
 
