@@ -40,11 +40,15 @@ impl HingeSlenderness {
     /// Of a column of length `length` \[m\] that carries the share `axial_ratio` of its squash load.
     #[must_use]
     pub fn of(section: &RolledSection, length: f64, axial_ratio: f64) -> Self {
-        let radius = (section.weak_second_moment() / section.properties().area).sqrt();
+        let SectionBackbone {
+            axial_ratio,
+            member,
+            web,
+        } = SectionBackbone::of(section, length, axial_ratio);
         Self {
-            axial_ratio: axial_ratio.clamp(0.0, 1.0),
-            member: length / radius,
-            web: section.clear_web_depth() / section.web_thickness,
+            axial_ratio,
+            member,
+            web,
         }
     }
 

@@ -115,9 +115,9 @@ impl ShearProperties {
 impl ColumnProperties {
     /// Lengths over which the bars below and above the impact point deform \[m\]: without the half of the bumper that lies
     /// before each of them. Without [`shear`](Self::shear) they are the whole lengths.
-    #[must_use]
     ///
     /// Nothing turns a cantilever back behind a bumper, so that it deforms over the whole length below the impact point.
+    #[must_use]
     pub fn clear_lengths(&self) -> [f64; 2] {
         let covered = match self.top {
             Support::Free => 0.0,
