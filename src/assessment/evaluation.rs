@@ -2,9 +2,8 @@
 
 use super::{Assessment, AssessmentInput, RemainingCapacity, Severity, assess};
 use crate::column::{
-    self, CapacityError, ColumnProperties, Impact, Model, Outcome, Progress, Report, Response,
-    SimulationError, State, carried_load, plastic_plateau, residual_without_bumper, respond,
-    with_half_the_step,
+    self, CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
+    carried_load, follow, plastic_plateau, residual_without_bumper, respond, with_half_the_step,
 };
 use crate::parameters::{NoShear, Parameters, Value};
 
@@ -181,24 +180,13 @@ pub fn observe_and_rest(
     properties: &ColumnProperties,
     impact: &Impact,
     max_duration: f64,
-    mut observe: impl FnMut(&Model, &State),
+    observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Option<State>), SimulationError> {
-    let model = Model::new(&properties.before(impact))?;
-    let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
-    observe(&model, &state);
-    loop {
-        let progress = response.advance(&model, &mut state, u64::MAX)?;
-        observe(&model, &state);
-        if let Progress::Over(end) = progress {
-            let report = response.report(&model, &state, end);
-            let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-            let whole = model.without_bumper();
-            let residual = || residual_without_bumper(&model, &state, &whole);
-            let rest = stands.then(residual).flatten();
-            return Ok((report, rest));
-        }
-    }
+    let properties = properties.before(impact);
+    let (report, model, state) = follow(&properties, impact, max_duration, observe)?;
+    let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
+    let residual = || residual_without_bumper(&model, &state, &model.without_bumper());
+    Ok((report, stands.then(residual).flatten()))
 }
 
 /// The error of the largest `v1`, estimated from a run with half the step; `None` if that has another outcome.

@@ -1,6 +1,6 @@
 //! What the sensors of a simulated impact read, and tables of readings.
 
-use column_twin::column::{Impact, Model, State, simulate};
+use column_twin::column::{BarForces, ColumnProperties, Impact, Model, Response, State, simulate};
 use column_twin::parameters::Parameters;
 use column_twin::senses::{Probe, Quantity, Readings, Sensor, simulate_sensors};
 
@@ -20,20 +20,29 @@ fn sensor(name: &str, quantity: Quantity, height: f64) -> Sensor {
     }
 }
 
+/// A column while it bends elastically.
+fn soon_after_an_impact(model: &Model) -> State {
+    let mut state = State::at_rest(model);
+    let impact = Impact::rigid(500.0, 0.5);
+    let mut response = Response::begin(model, &mut state, impact, 1.0).expect("an impact");
+    for _ in 0..150 {
+        let _ = response.advance(model, &mut state, 1).expect("a step");
+    }
+    assert!(state.displacement.v1 > 1e-4);
+    state
+}
+
 /// The cubic between the ends meets the boundary conditions of the elastic beam.
 #[test]
 fn readings_along_the_bars_join_at_the_impact_point_and_meet_the_supports() {
-    let properties = Parameters::default().column_properties();
+    // A web that deforms turns the axis where the shear force changes.
+    let properties = ColumnProperties {
+        shear: None,
+        ..Parameters::default().column_properties()
+    };
     let model = Model::new(&properties).expect("a column");
-    let mut state = State::at_rest(&model);
+    let state = soon_after_an_impact(&model);
     let height = properties.length_below + properties.length_above;
-    let impact = Impact::rigid(500.0, 0.5);
-    let mut response =
-        column_twin::column::Response::begin(&model, &mut state, impact, 1.0).expect("an impact");
-    for _ in 0..150 {
-        let _ = response.advance(&model, &mut state, 1).expect("a step");
-    }
-    assert!(state.displacement.v1 > 1e-4);
     let read = |quantity, at: f64| Probe::new(&model, &sensor("s", quantity, at)).read(&state);
     let below = properties.length_below;
     for quantity in [
@@ -61,6 +70,38 @@ fn readings_along_the_bars_join_at_the_impact_point_and_meet_the_supports() {
     let difference =
         read(Quantity::Displacement, at + step) - read(Quantity::Displacement, at - step);
     assert!((difference / (2.0 * step) - read(Quantity::Rotation, at)).abs() < 1e-6 * scale);
+}
+
+/// The axis of a bar leans by the shear angle of its web where the section is built in, and kinks by both at the impact point.
+#[test]
+fn the_axis_of_a_sheared_bar_leans_by_the_angle_of_its_web() {
+    let properties = Parameters::default().column_properties();
+    let rigidity = properties.shear.expect("a web").rigidity;
+    let model = Model::new(&properties).expect("a column");
+    let state = soon_after_an_impact(&model);
+    let [below, above] = properties.clear_lengths();
+    let height = properties.length_below + properties.length_above;
+    let angle = |forces: &BarForces, length: f64| {
+        (forces.moment[0] + forces.moment[1]) / (length * rigidity)
+    };
+    let angle_below = angle(&state.forces.below, below);
+    let angle_above = angle(&state.forces.above, above);
+    assert!(angle_below > 1e-5 && angle_above > 1e-5);
+    let rotation = |at: f64| Probe::new(&model, &sensor("s", Quantity::Rotation, at)).read(&state);
+    // The chords are those of large rotations.
+    let close = |found: f64, expected: f64| {
+        assert!(
+            (found - expected).abs() <= 1e-3 * expected.abs(),
+            "{found} {expected}"
+        );
+    };
+    close(rotation(0.0), angle_below);
+    close(rotation(height), -angle_above);
+    let struck = properties.length_below;
+    close(
+        rotation(struck) - rotation(struck * (1.0 + 1e-12)),
+        angle_below + angle_above,
+    );
 }
 
 #[test]

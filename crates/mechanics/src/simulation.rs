@@ -20,9 +20,8 @@ pub fn simulate(
     max_duration: f64,
     observe: &mut dyn FnMut(&Sample),
 ) -> Result<Report, SimulationError> {
-    follow(properties, impact, max_duration, |model, state| {
-        observe(&state.sample(model));
-    })
+    let observe = |model: &Model, state: &State| observe(&state.sample(model));
+    follow(properties, impact, max_duration, observe).map(|(report, ..)| report)
 }
 
 /// As [`simulate`], without an observer: no sample is computed.
@@ -34,15 +33,20 @@ pub fn respond(
     impact: &Impact,
     max_duration: f64,
 ) -> Result<Report, SimulationError> {
-    follow(properties, impact, max_duration, |_, _| ())
+    follow(properties, impact, max_duration, |_, _| ()).map(|(report, ..)| report)
 }
 
-fn follow(
+/// As [`simulate`], with the column and the state in which the response ends. `observe` sees the state at the event and after
+/// every step, from which it may take a sample.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn follow(
     properties: &ColumnProperties,
     impact: &Impact,
     max_duration: f64,
     mut observe: impl FnMut(&Model, &State),
-) -> Result<Report, SimulationError> {
+) -> Result<(Report, Model, State), SimulationError> {
     let model = Model::new(properties)?;
     let mut state = State::at_rest(&model);
     let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
@@ -51,7 +55,7 @@ fn follow(
         let progress = response.advance(&model, &mut state, u64::MAX)?;
         observe(&model, &state);
         if let Progress::Over(end) = progress {
-            return Ok(response.report(&model, &state, end));
+            return Ok((response.report(&model, &state, end), model, state));
         }
     }
 }

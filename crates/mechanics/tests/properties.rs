@@ -5,6 +5,8 @@
     reason = "tests may compare with the system's functions"
 )]
 
+mod random_columns;
+
 use column_mechanics::{
     Capacity, ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, End, Impact,
     MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, Model, Phase, Progress, PushDown,
@@ -13,6 +15,7 @@ use column_mechanics::{
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRng, TestRunner};
+use random_columns::{begin, check};
 
 /// Random columns per scheme; both schemes together must reach at least 10 000.
 const CASES: u32 = 6_000;
@@ -221,14 +224,7 @@ fn round_off(properties: &ColumnProperties, impact: &Impact) -> f64 {
 }
 
 fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCaseError> {
-    let Ok(model) = Model::new(properties) else {
-        return Err(TestCaseError::reject(
-            "squashed or buckled by its load alone",
-        ));
-    };
-    let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, 1e3)
-        .map_err(|e| TestCaseError::fail(e.to_string()))?;
+    let (model, mut state, mut response) = begin(properties, impact)?;
     let start = state.sample(&model);
     // The round-off of the ledger is relative to the energies that it adds up.
     let scale = impact.mass * impact.velocity * impact.velocity / 2.0
@@ -314,37 +310,7 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
 }
 
 fn run(scheme: Scheme, impacts: impl Strategy<Value = Impact>) {
-    // The columns are the same in every run; COLUMN_TWIN_EXPLORE draws as many new ones as it says.
-    let explored: Option<u32> = std::env::var("COLUMN_TWIN_EXPLORE").ok().map(|count| {
-        count
-            .parse()
-            .expect("COLUMN_TWIN_EXPLORE is a number of columns")
-    });
-    let cases = explored.unwrap_or(CASES);
-    let config = Config {
-        cases,
-        max_global_rejects: cases.saturating_mul(20),
-        max_local_rejects: cases.saturating_mul(20),
-        ..Config::default()
-    };
-    let mut runner = if explored.is_some() {
-        TestRunner::new(config)
-    } else {
-        let seed = TestRng::deterministic_rng(config.rng_algorithm);
-        TestRunner::new_with_rng(config, seed)
-    };
-    runner
-        .run(&(column(scheme), impacts), |(properties, impact)| {
-            follow(&properties, &impact).map_err(|failure| match failure {
-                TestCaseError::Fail(reason) => {
-                    // The case to the last bit, for a rerun.
-                    let case = serde_json::json!({ "column": properties, "impact": impact });
-                    TestCaseError::fail(format!("{reason}\n{case}"))
-                }
-                rejected => rejected,
-            })
-        })
-        .unwrap_or_else(|failure| panic!("{failure}"));
+    check(CASES, (column(scheme), impacts), follow);
 }
 
 #[test]

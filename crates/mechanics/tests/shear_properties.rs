@@ -5,6 +5,8 @@
     reason = "tests may compare with the system's functions"
 )]
 
+mod random_columns;
+
 use std::cell::Cell;
 
 use column_mechanics::{
@@ -16,6 +18,7 @@ use column_mechanics::{
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRng, TestRunner};
+use random_columns::{begin, check};
 
 /// Random columns per scheme.
 const CASES: u32 = 5_000;
@@ -197,14 +200,7 @@ fn follow(
     impact: &Impact,
     seen: &Seen,
 ) -> Result<(), TestCaseError> {
-    let Ok(model) = Model::new(properties) else {
-        return Err(TestCaseError::reject(
-            "squashed or buckled by its load alone",
-        ));
-    };
-    let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, 1e3)
-        .map_err(|e| TestCaseError::fail(e.to_string()))?;
+    let (model, mut state, mut response) = begin(properties, impact)?;
     let start = state.sample(&model);
     // The round-off of the ledger is relative to the energies that it adds up.
     let input = impact.mass * impact.velocity * impact.velocity / 2.0
@@ -279,38 +275,10 @@ fn follow(
 }
 
 fn run(scheme: Scheme) {
-    // The columns are the same in every run; COLUMN_TWIN_EXPLORE draws as many new ones as it says.
-    let explored: Option<u32> = std::env::var("COLUMN_TWIN_EXPLORE").ok().map(|count| {
-        count
-            .parse()
-            .expect("COLUMN_TWIN_EXPLORE is a number of columns")
-    });
-    let cases = explored.unwrap_or(CASES);
-    let config = Config {
-        cases,
-        max_global_rejects: cases.saturating_mul(20),
-        max_local_rejects: cases.saturating_mul(20),
-        ..Config::default()
-    };
-    let mut runner = if explored.is_some() {
-        TestRunner::new(config)
-    } else {
-        let seed = TestRng::deterministic_rng(config.rng_algorithm);
-        TestRunner::new_with_rng(config, seed)
-    };
     let seen = Seen::default();
-    runner
-        .run(&(column(scheme), impact()), |(properties, impact)| {
-            follow(&properties, &impact, &seen).map_err(|failure| match failure {
-                TestCaseError::Fail(reason) => {
-                    // The case to the last bit, for a rerun.
-                    let case = serde_json::json!({ "column": properties, "impact": impact });
-                    TestCaseError::fail(format!("{reason}\n{case}"))
-                }
-                rejected => rejected,
-            })
-        })
-        .unwrap_or_else(|failure| panic!("{failure}"));
+    let cases = check(CASES, (column(scheme), impact()), |properties, impact| {
+        follow(properties, impact, &seen)
+    });
     println!(
         "{scheme:?}: {cases} columns, {} sheared, {} both ways, {} steps",
         seen.sheared.get(),

@@ -5,12 +5,14 @@
     reason = "tests may compare with the system's functions"
 )]
 
+mod random_columns;
+
 use column_mechanics::{
     BarForces, ColumnProperties, ElasticLaw, End, Impact, Model, Outcome, PlasticFlow, Progress,
     RateLaw, RateProperties, Response, Scheme, SofteningProperties, State, Support, YieldExponents,
 };
 use proptest::prelude::*;
-use proptest::test_runner::{Config, TestRng, TestRunner};
+use random_columns::{begin, check};
 
 /// Random columns per scheme.
 const CASES: u32 = 3_000;
@@ -119,14 +121,7 @@ fn hinge_work(from: &BarForces, to: &BarForces, plastic: [&PlasticFlow; 2], k: u
 
 /// Follows a response and checks every step of it.
 fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCaseError> {
-    let Ok(model) = Model::new(properties) else {
-        return Err(TestCaseError::reject(
-            "squashed or buckled by its load alone",
-        ));
-    };
-    let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, 1e3)
-        .map_err(|e| TestCaseError::fail(e.to_string()))?;
+    let (model, mut state, mut response) = begin(properties, impact)?;
     let start = state.sample(&model);
     let scale = impact.energy() + start.elastic_energy + start.load_work;
     let conserving = properties.scheme == Scheme::ConservingMidpoint;
@@ -190,35 +185,9 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
 }
 
 fn run(scheme: Scheme) {
-    let config = Config {
-        cases: CASES,
-        max_global_rejects: 20 * CASES,
-        ..Config::default()
-    };
-    // The columns are the same in every run; COLUMN_TWIN_EXPLORE draws new ones.
-    let mut runner = if std::env::var_os("COLUMN_TWIN_EXPLORE").is_some() {
-        TestRunner::new(config)
-    } else {
-        let seed = TestRng::deterministic_rng(config.rng_algorithm);
-        TestRunner::new_with_rng(config, seed)
-    };
-    let impacts = (log_uniform(10.0, 1e5), log_uniform(0.1, 60.0));
-    runner
-        .run(
-            &(column(scheme), impacts),
-            |(properties, (mass, velocity))| {
-                let impact = Impact::rigid(mass, velocity);
-                follow(&properties, &impact).map_err(|failure| match failure {
-                    TestCaseError::Fail(reason) => {
-                        // The case to the last bit, for a rerun.
-                        let case = serde_json::json!({ "column": properties, "impact": impact });
-                        TestCaseError::fail(format!("{reason}\n{case}"))
-                    }
-                    rejected => rejected,
-                })
-            },
-        )
-        .unwrap_or_else(|failure| panic!("{failure}"));
+    let impacts = (log_uniform(10.0, 1e5), log_uniform(0.1, 60.0))
+        .prop_map(|(mass, velocity)| Impact::rigid(mass, velocity));
+    check(CASES, (column(scheme), impacts), follow);
 }
 
 #[test]

@@ -170,10 +170,13 @@ pub(super) fn chapters() -> String {
             );
             // The weight of the striker is a few per cent of the resistance.
             assert!(with.max_v1 >= without.max_v1 && with.ledger_residual < 1e-10);
-            let residual = |report: &Report| 1e3 * report.residual_v1.unwrap_or(f64::NAN);
+            let residual = |report: &Report| match report.residual_v1 {
+                Some(residual) => format!("{:.1}", 1e3 * residual),
+                None => "none".to_owned(),
+            };
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {} | {:.1} / {:.1} | {:.1} / {:.1} | {:.1} / {:.1} | {ratio:.2} |",
+                "| {} | {} | {} | {} | {:.1} / {:.1} | {:.1} / {} | {:.1} / {} | {ratio:.2} |",
                 series.name,
                 test.id,
                 test.mass_kg,
