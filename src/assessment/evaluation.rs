@@ -1,11 +1,12 @@
 //! One impact on the virgin column with all that an engineer needs to judge it.
 
-use super::{Assessment, AssessmentInput, RemainingCapacity, Severity, assess};
+use super::action_range::{ActionRange, Assumption};
+use super::{Assessment, AssessmentInput, RemainingCapacity, assess};
 use crate::column::{
     self, CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
     carried_load, follow, plastic_plateau, residual_without_bumper, respond, with_half_the_step,
 };
-use crate::parameters::{NoShear, Parameters, Value};
+use crate::parameters::{NoShear, Parameters};
 
 /// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
 /// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
@@ -27,6 +28,21 @@ pub struct HardeningBand {
     pub softens: bool,
 }
 
+impl HardeningBand {
+    /// The band within the range of a verdict; `None` if one of its runs failed.
+    fn of(range: &ActionRange) -> Option<Self> {
+        let mut ends = range.of_assumption(Assumption::Hardening);
+        let (weakest, strongest) = (ends.next()?, ends.next()?);
+        Some(Self {
+            hardening: [weakest, strongest].map(|end| end.hardening_ratio),
+            outcome: [weakest, strongest].map(|end| end.report.outcome),
+            max_v1: [weakest, strongest].map(|end| end.report.max_v1),
+            residual_v1: [weakest, strongest].map(|end| end.report.residual_v1),
+            softens: weakest.softens,
+        })
+    }
+}
+
 /// The weakest column of the band, with the least hardening and the softening of the column, and the strongest one, with the
 /// most hardening and no softening. The hardening of the column itself lies within the band.
 #[must_use]
@@ -42,45 +58,6 @@ pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
         softening,
         ..*properties
     })
-}
-
-/// The same impact with the whole force of the vehicle's front: without the assumption that a column meets less of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WholeFront {
-    /// Outcome of the response.
-    pub outcome: Outcome,
-    /// Largest `v1` \[m\].
-    pub max_v1: f64,
-    /// What would have to be done; `None` if the capacities could not be computed.
-    pub severity: Option<Severity>,
-}
-
-impl WholeFront {
-    /// Computes another response of the virgin column. `None` if the impact is not that of the parameters, its vehicle meets the
-    /// column with its whole front anyway, or the response cannot be computed.
-    #[must_use]
-    pub fn of(parameters: &Parameters, impact: &Impact) -> Option<Self> {
-        let is_narrow = parameters.settings().vehicle.narrow_object && impact.vehicle.is_some();
-        if !is_narrow || parameters.impact() != *impact {
-            return None;
-        }
-        let changes = [("vehicle.narrow_object", Value::from(false))];
-        let impact = parameters.with_changes(changes).ok()?.impact();
-        let properties = parameters.column_properties();
-        let duration = parameters.response_duration();
-        let (report, rest) = respond_and_rest(&properties, &impact, duration).ok()?;
-        let model = Model::new(&properties).ok()?;
-        let remaining = RemainingCapacity::compute(parameters, &model, rest.as_ref()).ok();
-        Some(Self {
-            outcome: report.outcome,
-            max_v1: report.max_v1,
-            severity: remaining.map(|remaining| {
-                let input =
-                    AssessmentInput::of_response(parameters, &model, &impact, &report, remaining);
-                assess(&input).severity
-            }),
-        })
-    }
 }
 
 /// What an impact on the virgin column leads to.
@@ -100,8 +77,8 @@ pub struct ImpactEvaluation {
     pub error_estimate: Option<f64>,
     /// The band of hardening and softening; `None` if one of its runs failed.
     pub band: Option<HardeningBand>,
-    /// What the factor for narrow objects, an assumption, has changed; `None` where it takes no part.
-    pub whole_front: Option<WholeFront>,
+    /// Between which actions the verdict lies; `None` without the capacities.
+    pub range: Option<ActionRange>,
     /// `F0`: plastic plateau of the virgin column under the load that it carries \[N\].
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
@@ -113,8 +90,8 @@ pub struct ImpactEvaluation {
 impl ImpactEvaluation {
     /// Completes the evaluation of a response that was computed with [`respond_and_rest`].
     ///
-    /// Three or four more responses are computed, one with half the step, two for the band and one with the whole front of the
-    /// vehicle, and the push-downs of the virgin and of the damaged column.
+    /// More responses are computed, one with half the step and those of [`ActionRange::of`], with the push-downs of the column
+    /// that each of them leaves.
     ///
     /// # Errors
     /// A column that is out of range, which the response has excluded.
@@ -124,19 +101,16 @@ impl ImpactEvaluation {
         impact: &Impact,
         (report, rest): (Report, Option<State>),
     ) -> Result<Self, SimulationError> {
-        let properties = &properties.before(impact);
-        let model = Model::new(properties)?;
-        let whole = model.without_bumper();
-        let (remaining, capacity_fault) =
-            match RemainingCapacity::compute(parameters, &whole, rest.as_ref()) {
-                Ok(remaining) => (Some(remaining), None),
-                Err(fault) => (None, Some(fault)),
+        let before = &properties.before(impact);
+        let model = Model::new(before)?;
+        let (remaining, assessment, capacity_fault) =
+            match judged(parameters, &model, impact, &report, rest.as_ref()) {
+                Ok((remaining, assessment)) => (Some(remaining), Some(assessment), None),
+                Err(fault) => (None, None, Some(fault)),
             };
-        let assessment = remaining.map(|remaining| {
-            let input =
-                AssessmentInput::of_response(parameters, &model, impact, &report, remaining);
-            assess(&input)
-        });
+        let range = assessment
+            .as_ref()
+            .map(|it| ActionRange::of(parameters, properties, impact, &report, it.severity));
         let carried = carried_load(&model, &State::at_rest(&model));
         let duration = parameters.response_duration();
         Ok(Self {
@@ -147,8 +121,8 @@ impl ImpactEvaluation {
             assessment,
             step: 1e-9 * model.properties.step_nanos as f64,
             error_estimate: error_estimate(&model.properties, impact, duration, &report),
-            band: band(properties, impact, duration, &report),
-            whole_front: WholeFront::of(parameters, impact),
+            band: range.as_ref().and_then(HardeningBand::of),
+            range,
             plateau: plastic_plateau(&model, carried),
             front_force: impact.vehicle.and_then(|vehicle| {
                 let envelope = vehicle.springs().first()?.envelope;
@@ -157,6 +131,20 @@ impl ImpactEvaluation {
             }),
         })
     }
+}
+
+/// The capacities and the assessment of the virgin column with this `model`, which stood before the bumper of the vehicle, after
+/// its response and in the equilibrium `rest`, see [`respond_and_rest`].
+pub(super) fn judged(
+    parameters: &Parameters,
+    model: &Model,
+    impact: &Impact,
+    report: &Report,
+    rest: Option<&State>,
+) -> Result<(RemainingCapacity, Assessment), CapacityError> {
+    let remaining = RemainingCapacity::compute(parameters, &model.without_bumper(), rest)?;
+    let input = AssessmentInput::of_response(parameters, model, impact, report, remaining);
+    Ok((remaining, assess(&input)))
 }
 
 /// The response of the virgin column before the bumper of the vehicle, and the equilibrium in which it comes to rest once the
@@ -199,29 +187,4 @@ fn error_estimate(
     let halved = with_half_the_step(properties)?;
     let finer = respond(&halved, impact, duration).ok()?;
     column::error_estimate(report, &finer)
-}
-
-fn band(
-    properties: &ColumnProperties,
-    impact: &Impact,
-    duration: f64,
-    report: &Report,
-) -> Option<HardeningBand> {
-    let run = |changed: ColumnProperties| {
-        // Without yielding, neither hardening nor softening changes anything.
-        if changed == *properties || report.outcome == Outcome::Elastic {
-            return Some(*report);
-        }
-        respond(&changed, impact, duration).ok()
-    };
-    let ends = band_properties(properties);
-    let [weakest, strongest] = ends.map(run);
-    let (weakest, strongest) = (weakest?, strongest?);
-    Some(HardeningBand {
-        hardening: ends.map(|end| end.hardening_ratio),
-        outcome: [weakest.outcome, strongest.outcome],
-        max_v1: [weakest.max_v1, strongest.max_v1],
-        residual_v1: [weakest.residual_v1, strongest.residual_v1],
-        softens: properties.softening.is_some(),
-    })
 }

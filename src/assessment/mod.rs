@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod action_range;
 mod base;
 mod criteria;
 mod evaluation;
@@ -32,10 +33,11 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
+pub use action_range::{ActionRange, Assumption, Variation};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
 pub use evaluation::{
-    HARDENING_BAND, HardeningBand, ImpactEvaluation, WholeFront, band_properties, observe_and_rest,
+    HARDENING_BAND, HardeningBand, ImpactEvaluation, band_properties, observe_and_rest,
     respond_and_rest,
 };
 pub use input::{AssessedImpact, AssessedShear, AssessmentInput, largest_plastic_rotation};

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
 
-use column_twin::assessment::{ImpactEvaluation, Severity};
+use column_twin::assessment::ImpactEvaluation;
 use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };
@@ -67,7 +67,46 @@ impl Summary<'_> {
                 None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
             },
         };
-        wrapped(f, "Severity", &words)
+        wrapped(f, "Severity", &words)?;
+        match &self.evaluation.range {
+            Some(range) => wrapped(f, "Range", &range.to_string()),
+            None => Ok(()),
+        }
+    }
+
+    /// One assumption after the other, with what it leads to.
+    fn range(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Some(range) = &self.evaluation.range else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "\n{:<45}{:>12}{:>12}  severity",
+            "Range: one assumption changed at a time", "peak v1", "residual"
+        )?;
+        for it in &range.variations {
+            let report = &it.report;
+            let unit = Unit::length(report.max_v1);
+            let (peak, residual) = match report.outcome {
+                Outcome::Collapsed => ("collapse".to_owned(), String::new()),
+                Outcome::Severed => ("torn".to_owned(), String::new()),
+                Outcome::Elastic | Outcome::Plastic => (
+                    unit.show(report.max_v1),
+                    report.residual_v1.map_or("none".into(), |it| unit.show(it)),
+                ),
+            };
+            writeln!(
+                f,
+                "  {:<16}{:<27}{peak:>12}{residual:>12}  {}",
+                it.assumption.name(),
+                it.instead,
+                it.severity.name()
+            )?;
+        }
+        for (assumption, reason) in &range.not_varied {
+            writeln!(f, "  {:<16}not varied: {reason}", assumption.name())?;
+        }
+        Ok(())
     }
 
     /// What the column still carries; whether it stands is never said without it.
@@ -152,23 +191,6 @@ impl Summary<'_> {
                 unit.show(crushed.max_crush[index]),
                 unit.show(crushed.permanent_crush[index]),
                 energy.show(crushed.dissipated[index]),
-            )?;
-        }
-        if let Some(whole) = &evaluation.whole_front {
-            let severity = evaluation.assessment.as_ref().map(|it| it.severity);
-            let words = |outcome, max_v1, severity: Option<Severity>| {
-                let peak = match outcome {
-                    Outcome::Collapsed | Outcome::Severed => String::new(),
-                    _ => Unit::length(max_v1).show(max_v1) + ", ",
-                };
-                peak + severity.map_or("not assessed", Severity::name)
-            };
-            writeln!(
-                f,
-                "  {:<32}{}; without: {}",
-                "narrow object, assumed [A]",
-                words(report.outcome, report.max_v1, severity),
-                words(whole.outcome, whole.max_v1, whole.severity),
             )?;
         }
         writeln!(
@@ -460,6 +482,7 @@ impl Display for Summary<'_> {
         self.outcome(f)?;
         self.capacity(f)?;
         self.displacements(f)?;
+        self.range(f)?;
         self.accuracy(f)?;
         self.vehicle(f)?;
         self.contact(f)?;

@@ -201,7 +201,18 @@ groups! {
     /// Remaining axial capacity.
     CapacitySettings { imperfection: f64 }
     /// Assessment of an impact.
-    AssessmentSettings { ultimate_rotation: f64, ultimate_shear_angle: f64, criteria: Vec<String> }
+    AssessmentSettings {
+        ultimate_rotation: f64,
+        ultimate_shear_angle: f64,
+        criteria: Vec<String>,
+        // The ranges are absent in recordings and states of programs that give one verdict alone.
+        #[serde(default)]
+        range_velocity: f64,
+        #[serde(default)]
+        range_height: f64,
+        #[serde(default)]
+        range_front: f64,
+    }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
     /// What the solver thread requests from the system.

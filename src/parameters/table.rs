@@ -1025,6 +1025,33 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "criteria that decide the severity; all others are shown only. `collapse` always decides",
     },
     Parameter {
+        name: "assessment.range_velocity",
+        unit: "",
+        default: DefaultValue::Double(0.1),
+        admissible: Admissible::Real { min: 0.0, max: 0.9 },
+        applies: Applies::AtOnce,
+        meaning: "relative range of the speed of the vehicle, to both sides, within which the action of a verdict is sought. 0.1: a speed that is read from skid marks or a camera [A]",
+    },
+    Parameter {
+        name: "assessment.range_height",
+        unit: "m",
+        default: DefaultValue::Double(0.2),
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 10.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "the same for the height of the impact point. 0.2: bumpers of one kind of vehicle differ by as much, and brakes dip them [A]",
+    },
+    Parameter {
+        name: "assessment.range_front",
+        unit: "",
+        default: DefaultValue::Double(0.2),
+        admissible: Admissible::Real { min: 0.0, max: 0.9 },
+        applies: Applies::AtOnce,
+        meaning: "relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`",
+    },
+    Parameter {
         name: "state.directory",
         unit: "",
         default: DefaultValue::Text("state"),

@@ -2,15 +2,18 @@
 
 use super::reported_impact::ReportedImpact;
 use crate::assessment::{
-    Assessment, AssessmentInput, Criterion, RemainingCapacity, Severity, assess, imperfection,
+    ActionRange, Assessment, AssessmentInput, Criterion, RemainingCapacity, Severity, assess,
+    imperfection,
 };
-use crate::column::{Outcome, PushDownPoint, State, push_down};
+use crate::column::{Outcome, PerBar, PushDownPoint, State, push_down};
 
 /// Remaining capacity and assessment after one impact.
 #[derive(Debug, Clone)]
 pub(super) struct Assessed {
     pub remaining: RemainingCapacity,
     pub assessment: Assessment,
+    /// Between which actions the verdict lies, or why that was not computed.
+    pub range: Result<ActionRange, &'static str>,
     /// `F0`: plastic plateau of the column \[N\].
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
@@ -58,9 +61,11 @@ impl Assessed {
             &impact.report,
             remaining,
         );
+        let assessment = assess(&input);
         Ok(Self {
             remaining,
-            assessment: assess(&input),
+            range: range(impact, assessment.severity),
+            assessment,
             plateau: input.plateau,
             front_force: input.impact.and_then(|impact| impact.front_force),
             virgin,
@@ -76,6 +81,22 @@ impl Assessed {
             .iter()
             .find(|criterion| criterion.name == name)
     }
+}
+
+fn range(impact: &ReportedImpact, verdict: Severity) -> Result<ActionRange, &'static str> {
+    let struck = impact
+        .struck
+        .ok_or("the column was still moving when the impact began")?;
+    if struck.state.plastic != PerBar::default() {
+        return Err("the column was damaged before, and its hardening since then is not known");
+    }
+    Ok(ActionRange::of(
+        &impact.parameters,
+        &impact.model.properties,
+        &impact.impact,
+        &impact.report,
+        verdict,
+    ))
 }
 
 /// What has to be done, as a sentence.

@@ -63,7 +63,7 @@ pub(super) fn markup(
             (figures.markup("contact_force", "Force between vehicle and column over time."))
             (vehicle(impact, &mut figures))
             (energy(impact, &mut figures))
-            (uncertainty::markup(impact))
+            (uncertainty::markup(impact, &assessed))
             h3 { "Axial response" }
             (figures.markup("fig6_vertical_displacement", "Vertical displacement of the impact point and of the top over time."))
             (figures.markup("fig7_normal_forces", "Normal forces of both bars over time."))

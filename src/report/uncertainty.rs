@@ -1,26 +1,22 @@
-//! How far the numbers of an impact may be off: the time step, and the band of hardening and softening.
+//! How far the numbers of an impact may be off: the time step, the range of the verdict, and the band of hardening and
+//! softening.
 
 use maud::{Markup, html};
 
+use super::assessed::Assessed;
 use super::document::fact;
 use super::reported_impact::ReportedImpact;
-use super::words::{outcome_in_words, short};
-use crate::assessment::{Severity, WholeFront, band_properties};
-use crate::column::{ColumnProperties, Model, PerBar, Report};
+use super::words::{capitalised, outcome_in_words, short};
+use crate::assessment::{ActionRange, Assumption, Variation};
+use crate::column::{Outcome, Report};
 use crate::figures::units::Unit;
 
-/// The same impact on the columns of [`band_properties`].
-struct Band {
-    weakest: Report,
-    strongest: Report,
-    /// Whether the weakest one softens.
-    softens: bool,
-    /// Their hardening.
-    hardening: [f64; 2],
-}
-
-/// Error of the step, band, and where the error of the model is described.
-pub(super) fn markup(impact: &ReportedImpact) -> Markup {
+/// Error of the step, range of the verdict, band of the steel, and where the error of the model is described.
+pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
+    let range = match assessed {
+        Ok(assessed) => assessed.range.as_ref().map_err(|reason| *reason),
+        Err(_) => Err("there is no assessment"),
+    };
     html! {
         h3 { "Uncertainty" }
         table.facts {
@@ -33,77 +29,74 @@ pub(super) fn markup(impact: &ReportedImpact) -> Markup {
                     None => "not estimated".to_owned(),
                 }))
                 (fact("Energy balance", format!("largest residual {:.1e} of the energy of the vehicle", impact.report.ledger_residual)))
-                @if let Some(whole) = whole_front(impact) {
-                    (fact("Narrow object [A]", format!(
-                        "the column is assumed to meet a part of the front only (vehicle.narrow_object); with the whole front: {}, \
-                         largest displacement {}, severity {}",
-                        outcome_in_words(whole.outcome),
-                        Unit::length(whole.max_v1).show(whole.max_v1),
-                        whole.severity.map_or("not assessed", Severity::name),
-                    )))
-                }
                 (fact("Model", "see \"What this report cannot know\""))
             }
         }
-        @match band(impact) {
-            Ok(band) => { (band_table(&band)) }
-            Err(reason) => { p.note { "The band of hardening and softening was not computed: " (reason) "." } }
+        @match range {
+            Ok(range) => {
+                (range_table(range))
+                (band_table(range))
+            }
+            Err(reason) => { p.note { "The range of the verdict and the band of the steel were not computed: " (reason) "." } }
         }
     }
 }
 
-/// What the factor for narrow objects has changed, for a virgin column.
-fn whole_front(impact: &ReportedImpact) -> Option<WholeFront> {
-    let struck = impact.struck?;
-    let is_virgin = struck.state.plastic == PerBar::default();
-    let model = Model::new(&impact.parameters.column_properties());
-    (is_virgin && model.is_ok_and(|model| model == impact.model))
-        .then(|| WholeFront::of(&impact.parameters, &impact.impact))
-        .flatten()
-}
-
-fn band(impact: &ReportedImpact) -> Result<Band, String> {
-    let struck = impact
-        .struck
-        .ok_or("the column was still moving when the impact began")?;
-    let plastic = &struck.state.plastic;
-    let was_damaged = (0..2).any(|k| plastic.below.has_flowed(k) || plastic.above.has_flowed(k));
-    if was_damaged {
-        return Err(
-            "the column was damaged before, and its hardening since then is not known".into(),
-        );
-    }
-    let properties = impact.model.properties;
-    let with = |changed: ColumnProperties| {
-        if changed == properties {
-            return Ok(impact.report);
+/// One assumption after the other, with the action to which it leads.
+fn range_table(range: &ActionRange) -> Markup {
+    let row = |it: &Variation| {
+        let (max, residual) = displacements(&it.report);
+        html! {
+            tr {
+                th scope="row" { (capitalised(it.assumption.in_words())) }
+                td { (it.instead) }
+                td { (outcome_in_words(it.report.outcome)) }
+                td.number { (max) }
+                td.number { (residual) }
+                td { (it.severity.name()) }
+            }
         }
-        struck
-            .with_properties(&changed)
-            .ok_or("these parameters allow no hardening".to_owned())?
-            .report()
-            .map_err(|error| error.to_string())
     };
-    let [weakest, strongest] = band_properties(&properties);
-    Ok(Band {
-        softens: weakest.softening.is_some(),
-        hardening: [weakest.hardening_ratio, strongest.hardening_ratio],
-        weakest: with(weakest)?,
-        strongest: with(strongest)?,
-    })
+    html! {
+        table.compact {
+            caption {
+                "Range of the verdict: " (range) ". Each assumption is changed alone [A]; two that both err on the unsafe side may lead \
+                 beyond this range."
+            }
+            thead { tr {
+                th { "what is not known exactly" } th { "instead" } th { "outcome" }
+                th.number { "largest" } th.number { "residual" } th { "severity" }
+            } }
+            tbody { @for variation in &range.variations { (row(variation)) } }
+        }
+        @for (assumption, reason) in &range.not_varied {
+            p.note { (capitalised(assumption.in_words())) " was not varied: " (reason) "." }
+        }
+    }
 }
 
-fn band_table(
-    Band {
-        weakest,
-        strongest,
-        softens,
-        hardening: [least, most],
-    }: &Band,
-) -> Markup {
+/// Largest and residual displacement of the impact point; words where there are none.
+fn displacements(report: &Report) -> (String, String) {
+    let unit = Unit::length(report.max_v1);
+    let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
+    let residual = report.residual_v1.filter(|_| stands);
+    (
+        unit.show(report.max_v1),
+        residual.map_or("none".to_owned(), |it| unit.show(it)),
+    )
+}
+
+fn band_table(range: &ActionRange) -> Markup {
+    let mut ends = range.of_assumption(Assumption::Hardening);
+    let (Some(weakest), Some(strongest)) = (ends.next(), ends.next()) else {
+        return html! {};
+    };
+    let [least, most] = [weakest, strongest].map(|end| end.hardening_ratio);
+    let softens = weakest.softens;
+    let (weakest, strongest) = (&weakest.report, &strongest.report);
     let length = Unit::length(weakest.max_v1.max(strongest.max_v1));
     let force = Unit::force(weakest.peak_contact_force.max(strongest.peak_contact_force));
-    let buckling = if *softens {
+    let buckling = if softens {
         "local buckling"
     } else {
         "no local buckling"

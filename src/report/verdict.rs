@@ -18,6 +18,8 @@ pub(super) struct Verdict {
     headline: String,
     /// What has to be done.
     action: String,
+    /// Between which actions the verdict lies; empty where it is not known.
+    range: String,
     /// The outcome in numbers.
     outcome: String,
     /// What the verdict leaves open.
@@ -36,6 +38,12 @@ impl Verdict {
                 Unit::time(report.end_time).show(report.end_time),
             ));
         }
+        let range = match assessed {
+            Ok(Assessed {
+                range: Ok(range), ..
+            }) => format!("Range of the verdict: {range}."),
+            _ => String::new(),
+        };
         let (class, headline, action) = match assessed {
             Ok(assessed) => {
                 let assessment = &assessed.assessment;
@@ -63,6 +71,7 @@ impl Verdict {
             class,
             headline,
             action,
+            range,
             outcome: outcome(impact),
             reservations,
         }
@@ -74,6 +83,7 @@ impl Verdict {
             div.verdict.(self.class) {
                 p.headline { (before) (self.headline) }
                 p { strong { (self.action) } }
+                @if !self.range.is_empty() { p { (self.range) } }
                 p { (self.outcome) }
                 @for reservation in self.reservations.iter().filter(|it| !it.is_empty()) { p.reservation { (reservation) } }
             }

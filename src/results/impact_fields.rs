@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::assessment::{Criterion, ImpactEvaluation, MissingData, Severity};
+use crate::assessment::{
+    ActionRange, Assumption, Criterion, ImpactEvaluation, MissingData, Severity, Variation,
+};
 use crate::column::{
     BaseForces, BaseReport, End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport,
 };
@@ -65,8 +67,6 @@ pub struct ImpactFields<'a> {
     vehicle_dissipated_j: &'a [f64],
     vehicle_elastic_energy_j: f64,
     vehicle_velocity_m_s: &'a [f64],
-    whole_front_max_v1_m: Option<f64>,
-    whole_front_severity: Option<Severity>,
     plateau_force_n: f64,
     front_force_n: Option<f64>,
     dynamic_factor_max: [f64; HINGES],
@@ -76,6 +76,7 @@ pub struct ImpactFields<'a> {
     carried_load_n: Option<f64>,
     reserve: Option<f64>,
     not_evaluated: Option<&'a [MissingData]>,
+    range: Option<RangeFields<'a>>,
     criteria: Option<&'a [Criterion]>,
     hinges: BTreeMap<&'static str, HingeFields>,
     /// `None` where the webs do not yield in shear.
@@ -92,6 +93,26 @@ struct WebFields {
     max_utilisation: f64,
     max_dynamic_factor: f64,
     work_j: f64,
+}
+
+/// Between which actions the verdict lies.
+#[derive(Debug, Serialize)]
+struct RangeFields<'a> {
+    least: Severity,
+    most: Severity,
+    decided_by: &'a [Assumption],
+    variations: Vec<VariationFields<'a>>,
+    not_varied: BTreeMap<&'static str, &'a str>,
+}
+
+#[derive(Debug, Serialize)]
+struct VariationFields<'a> {
+    assumption: Assumption,
+    instead: &'a str,
+    outcome: Outcome,
+    max_v1_m: f64,
+    residual_v1_m: Option<f64>,
+    severity: Severity,
 }
 
 /// The reactions of the base: means over 1 ms, except for the plateau.
@@ -181,8 +202,6 @@ impl<'a> ImpactFields<'a> {
                 0 => std::slice::from_ref(&report.impactor_velocity),
                 masses => &vehicle.velocity[..masses],
             },
-            whole_front_max_v1_m: evaluation.whole_front.map(|it| it.max_v1),
-            whole_front_severity: evaluation.whole_front.and_then(|it| it.severity),
             plateau_force_n: evaluation.plateau,
             front_force_n: evaluation.front_force,
             dynamic_factor_max: report.max_dynamic_factor,
@@ -192,6 +211,7 @@ impl<'a> ImpactFields<'a> {
             carried_load_n: remaining.map(|it| it.carried_load),
             reserve: remaining.and_then(|it| it.reserve),
             not_evaluated: assessment.map(|it| &*it.not_evaluated),
+            range: evaluation.range.as_ref().map(RangeFields::from),
             criteria: assessment.map(|it| it.criteria.as_slice()),
             hinges: HINGE_NAMES
                 .into_iter()
@@ -203,6 +223,29 @@ impl<'a> ImpactFields<'a> {
             }),
             shear_not_evaluated: evaluation.no_shear.map(|why| why.to_string()),
             base: BaseFields::from(&report.base),
+        }
+    }
+}
+
+impl<'a> From<&'a ActionRange> for RangeFields<'a> {
+    fn from(range: &'a ActionRange) -> Self {
+        let variation = |it: &'a Variation| VariationFields {
+            assumption: it.assumption,
+            instead: &it.instead,
+            outcome: it.report.outcome,
+            max_v1_m: it.report.max_v1,
+            residual_v1_m: it.report.residual_v1,
+            severity: it.severity,
+        };
+        let not_varied = range.not_varied.iter();
+        Self {
+            least: range.least,
+            most: range.most,
+            decided_by: &range.decided_by,
+            variations: range.variations.iter().map(variation).collect(),
+            not_varied: not_varied
+                .map(|(assumption, reason)| (assumption.in_words(), reason.as_str()))
+                .collect(),
         }
     }
 }

@@ -8,8 +8,8 @@
 mod random_columns;
 
 use column_mechanics::{
-    BarForces, ColumnProperties, ElasticLaw, End, Impact, Model, Outcome, PlasticFlow, Progress,
-    RateLaw, RateProperties, Response, Scheme, SofteningProperties, State, Support, YieldExponents,
+    BarForces, ColumnProperties, ElasticLaw, End, Impact, Outcome, PlasticFlow, Progress, RateLaw,
+    RateProperties, Scheme, SofteningProperties, Support, YieldExponents,
 };
 use proptest::prelude::*;
 use random_columns::{begin, check};

@@ -1,0 +1,419 @@
+//! Between which actions the verdict on an impact lies, if what is not known exactly of it differs.
+//!
+//! Each assumption is changed alone to the ends of its range, and the impact is computed and judged anew. The range therefore
+//! holds no combinations: two assumptions that both err on the unsafe side may lead beyond it.
+
+use std::fmt::{self, Display, Formatter};
+
+use serde::Serialize;
+
+use super::evaluation::{band_properties, judged, respond_and_rest};
+use super::{OVERSTRENGTH, Severity};
+use crate::column::{ColumnProperties, Impact, Model, Report};
+use crate::parameters::{Parameters, Value};
+
+/// What is assumed of an impact and its column, and not known exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Assumption {
+    /// Speed of the vehicle.
+    Speed,
+    /// Height of the impact point.
+    Height,
+    /// Force of the vehicle's front.
+    FrontForce,
+    /// That a column meets only a part of the force of a front.
+    NarrowObject,
+    /// Whether the strength grows with the strain rate.
+    StrainRate,
+    /// Slope of the steel after yield, and local buckling.
+    Hardening,
+    /// Yield strength: steel is stronger than its nominal value.
+    YieldStrength,
+    /// Spring at the top that takes a part of the load.
+    TopSpring,
+}
+
+/// The impact with one assumption changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variation {
+    /// Which.
+    pub assumption: Assumption,
+    /// What is assumed instead.
+    pub instead: String,
+    /// The response.
+    pub report: Report,
+    /// Hardening of the steel.
+    pub hardening_ratio: f64,
+    /// Whether the column softens.
+    pub softens: bool,
+    /// What would have to be done.
+    pub severity: Severity,
+}
+
+/// Between which actions the verdict on one impact lies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ActionRange {
+    /// The least severe action of the verdict and all variations.
+    pub least: Severity,
+    /// The most severe one.
+    pub most: Severity,
+    /// The assumptions that alone lead to the most severe action, or where none does to more than the verdict, to the least
+    /// severe one. None where every variation leads to the verdict.
+    pub decided_by: Vec<Assumption>,
+    /// All that was computed.
+    pub variations: Vec<Variation>,
+    /// What could not be varied, and why.
+    pub not_varied: Vec<(Assumption, String)>,
+}
+
+impl Assumption {
+    /// In two words, for a table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Speed => "speed",
+            Self::Height => "height",
+            Self::FrontForce => "front force",
+            Self::NarrowObject => "narrow object",
+            Self::StrainRate => "strain rate",
+            Self::Hardening => "hardening",
+            Self::YieldStrength => "yield strength",
+            Self::TopSpring => "top spring",
+        }
+    }
+
+    /// As a part of a sentence: "decided by the height of the hit".
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Speed => "the speed of the vehicle",
+            Self::Height => "the height of the hit",
+            Self::FrontForce => "the force of the vehicle's front",
+            Self::NarrowObject => "the part of the front that meets the column",
+            Self::StrainRate => "the strain rate",
+            Self::Hardening => "the hardening of the steel",
+            Self::YieldStrength => "the yield strength",
+            Self::TopSpring => "the spring at the top",
+        }
+    }
+}
+
+impl ActionRange {
+    /// Computes one response, with its assessment, for each end of the range of each assumption: at most 13. `verdict` is the
+    /// action for `report`, the response of the virgin column with these `properties` to this impact.
+    #[must_use]
+    pub fn of(
+        parameters: &Parameters,
+        properties: &ColumnProperties,
+        impact: &Impact,
+        report: &Report,
+        verdict: Severity,
+    ) -> Self {
+        let case = Case {
+            parameters,
+            properties,
+            impact,
+        };
+        let mut range = Self {
+            least: verdict,
+            most: verdict,
+            decided_by: Vec::new(),
+            variations: Vec::new(),
+            not_varied: Vec::new(),
+        };
+        for (assumption, changed) in case.variations() {
+            let variation = changed.and_then(|changed| changed.judged(assumption, report));
+            match variation {
+                Ok(variation) => range.variations.push(variation),
+                Err(reason) => range.not_varied.push((assumption, reason)),
+            }
+        }
+        range.summarise(verdict);
+        range
+    }
+
+    fn summarise(&mut self, verdict: Severity) {
+        let found = || self.variations.iter().map(|it| it.severity);
+        self.least = found().fold(verdict, Severity::min);
+        self.most = found().fold(verdict, Severity::max);
+        let end = match self.most > verdict {
+            true => self.most,
+            false => self.least,
+        };
+        if end == verdict {
+            return;
+        }
+        for variation in &self.variations {
+            let reaches = variation.severity == end;
+            if reaches && !self.decided_by.contains(&variation.assumption) {
+                self.decided_by.push(variation.assumption);
+            }
+        }
+    }
+
+    /// The variations of one assumption.
+    pub fn of_assumption(&self, assumption: Assumption) -> impl Iterator<Item = &Variation> {
+        let all = self.variations.iter();
+        all.filter(move |it| it.assumption == assumption)
+    }
+}
+
+/// `RESTRICT to EVACUATE, decided by the height of the hit`.
+impl Display for ActionRange {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.least == self.most {
+            return write!(f, "{} within all ranges", upper(self.most));
+        }
+        write!(
+            f,
+            "{} to {}, decided by ",
+            upper(self.least),
+            upper(self.most)
+        )?;
+        for (index, assumption) in self.decided_by.iter().enumerate() {
+            let joint = match index {
+                0 => "",
+                _ if index + 1 == self.decided_by.len() => " or ",
+                _ => ", ",
+            };
+            write!(f, "{joint}{}", assumption.in_words())?;
+        }
+        Ok(())
+    }
+}
+
+fn upper(severity: Severity) -> String {
+    severity.name().to_uppercase()
+}
+
+/// The impact as it is judged.
+struct Case<'a> {
+    parameters: &'a Parameters,
+    properties: &'a ColumnProperties,
+    impact: &'a Impact,
+}
+
+/// The impact with one assumption changed.
+struct Changed {
+    instead: String,
+    parameters: Parameters,
+    properties: ColumnProperties,
+    impact: Impact,
+    /// Whether the base is judged with the forces of the verdict, because these contain the change already.
+    keeps_base: bool,
+}
+
+impl Changed {
+    fn judged(self, assumption: Assumption, verdict: &Report) -> Result<Variation, String> {
+        let duration = self.parameters.response_duration();
+        let (mut report, rest) = respond_and_rest(&self.properties, &self.impact, duration)
+            .map_err(|fault| fault.to_string())?;
+        if self.keeps_base {
+            report.base = verdict.base;
+        }
+        let model =
+            Model::new(&self.properties.before(&self.impact)).map_err(|fault| fault.to_string())?;
+        let judged = judged(
+            &self.parameters,
+            &model,
+            &self.impact,
+            &report,
+            rest.as_ref(),
+        )
+        .map_err(|fault| fault.to_string())?;
+        Ok(Variation {
+            assumption,
+            instead: self.instead,
+            hardening_ratio: self.properties.hardening_ratio,
+            softens: self.properties.softening.is_some(),
+            report,
+            severity: judged.1.severity,
+        })
+    }
+}
+
+type Found = (Assumption, Result<Changed, String>);
+
+impl Case<'_> {
+    fn variations(&self) -> Vec<Found> {
+        let mut all = Vec::new();
+        all.extend(self.speeds());
+        all.extend(self.heights());
+        all.extend(self.fronts());
+        all.extend(self.narrow_object());
+        all.push((Assumption::StrainRate, self.strain_rate()));
+        all.extend(self.hardening());
+        all.push((Assumption::YieldStrength, self.yield_strength()));
+        all.extend(self.top_spring());
+        all
+    }
+
+    fn with(&self, instead: String, properties: ColumnProperties, impact: Impact) -> Changed {
+        Changed {
+            instead,
+            parameters: self.parameters.clone(),
+            properties,
+            impact,
+            keeps_base: false,
+        }
+    }
+
+    /// With other parameters of the column.
+    fn with_parameters<const N: usize>(
+        &self,
+        instead: String,
+        changes: [(&str, Value); N],
+    ) -> Result<Changed, String> {
+        let changed = self.parameters.with_changes(changes);
+        let parameters = changed.map_err(|faults| faults.to_string())?;
+        Ok(Changed {
+            // The event may have named another height than the parameters.
+            properties: ColumnProperties {
+                length_below: self.properties.length_below,
+                length_above: self.properties.length_above,
+                ..parameters.column_properties()
+            },
+            parameters,
+            ..self.with(instead, *self.properties, *self.impact)
+        })
+    }
+
+    fn speeds(&self) -> impl Iterator<Item = Found> {
+        let part = self.parameters.settings().assessment.range_velocity;
+        ends(part).map(move |end| {
+            let velocity = self.impact.velocity * (1.0 + end);
+            let impact = Impact {
+                velocity,
+                ..*self.impact
+            };
+            let instead = format!("{velocity:.2} m/s");
+            let changed = self.with(instead, *self.properties, impact);
+            (Assumption::Speed, Ok(changed))
+        })
+    }
+
+    fn heights(&self) -> impl Iterator<Item = Found> {
+        let p = self.properties;
+        let distance = self.parameters.settings().assessment.range_height;
+        ends(distance).map(move |end| {
+            let properties = ColumnProperties {
+                length_below: p.length_below + end,
+                length_above: p.length_above - end,
+                ..*p
+            };
+            let instead = format!("{:.2} m above the base", properties.length_below);
+            let changed = match properties.length_below > 0.0 && properties.length_above > 0.0 {
+                true => Ok(self.with(instead, properties, *self.impact)),
+                false => Err(format!("{instead} is not on the column")),
+            };
+            (Assumption::Height, changed)
+        })
+    }
+
+    fn fronts(&self) -> impl Iterator<Item = Found> {
+        let part = self.parameters.settings().assessment.range_front;
+        let vehicle = self.impact.vehicle;
+        let both = vehicle.map(|vehicle| {
+            ends(part).map(move |end| {
+                let scaled = vehicle.with_force_factor(1.0 + end);
+                let changed = scaled.map_err(|fault| fault.to_string()).map(|vehicle| {
+                    let impact = Impact {
+                        vehicle: Some(vehicle),
+                        ..*self.impact
+                    };
+                    let instead = format!("{:.2} times the force", 1.0 + end);
+                    self.with(instead, *self.properties, impact)
+                });
+                (Assumption::FrontForce, changed)
+            })
+        });
+        both.into_iter().flatten()
+    }
+
+    /// The whole front, where the column is assumed to meet a part of it.
+    fn narrow_object(&self) -> Option<Found> {
+        let is_assumed = self.parameters.settings().vehicle.narrow_object;
+        if !is_assumed || self.impact.vehicle.is_none() {
+            return None;
+        }
+        let changed = match self.parameters.impact().vehicle == self.impact.vehicle {
+            true => self
+                .with_parameters(
+                    "the whole front".to_owned(),
+                    [("vehicle.narrow_object", false.into())],
+                )
+                .map(|changed| Changed {
+                    impact: Impact {
+                        vehicle: changed.parameters.impact().vehicle,
+                        ..*self.impact
+                    },
+                    properties: *self.properties,
+                    ..changed
+                }),
+            false => Err("the vehicle is not that of the parameters".to_owned()),
+        };
+        Some((Assumption::NarrowObject, changed))
+    }
+
+    fn strain_rate(&self) -> Result<Changed, String> {
+        let (law, instead) = match self.properties.rate.is_some() {
+            true => ("none", "no increase of the strength"),
+            false => ("logarithmic", "f_y + 6 MPa ln(e / 5e-5)"),
+        };
+        let changed = self.with_parameters(instead.to_owned(), [("rate.law", law.into())])?;
+        Ok(Changed {
+            properties: ColumnProperties {
+                rate: changed.properties.rate,
+                ..*self.properties
+            },
+            ..changed
+        })
+    }
+
+    fn hardening(&self) -> impl Iterator<Item = Found> {
+        band_properties(self.properties)
+            .into_iter()
+            .map(move |properties| {
+                let buckling = match properties.softening.is_some() {
+                    true => "with buckling",
+                    false => "no buckling",
+                };
+                let instead = format!("{:.1} %, {buckling}", 100.0 * properties.hardening_ratio);
+                let changed = self.with(instead, properties, *self.impact);
+                (Assumption::Hardening, Ok(changed))
+            })
+    }
+
+    /// The forces into the base contain the overstrength already.
+    fn yield_strength(&self) -> Result<Changed, String> {
+        let given = self.parameters.settings().resistance.moment;
+        if given > 0.0 {
+            return Err("resistance.moment is given as a number".to_owned());
+        }
+        let steel = self.parameters.steel();
+        let strength = OVERSTRENGTH * steel.yield_strength;
+        let changed = self.with_parameters(
+            format!("{:.0} MPa", 1e-6 * strength),
+            [("steel.yield_strength", strength.into())],
+        )?;
+        Ok(Changed {
+            keeps_base: true,
+            ..changed
+        })
+    }
+
+    fn top_spring(&self) -> Option<Found> {
+        let has_spring = self.parameters.settings().top.spring_stiffness > 0.0;
+        has_spring.then(|| {
+            let changes = [("top.spring_stiffness", 0.0.into())];
+            let changed = self.with_parameters("no spring".to_owned(), changes);
+            (Assumption::TopSpring, changed)
+        })
+    }
+}
+
+/// Both ends of a range; none where it has no width.
+fn ends(width: f64) -> impl Iterator<Item = f64> {
+    [-width, width].into_iter().filter(|end| *end != 0.0)
+}
