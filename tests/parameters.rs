@@ -79,10 +79,9 @@ fn the_paper_as_printed() {
 fn the_same_column_computed_is_the_default() {
     let parameters = Parameters::load(&[in_repository("config/heb220_s355.yaml")], &[])
         .expect("the shipped file");
-    // Without the strain rate and with the rigid mass it is the default.
+    // With the rigid mass it is the default.
     let idealised = [
-        ("rate.law", Value::from("none")),
-        ("vehicle.name", "rigid".into()),
+        ("vehicle.name", Value::from("rigid")),
         ("impact.mass", 1500.0.into()),
     ];
     let idealised = parameters.with_changes(idealised).expect("right");
@@ -91,7 +90,9 @@ fn the_same_column_computed_is_the_default() {
         Parameters::default().column_properties()
     );
     assert_eq!(idealised.impact(), Parameters::default().impact());
-    let rate = parameters.column_properties().rate.expect("on");
+    let with_rate = parameters.with_changes([("rate.law", "logarithmic".into())]);
+    let rate = with_rate.expect("right").column_properties().rate;
+    let rate = rate.expect("on");
     let RateLaw::Logarithmic { c, reference } = rate.law else {
         panic!("{rate:?}")
     };
