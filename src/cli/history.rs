@@ -69,10 +69,19 @@ fn exact(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::cli::reference::Reference;
+    use column_twin::column::BaseForces;
 
     #[test]
     fn a_history_reads_back_to_the_same_bits() {
-        let samples = Reference::ellipse().samples;
+        let mut samples = Reference::ellipse().samples;
+        // The reference has no reactions of the base.
+        for sample in &mut samples {
+            sample.base = BaseForces {
+                shear: 2.0 * sample.v1,
+                moment: 3.0 * sample.v1,
+                normal_force: 5.0 * sample.v1,
+            };
+        }
         let mut writer = HistoryWriter::new(Vec::new(), 0).unwrap();
         samples
             .iter()
@@ -93,6 +102,12 @@ mod tests {
             assert_eq!(
                 value("utilisation_3"),
                 sample.hinges[3].utilisation.to_bits()
+            );
+            assert_eq!(value("base_shear_N"), sample.base.shear.to_bits());
+            assert_eq!(value("base_moment_Nm"), sample.base.moment.to_bits());
+            assert_eq!(
+                value("base_normal_force_N"),
+                sample.base.normal_force.to_bits()
             );
         }
     }

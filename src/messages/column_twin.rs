@@ -319,7 +319,19 @@ impl ColumnState {
     pub const SEVERED: u8 = 7;
 }
 
-/// Forces and deformations of the hinges at one instant.
+/// What the column bears upon its base.
+///
+/// ```text
+#[doc = include_str!("../../msg/BaseForces.msg")]
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BaseForces {
+    pub shear: f64,
+    pub moment: f64,
+    pub normal_force: f64,
+}
+
+/// Forces and deformations of the hinges and webs at one instant, and the forces on the base.
 ///
 /// ```text
 #[doc = include_str!("../../msg/HingeForces.msg")]
@@ -343,6 +355,7 @@ pub struct HingeForces {
     pub shear_utilisation: [f64; 2],
     pub web_state: [u8; 2],
     pub web_dynamic_factor: [f64; 2],
+    pub base: BaseForces,
 }
 
 impl HingeForces {
@@ -465,6 +478,14 @@ pub struct ImpactReport {
     pub web_first_yield_time: [f64; 2],
     pub web_max_utilisation: [f64; 2],
     pub shear_angle: [f64; 2],
+    pub base_plateau: BaseForces,
+    pub base_peak_shear: BaseForces,
+    pub base_peak_shear_time: f64,
+    pub base_reversed_shear: BaseForces,
+    pub base_peak_moment: BaseForces,
+    pub base_least_compressed: BaseForces,
+    pub base_most_compressed: BaseForces,
+    pub base_checked_moment: BaseForces,
     pub end: u8,
     pub end_time: f64,
     pub max_crush: PerMass,

@@ -3,12 +3,12 @@
 //! The mechanics knows neither header nor column nor event, which are left empty. The conversions allocate nothing.
 
 use crate::column::{
-    End, HINGES, HingeSample, HingeState, Impact, ImpactSpecification, Outcome, Phase, Report,
-    Sample,
+    self, End, HINGES, HingeSample, HingeState, Impact, ImpactSpecification, Outcome, Phase,
+    Report, Sample,
 };
 
 use super::column_twin::{
-    ColumnState, HingeForces, ImpactEvent, ImpactReport, PerMass, PredictImpactRequest,
+    BaseForces, ColumnState, HingeForces, ImpactEvent, ImpactReport, PerMass, PredictImpactRequest,
 };
 
 impl From<&Sample> for ColumnState {
@@ -68,7 +68,32 @@ impl From<&Sample> for HingeForces {
             shear_utilisation: sample.webs.map(|web| web.utilisation),
             web_state: sample.webs.map(|web| hinge_state_code(web.state)),
             web_dynamic_factor: sample.webs.map(|web| web.dynamic_factor),
+            base: BaseForces::from(&sample.base),
             ..Self::default()
+        }
+    }
+}
+
+impl BaseForces {
+    /// Forces that nobody knows.
+    pub const UNKNOWN: Self = Self {
+        shear: f64::NAN,
+        moment: f64::NAN,
+        normal_force: f64::NAN,
+    };
+}
+
+impl From<&column::BaseForces> for BaseForces {
+    fn from(forces: &column::BaseForces) -> Self {
+        let column::BaseForces {
+            shear,
+            moment,
+            normal_force,
+        } = *forces;
+        Self {
+            shear,
+            moment,
+            normal_force,
         }
     }
 }
@@ -77,7 +102,7 @@ impl From<&Report> for ImpactReport {
     /// Leaves header, column, event and what hits it empty, and sets the kind FORECAST, no compute time (NaN), and no
     /// assessment.
     fn from(report: &Report) -> Self {
-        let vehicle = &report.vehicle;
+        let (vehicle, base) = (&report.vehicle, &report.base);
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Self {
             kind: Self::FORECAST,
@@ -101,6 +126,17 @@ impl From<&Report> for ImpactReport {
             web_first_yield_time: report.webs.map(|web| or_nan(web.first_yield)),
             web_max_utilisation: report.webs.map(|web| web.max_utilisation),
             shear_angle: report.webs.map(|web| web.plastic_angle),
+            base_plateau: base
+                .plateau
+                .as_ref()
+                .map_or(BaseForces::UNKNOWN, BaseForces::from),
+            base_peak_shear: BaseForces::from(&base.peak_shear),
+            base_peak_shear_time: base.peak_shear_time,
+            base_reversed_shear: BaseForces::from(&base.reversed_shear),
+            base_peak_moment: BaseForces::from(&base.peak_moment),
+            base_least_compressed: BaseForces::from(&base.least_compressed),
+            base_most_compressed: BaseForces::from(&base.most_compressed),
+            base_checked_moment: BaseForces::from(&base.checked_moment),
             end: end_code(report.end),
             end_time: report.end_time,
             max_crush: PerMass::first(&vehicle.max_crush, vehicle.masses),

@@ -23,6 +23,7 @@ macro_rules! interfaces {
 
 interfaces! {
     column_twin Message AssessmentCriterion = AssessmentCriterion in "msg/AssessmentCriterion.msg";
+    column_twin Message BaseForces = BaseForces in "msg/BaseForces.msg";
     column_twin Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
     column_twin Message ColumnState = ColumnState in "msg/ColumnState.msg";
     column_twin Message ColumnStatus = ColumnStatus in "msg/ColumnStatus.msg";

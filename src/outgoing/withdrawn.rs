@@ -1,7 +1,7 @@
 //! A forecast that no longer holds, or that will never be there, as a message.
 
 use crate::column::WEBS;
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin::{BaseForces, ImpactReport};
 use crate::twin::{ForecastEnd, WithdrawnForecast};
 
 impl ImpactReport {
@@ -31,6 +31,14 @@ impl ImpactReport {
             web_first_yield_time: [f64::NAN; WEBS],
             web_max_utilisation: [f64::NAN; WEBS],
             shear_angle: [f64::NAN; WEBS],
+            base_plateau: BaseForces::UNKNOWN,
+            base_peak_shear: BaseForces::UNKNOWN,
+            base_peak_shear_time: f64::NAN,
+            base_reversed_shear: BaseForces::UNKNOWN,
+            base_peak_moment: BaseForces::UNKNOWN,
+            base_least_compressed: BaseForces::UNKNOWN,
+            base_most_compressed: BaseForces::UNKNOWN,
+            base_checked_moment: BaseForces::UNKNOWN,
             end,
             end_time: f64::NAN,
             max_dynamic_factor: unknown,

@@ -1,8 +1,8 @@
 //! The columns of the history of one impact.
 
 use crate::column::{
-    HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WEB_NAMES,
-    WebSample,
+    BaseForces, HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample,
+    WEB_NAMES, WebSample,
 };
 
 type Column = (&'static str, fn(&Sample) -> f64);
@@ -12,6 +12,7 @@ type VehicleColumn = (
     fn(&VehicleSample) -> [f64; MAX_MASSES],
 );
 type WebColumn = (&'static str, &'static str, fn(&WebSample) -> f64);
+type BaseColumn = (&'static str, fn(&BaseForces) -> f64);
 type HingeColumn = (&'static str, &'static str, fn(&HingeSample) -> f64);
 
 /// Columns of column and impactor, named as in `tests/data/heb220_ellipse.csv`. `Na` is the normal force of hinges 1a and
@@ -75,6 +76,13 @@ const WEB_COLUMNS: [WebColumn; 5] = [
     ("shear_state", "-", |web| state_number(web.state)),
 ];
 
+/// Columns of what the column bears upon its base, with the inertia of the lower bar.
+const BASE_COLUMNS: [BaseColumn; 3] = [
+    ("base_shear_N", |base| base.shear),
+    ("base_moment_Nm", |base| base.moment),
+    ("base_normal_force_N", |base| base.normal_force),
+];
+
 /// Columns of every spring of a compliant vehicle and of the mass behind it, numbered from the front: text before the
 /// number, unit, and values.
 const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
@@ -85,7 +93,7 @@ const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
     ("vehicle_velocity", "m_s", |vehicle| vehicle.velocity),
 ];
 
-/// The columns of a history: of column and impactor, of every hinge and web, and of a compliant vehicle. Their names carry the unit
+/// The columns of a history: of column and impactor, of every hinge and web, of the base, and of a compliant vehicle. Their names carry the unit
 /// and are a stable interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HistoryColumns {
@@ -116,6 +124,7 @@ impl HistoryColumns {
         for (before, unit, _) in WEB_COLUMNS {
             names.extend(WEB_NAMES.map(|web| named(before, unit, web)));
         }
+        names.extend(BASE_COLUMNS.map(|(name, _)| name.to_owned()));
         for (before, unit, _) in VEHICLE_COLUMNS {
             names.extend((1..=self.masses).map(|number| format!("{before}{number}_{unit}")));
         }
@@ -135,6 +144,9 @@ impl HistoryColumns {
         }
         for (_, _, value) in WEB_COLUMNS {
             sample.webs.iter().for_each(|web| take(value(web)));
+        }
+        for (_, value) in BASE_COLUMNS {
+            take(value(&sample.base));
         }
         for (_, _, values) in VEHICLE_COLUMNS {
             let values = values(&sample.vehicle);

@@ -231,8 +231,11 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         },
         hinges: std::array::from_fn(hinge),
         webs: std::array::from_fn(web),
-        // The messages of a state do not have it.
-        base: BaseForces::default(),
+        base: BaseForces {
+            shear: forces.base.shear,
+            moment: forces.base.moment,
+            normal_force: forces.base.normal_force,
+        },
     }
 }
 
@@ -272,9 +275,8 @@ mod tests {
             let ViewerItem::State(read) = ViewerItem::of_messages(&state, &forces, None) else {
                 panic!("not a state");
             };
-            // The messages of a state have neither the reactions of the base nor the work of the webs.
+            // The messages of a state do not have the work of the webs.
             let mut expected = *sample;
-            expected.base = BaseForces::default();
             expected.webs.iter_mut().for_each(|web| web.work = 0.0);
             assert_eq!(read.sample, expected);
             assert_eq!(read.phase, TwinPhase::from(sample.phase));

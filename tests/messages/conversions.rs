@@ -1,8 +1,8 @@
 //! What the column computes arrives in its messages, value by value.
 
 use column_twin::column::{
-    End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
-    VehicleReport,
+    BaseForces, BaseReport, End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase,
+    Report, Sample, VehicleReport, WEBS, WebSample,
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
@@ -43,6 +43,15 @@ fn sample() -> Sample {
     let sample = Sample {
         phase: Phase::Contact,
         hinges,
+        // What is as by default is not written, and would not be numbered.
+        webs: [WebSample {
+            utilisation: 1.0,
+            ..WebSample::default()
+        }; WEBS],
+        base: BaseForces {
+            shear: 1.0,
+            ..BaseForces::default()
+        },
         ..Sample::default()
     };
     let mut numbered = numbered(serde_json::to_value(sample).unwrap(), &mut 0.0);
@@ -114,6 +123,10 @@ fn hinge_forces_have_every_value_of_the_sample() {
     for (name, values) in fields(&message) {
         let of_web = match name.as_str() {
             "header" | "column_id" | "event_id" | "state" | "web_state" => continue,
+            "base" => {
+                assert_eq!(values, Value::Object(fields(sample.base)));
+                continue;
+            }
             "shear_force" => Some("shear_force"),
             "shear_angle" => Some("plastic_angle"),
             "shear_utilisation" => Some("utilisation"),
@@ -210,8 +223,30 @@ fn report() -> Report {
             elastic_energy: 82.0,
         },
         webs: Default::default(),
-        base: Default::default(),
+        base: numbered_base(),
     }
+}
+
+fn numbered_base() -> BaseReport {
+    let unnumbered = BaseReport {
+        plateau: Some(BaseForces::default()),
+        ..BaseReport::default()
+    };
+    let unnumbered = serde_json::to_value(unnumbered).unwrap();
+    serde_json::from_value(numbered(unnumbered, &mut 100.0)).unwrap()
+}
+
+/// Every reaction of the base has its own field, under the name that the report gives it.
+#[test]
+fn impact_report_has_the_reactions_of_the_base() {
+    let report = report();
+    let message = fields(ImpactReport::from(&report));
+    let reactions = fields(report.base);
+    for (name, reaction) in &reactions {
+        assert_eq!(message[&format!("base_{name}")], *reaction, "{name}");
+    }
+    let published = message.keys().filter(|name| name.starts_with("base_"));
+    assert_eq!(published.count(), reactions.len());
 }
 
 #[test]
@@ -261,6 +296,10 @@ fn what_a_report_does_not_know_is_nan() {
         residual_v1: None,
         residual_u2: None,
         release_time: None,
+        base: BaseReport {
+            plateau: None,
+            ..report().base
+        },
         ..report()
     };
     let report = Report {
@@ -278,6 +317,12 @@ fn what_a_report_does_not_know_is_nan() {
             && message.residual_u2.is_nan()
             && message.release_time.is_nan()
     );
+    let plateau = message.base_plateau;
+    assert!(
+        plateau.shear.is_nan() && plateau.moment.is_nan() && plateau.normal_force.is_nan(),
+        "{plateau:?}"
+    );
+    assert!(message.base_peak_shear.shear.is_finite());
 }
 
 proptest! {

@@ -25,6 +25,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
     }
     visit!(
         ours::AssessmentCriterion,
+        ours::BaseForces,
         ours::ColumnParameters,
         ours::ColumnState,
         ours::ColumnStatus,

@@ -75,6 +75,9 @@ def test_arrays_over_hinges_and_springs(steel: Column) -> None:
     assert result.moments.shape == result.normal_forces.shape == result.plastic_rotations.shape == (steps, 4)
     assert np.array_equal(result.moments[:, 3], result.history["M3_Nm"])
     assert np.array_equal(result.normal_forces[:, 3], result.history["Na_N"])
+    assert result.base_forces.shape == (steps, 3)
+    assert np.array_equal(result.base_forces[:, 0], result.history["base_shear_N"])
+    assert np.array_equal(result.base_forces[:, 1], result.history["M3_Nm"])
     assert result.crush.shape[1] == len(result.report["crush_max_m"]) >= 1
     assert result.crush.max() == pytest.approx(max(result.report["crush_max_m"]), rel=1e-3)
     assert steel.simulate("rigid", 1500.0, 3.0).crush.shape[1] == 0

@@ -85,6 +85,12 @@ class Result:
         return np.column_stack([below, above, above, below])
 
     @property
+    def base_forces(self) -> _Array:
+        """Shear force [N], moment [N m] and normal force [N], tension positive, on the base, one row per step."""
+        columns = ("base_shear_N", "base_moment_Nm", "base_normal_force_N")
+        return np.column_stack([self.history[column] for column in columns])
+
+    @property
     def plastic_rotations(self) -> _Array:
         """Plastic rotations of the hinges 1a, 1b, 2, 3 [rad], one row per step."""
         return self._of_hinges("theta_p", "rad")
