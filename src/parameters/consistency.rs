@@ -687,12 +687,13 @@ mod tests {
         assert!(faults(&bollard).is_empty());
         let [free, load, spring] = bollard;
         // The defaults hold the top and load it.
+        assert_eq!(faults(std::slice::from_ref(&free)), ["top.load"]);
         assert_eq!(
-            faults(std::slice::from_ref(&free)),
-            ["top.load", "top.spring_stiffness"]
-        );
-        assert_eq!(
-            faults(&[free.clone(), load.clone()]),
+            faults(&[
+                free.clone(),
+                load.clone(),
+                ("top.spring_stiffness", 1e7.into())
+            ]),
             ["top.spring_stiffness"]
         );
         assert_eq!(
@@ -1102,6 +1103,27 @@ mod tests {
         // Without a limit of deformation there is no softening either.
         let lifted = properties(&[("assessment.ultimate_rotation", 0.0.into())]);
         assert_eq!((lifted.ultimate_rotation, lifted.softening), (0.0, None));
+    }
+
+    /// A spring that nobody had asked for took load off every real column, so that damaged ones had more reserve than new ones.
+    #[test]
+    fn nothing_takes_the_load_off_a_named_section_unless_it_is_given() {
+        let spring = |parameters: &Parameters| parameters.settings().top.spring_stiffness;
+        let by_numbers = [
+            ("section.name", Value::from("")),
+            ("section.area", 0.01.into()),
+            ("section.second_moment", 1e-4.into()),
+            ("section.mass_per_length", 78.5.into()),
+            ("resistance.moment", 3e5.into()),
+        ];
+        let named = Parameters::default();
+        assert_eq!(spring(&named), 0.0);
+        let numbers = named.with_changes(by_numbers.clone()).expect("right");
+        assert_eq!(spring(&numbers), 1e7);
+        let given = [("top.spring_stiffness", Value::from(2e6))];
+        let given = named.with_changes(given).expect("right");
+        assert_eq!(spring(&given), 2e6);
+        assert_eq!(spring(&given.with_changes(by_numbers).expect("right")), 2e6);
     }
 
     #[test]

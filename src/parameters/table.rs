@@ -474,13 +474,14 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "top.spring_stiffness",
         unit: "N/m",
-        default: DefaultValue::Double(1e7),
+        default: DefaultValue::Double(0.0),
         admissible: Admissible::Real {
             min: 0.0,
             max: 1e13,
         },
         applies: Applies::AfterResponse,
-        meaning: "k_s: stiffness of the vertical spring at the top, which represents the rest of the structure",
+        meaning: "k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a \
+                  column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for one by numbers",
     },
     Parameter {
         name: "top.mass",
