@@ -44,15 +44,15 @@ const MILDER: [(u32, &str); 5] = [
     ),
     (
         12,
-        "42 mm remain with strain rate and hardening, 88 mm in a fibre beam",
+        "45 mm remain with strain rate and hardening, 88 mm in a fibre beam",
     ),
     (
         18,
-        "21 mm remain with strain rate and hardening; the engineer judged 39 mm",
+        "22 mm remain with strain rate and hardening; the engineer judged 39 mm",
     ),
     (
         24,
-        "58 mm remain, L/103; hardening and strain rate leave less bow than the engineer judged",
+        "69 mm remain; hardening and strain rate leave less bow than the engineer judged",
     ),
 ];
 
@@ -120,13 +120,18 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
         match assessment.severity.cmp(&case.engineer) {
             std::cmp::Ordering::Less => milder.push(case.id),
             std::cmp::Ordering::Equal => agree += 1,
-            std::cmp::Ordering::Greater => harsher += 1,
+            std::cmp::Ordering::Greater => {
+                harsher += 1;
+                let classes = assessment.severity as u8 - case.engineer as u8;
+                assert!(classes <= 2, "case {} by {classes} classes", case.id);
+            }
         }
     }
     println!(
         "{agree} agree, {harsher} are more severe, {} are milder: {milder:?}",
         milder.len()
     );
+    assert!(harsher <= 5, "{harsher} are more severe");
     for id in &milder {
         let known = MILDER.iter().find(|(known, _)| known == id);
         let (_, reason) = known.unwrap_or_else(|| panic!("case {id} is milder than the engineer"));

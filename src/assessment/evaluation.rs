@@ -137,7 +137,11 @@ impl ImpactEvaluation {
                 AssessmentInput::of_response(parameters, &model, impact, &report, remaining);
             assess(&input)
         });
-        let carried = carried_load(&model, &State::at_rest(&model));
+        // The same load as in the criteria.
+        let carried = match &remaining {
+            Some(remaining) => remaining.carried_load,
+            None => carried_load(&model, &State::at_rest(&model)),
+        };
         let duration = parameters.response_duration();
         Ok(Self {
             no_shear: parameters.shear().err(),

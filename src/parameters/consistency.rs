@@ -3,6 +3,7 @@
 //! Whether the column carries its load is checked by the mechanics.
 
 mod base;
+mod verdict;
 
 use super::catalogue::CatalogueSection;
 use super::ranges::LENGTH_RANGE;
@@ -44,6 +45,8 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     section_is_a_profile(settings, &mut found);
     base::base_is_complete(settings, &mut found);
     softening_has_its_rotations(settings, &mut found);
+    verdict::redistribution_is_proven(settings, &mut found);
+    verdict::weak_axis_is_known(settings, &mut found);
     found
 }
 
@@ -1124,6 +1127,47 @@ mod tests {
         let given = named.with_changes(given).expect("right");
         assert_eq!(spring(&given), 2e6);
         assert_eq!(spring(&given.with_changes(by_numbers).expect("right")), 2e6);
+    }
+
+    #[test]
+    fn redistribution_counts_with_a_limit_a_proof_and_a_spring_only() {
+        let all = [
+            ("top.redistribution_limit", Value::from(1e5)),
+            ("top.redistribution_proof", "calculation 17".into()),
+            ("top.spring_stiffness", 1e7.into()),
+        ];
+        assert!(faults(&all).is_empty());
+        let [limit, proof, spring] = all;
+        assert_eq!(
+            faults(&[limit.clone(), spring.clone()]),
+            ["top.redistribution_proof"]
+        );
+        assert_eq!(
+            faults(&[
+                limit.clone(),
+                spring.clone(),
+                ("top.redistribution_proof", " ".into())
+            ]),
+            ["top.redistribution_proof"]
+        );
+        assert_eq!(
+            faults(&[proof.clone(), spring]),
+            ["top.redistribution_limit"]
+        );
+        assert_eq!(faults(&[limit, proof]), ["top.spring_stiffness"]);
+    }
+
+    #[test]
+    fn a_weak_axis_that_is_not_known_has_no_buckling_length() {
+        let factor = ("capacity.buckling_factor_weak", Value::from(1.0));
+        assert!(faults(std::slice::from_ref(&factor)).is_empty());
+        let changed = [
+            factor,
+            ("section.name", "HEB220".into()),
+            ("section.area", 0.0092.into()),
+            ("section.second_moment", 8e-5.into()),
+        ];
+        assert_eq!(faults(&changed), ["capacity.buckling_factor_weak"]);
     }
 
     #[test]
