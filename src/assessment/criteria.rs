@@ -85,9 +85,8 @@ const DAMAGE: &str = "damage index D = 1 - N_u / N_u virgin";
 const LINKS: &str = "ASCE/SEI 41-17, links that yield in shear, rotation b";
 const WEB: &str = "largest plastic shear angle of a web";
 const HINGE: &str = "largest plastic rotation, of hinges 1a and 1b together";
-const RESISTANCE: &str =
-    "remaining buckling resistance about the weaker axis, over the carried load";
-const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin about the strong axis";
+const RESISTANCE: &str = "remaining buckling resistance about the weaker axis, over N_Ed";
+const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin of the push-down";
 const BOW: &str = "residual bow over the height L";
 const BENT: &str = "residual bow over the height L, or of the bent part over its length";
 /// Unit of a bow over the length to which it belongs.
@@ -95,8 +94,7 @@ pub(super) const PART_OF_LENGTH: &str = "L";
 const SUPPORT: &str = "largest rotation of a bar at its support";
 const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
 const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";
-const RESERVE: &str =
-    "largest force that the model carries in the plane of the impact, over the carried load";
+const RESERVE: &str = "N_u, remaining buckling resistance about the strong axis, over N_Ed";
 
 /// Every criterion, in the order of the names in the table of parameters: the most severe first, so that the first of
 /// equally severe ones decides.
@@ -156,8 +154,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "capacity_reserve_1",
-        edition: PROGRAM,
-        tag: Provenance::Computed,
+        edition: TIMES_RATIO,
+        tag: Provenance::Recalled,
         unit: "",
         relation: Relation::AtLeast,
         severity: Severity::Evacuate,
@@ -189,7 +187,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "capacity_reserve_1_5",
-        edition: PROGRAM,
+        edition: TIMES_RATIO,
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
@@ -558,26 +556,30 @@ const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluat
     }
 }
 
-fn carried(input: &AssessmentInput) -> Result<f64, NotEvaluated> {
+/// That there is a load with which a resistance can be compared.
+fn loaded(input: &AssessmentInput) -> Result<(), NotEvaluated> {
     let load = input.remaining.carried_load;
     if load > 0.0 {
-        Ok(load)
-    } else {
-        Err(NotEvaluated::NotApplicable(Cow::Owned(format!(
-            "the column carries no compressive load ({:.1} kN), so that there is no reserve to compare",
-            load / 1e3
-        ))))
+        return Ok(());
     }
+    Err(NotEvaluated::NotApplicable(Cow::Owned(format!(
+        "the column carries no compressive load ({:.1} kN), so that there is no reserve to compare",
+        load / 1e3
+    ))))
 }
 
 fn reserve(input: &AssessmentInput, limit: f64) -> Evaluation {
-    Ok((input.remaining.now.force / carried(input)?, limit))
+    loaded(input)?;
+    Ok((input.remaining.reserve.unwrap_or(f64::NAN), limit))
 }
 
 fn resistance(input: &AssessmentInput, limit: f64) -> Evaluation {
-    let carried = carried(input)?;
-    let resistance = input.remaining.resistance.ok_or(NO_DIMENSIONS)?;
-    Ok((resistance / carried, limit))
+    loaded(input)?;
+    let times = input
+        .remaining
+        .resistance_over_load()
+        .ok_or(NO_DIMENSIONS)?;
+    Ok((times, limit))
 }
 
 /// A smaller bow over its length is round-off of the static equilibrium of a straight column; the smallest limit is 1/750.

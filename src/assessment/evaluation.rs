@@ -111,7 +111,11 @@ impl ImpactEvaluation {
         let range = assessment
             .as_ref()
             .map(|it| ActionRange::of(parameters, properties, impact, &report, it.severity));
-        let carried = carried_load(&model, &State::at_rest(&model));
+        // The same load as in the criteria.
+        let carried = match &remaining {
+            Some(remaining) => remaining.carried_load,
+            None => carried_load(&model, &State::at_rest(&model)),
+        };
         let duration = parameters.response_duration();
         Ok(Self {
             no_shear: parameters.shear().err(),

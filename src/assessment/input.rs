@@ -6,11 +6,12 @@ use super::base::{BaseDemand, ConnectedBase};
 use super::remaining::{RemainingCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use super::utilisation::Utilisation;
+use super::{PARTIAL_FACTOR, quantity};
 use crate::column::{
     ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
     ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
 };
-use crate::parameters::Parameters;
+use crate::parameters::{LoadBasis, Parameters};
 
 /// What struck the column.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,6 +34,20 @@ pub struct AssessedShear {
     pub plastic_angle: [f64; WEBS],
     /// Plastic shear angle at which a web is fractured \[rad\].
     pub ultimate_angle: f64,
+}
+
+/// A smaller difference between two loads is round-off of an equilibrium \[N\].
+const ROUND_OFF: f64 = 1.0;
+
+/// Which load the column is judged with.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct VerdictLoad {
+    /// `top.load`: the load at the top before the structure above takes anything of it \[N\].
+    pub top_load: f64,
+    /// Which load that is.
+    pub basis: LoadBasis,
+    /// Where the proof is found that the structure above takes a part of it; empty where none counts.
+    pub redistribution_proof: String,
 }
 
 /// All that an assessment depends on.
@@ -67,6 +82,9 @@ pub struct AssessmentInput {
     pub section: Option<RolledSection>,
     /// Remaining axial capacity and the carried load.
     pub remaining: RemainingCapacity,
+    /// Which load `N_Ed` is.
+    #[serde(default)]
+    pub load: VerdictLoad,
     /// `F0`: plastic plateau of the virgin column under the carried load \[N\].
     pub plateau: f64,
     /// What struck the column; `None` for an assessment of its state alone.
@@ -133,6 +151,44 @@ fn largest<const N: usize>(values: [f64; N]) -> f64 {
         }
     }
     largest
+}
+
+impl VerdictLoad {
+    fn of(parameters: &Parameters) -> Self {
+        let top = &parameters.settings().top;
+        Self {
+            top_load: top.load,
+            basis: top.load_basis,
+            redistribution_proof: top.redistribution_proof.clone(),
+        }
+    }
+
+    /// What `N_Ed` of this column is, as a sentence.
+    pub(super) fn in_words(&self, remaining: &RemainingCapacity) -> String {
+        let force = |newtons: f64| quantity(newtons, "N");
+        let (load, basis) = (remaining.carried_load, self.basis.in_words());
+        let taken = self.top_load - load;
+        let what = if taken.abs() < ROUND_OFF {
+            format!("top.load, {basis}, before any redistribution")
+        } else if taken > 0.0 {
+            format!(
+                "top.load of {}, {basis}, less {} that the structure above takes (proof: {})",
+                force(self.top_load),
+                force(taken),
+                self.redistribution_proof
+            )
+        } else {
+            format!(
+                "top.load of {}, {basis}, and {} with which the structure above presses on the column",
+                force(self.top_load),
+                force(-taken)
+            )
+        };
+        format!(
+            "N_Ed of {} is {what}; gamma_M = {PARTIAL_FACTOR:.1}.",
+            force(load)
+        )
+    }
 }
 
 impl AssessmentInput {
@@ -243,6 +299,7 @@ impl AssessmentInput {
             section: section_dimensions(parameters),
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
+            load: VerdictLoad::of(parameters),
             impact: None,
             no_base: base.err().map(str::to_owned),
             base: base.ok(),

@@ -40,7 +40,9 @@ pub use evaluation::{
     HARDENING_BAND, HardeningBand, ImpactEvaluation, band_properties, observe_and_rest,
     respond_and_rest,
 };
-pub use input::{AssessedImpact, AssessedShear, AssessmentInput, largest_plastic_rotation};
+pub use input::{
+    AssessedImpact, AssessedShear, AssessmentInput, VerdictLoad, largest_plastic_rotation,
+};
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, dimensions_by_numbers, imperfection,
@@ -53,7 +55,11 @@ pub use rotation_limits::{
 pub use section_class::{SectionClass, SectionClassification, section_class};
 pub use utilisation::{Utilisation, UtilisedPart};
 
-use crate::parameters::Provenance;
+use crate::parameters::{LoadBasis, Provenance};
+
+/// `gamma_M` of every resistance: what is left of a column is judged by its characteristic strength, which a limit of 1.5
+/// stands beside.
+pub const PARTIAL_FACTOR: f64 = 1.0;
 
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
@@ -117,6 +123,10 @@ pub struct Assessment {
     /// The reason in words, with its margin and with what the model does not know. It begins with `At least` where more may
     /// have to be done.
     pub reason: String,
+    /// Which load `N_Ed` is, as a sentence, which is a part of the reason.
+    pub load: String,
+    /// Which load `top.load` is.
+    pub load_basis: LoadBasis,
     /// Every criterion.
     pub criteria: Vec<Criterion>,
     /// Where in the reason the part about what is not evaluated and not known begins.
@@ -199,6 +209,9 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
     reason += &finding(input, severity, deciding);
     let reservations = reason.len();
     reason += &missing_data(&not_evaluated);
+    let load = input.load.in_words(&input.remaining);
+    reason.push(' ');
+    reason += &load;
     if !(input.collapsed || input.severed) {
         reason += &axes(input);
     }
@@ -208,6 +221,8 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         not_evaluated,
         deciding_criterion: deciding.name,
         reason,
+        load,
+        load_basis: input.load.basis,
         criteria,
         reservations,
     }
@@ -436,13 +451,10 @@ fn axes(input: &AssessmentInput) -> String {
     match &remaining.weak {
         Some(weak) => {
             text.push_str(&format!(
-                "about the weak axis the virgin resistance of {} is assumed",
+                "about the weak axis as much of the resistance of {} is assumed to be left as about the strong one",
                 quantity(weak.force, "N")
             ));
-            if remaining
-                .resistance
-                .is_some_and(|resistance| resistance >= weak.force)
-            {
+            if remaining.weak_axis_governs() == Some(true) {
                 text.push_str(", and it governs");
             }
         }

@@ -5,12 +5,14 @@ use std::sync::OnceLock;
 
 use super::base::BaseDemand;
 use super::criteria::{DEFINITIONS, Definition, share_of_limit};
-use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
-use super::{AssessedImpact, AssessedShear, AssessmentInput, Choice, Severity, decides, measured};
+use super::remaining::{RemainingCapacity, VerdictBasis, imperfection};
+use super::{
+    AssessedImpact, AssessedShear, AssessmentInput, Choice, Severity, VerdictLoad, decides,
+    measured,
+};
 use crate::column::{
-    BaseReport, BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact,
-    KnownCapacity, Model, Outcome, PerBar, PushDown, State, WEBS, capacity, capacity_up_to,
-    carried_load, plastic_plateau,
+    BaseReport, Capacity, CapacityEnd, CapacityError, HINGES, Impact, KnownCapacity, Model,
+    Outcome, PerBar, PushDown, State, WEBS, capacity, capacity_up_to, plastic_plateau,
 };
 use crate::parameters::Parameters;
 
@@ -25,7 +27,7 @@ const CAPACITY_HALVINGS: u32 = 10;
 pub struct PreparedAssessment {
     /// Of the virgin column, without an impact, without names of criteria and without its capacities.
     input: AssessmentInput,
-    resistances: [Option<BucklingResistance>; 2],
+    basis: VerdictBasis,
     imperfection: f64,
     /// The criteria that decide, by their index.
     deciding: Vec<usize>,
@@ -72,10 +74,10 @@ impl PreparedAssessment {
         let imperfection = imperfection(parameters);
         // Finds an imperfection that is out of range before the first impact does.
         PushDown::new(model, &state, imperfection)?;
-        let resistances = buckling_resistances(parameters);
+        let basis = VerdictBasis::of(parameters);
         let unknown = Capacity::none(CapacityEnd::NoEquilibrium);
-        let carried = carried_load(model, &state);
-        let remaining = RemainingCapacity::with_resistances(resistances, unknown, unknown, carried);
+        let loads = basis.loads(model, Some(&state));
+        let remaining = RemainingCapacity::with(&basis, loads, unknown, unknown);
         let input = AssessmentInput::of_state(parameters, model, &state, remaining);
         let chosen = &input.deciding;
         let indices = 0..DEFINITIONS.len();
@@ -86,9 +88,10 @@ impl PreparedAssessment {
             input: AssessmentInput {
                 deciding: Vec::new(),
                 no_base: None,
+                load: VerdictLoad::default(),
                 ..input
             },
-            resistances,
+            basis,
             imperfection,
             virgin: OnceLock::new(),
         })
@@ -113,21 +116,13 @@ impl PreparedAssessment {
         state: Option<&State>,
     ) -> Result<RemainingCapacity, CapacityError> {
         let virgin = self.virgin(model)?;
-        let virgin_load = self.input.remaining.carried_load;
-        let (now, carried) = match state {
-            Some(state) if state.plastic == PerBar::default() => (virgin, virgin_load),
-            Some(state) => (
-                capacity(model, state, self.imperfection)?,
-                carried_load(model, state),
-            ),
-            None => (Capacity::none(CapacityEnd::NoEquilibrium), virgin_load),
+        let (now, loaded) = match state {
+            Some(state) if state.plastic == PerBar::default() => (virgin, None),
+            Some(state) => (capacity(model, state, self.imperfection)?, Some(state)),
+            None => (Capacity::none(CapacityEnd::NoEquilibrium), None),
         };
-        Ok(RemainingCapacity::with_resistances(
-            self.resistances,
-            virgin,
-            now,
-            carried,
-        ))
+        let loads = self.basis.loads(model, loaded);
+        Ok(RemainingCapacity::with(&self.basis, loads, virgin, now))
     }
 
     /// The severity of the verdict after a response that leaves the column at rest in `state`, without more of the push-downs
@@ -147,14 +142,13 @@ impl PreparedAssessment {
     ) -> Result<Option<Severity>, CapacityError> {
         let is_virgin = state.plastic == PerBar::default();
         let highest = MAX_CAPACITY * model.properties.resistance_axial;
-        let carried = carried_load(model, state);
+        let loads = self.basis.loads(model, Some(state));
         let known = |virgin: f64, now: f64| {
             let [virgin, now] = [virgin, now].map(|force| Capacity {
                 force,
                 ..Capacity::none(CapacityEnd::NoEquilibrium)
             });
-            let remaining =
-                RemainingCapacity::with_resistances(self.resistances, virgin, now, carried);
+            let remaining = RemainingCapacity::with(&self.basis, loads, virgin, now);
             self.verdict(model, impact, response, remaining)
         };
         // The least favourable verdict with this capacity, whatever that of the virgin column is.

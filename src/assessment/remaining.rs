@@ -12,65 +12,165 @@ use crate::parameters::Parameters;
 /// with flanges up to 100 mm, or up to 40 mm where they are deeper than 1.2 times their width (an assumption).
 const CURVE_OF_UNKNOWN_SECTION: BucklingCurve = BucklingCurve::B;
 
-/// Remaining axial capacity: virgin against now, and what it means for the load.
+/// Remaining axial capacity: virgin against now, and what it means for the load. Nothing that it tells of the column as it is
+/// exceeds the same of the new column.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RemainingCapacity {
-    /// `N_u` of the virgin column.
+    /// Push-down of the virgin column.
     pub virgin: Capacity,
-    /// `N_u` of the column as it is.
+    /// Push-down of the column as it is, with at most the force of the virgin one.
     pub now: Capacity,
-    /// `N_u` now over `N_u` virgin.
+    /// The force of the push-down now over that of the virgin column, at most 1.
     pub ratio: f64,
     /// `D = 1 - ratio`, not below 0.
     pub damage: f64,
-    /// `N_Ed`: the compressive force that the column carries, without the share of the spring at its top \[N\].
+    /// `N_Ed`: the load on the column before any help, `top.load`, less what the structure above is proven to take
+    /// (`top.redistribution_limit`) \[N\].
     pub carried_load: f64,
-    /// `N_u / N_Ed`; `None` where the column carries no compressive force.
+    /// `N_Ed` of the new column \[N\].
+    pub virgin_load: f64,
+    /// `N_u`: `ratio` times the strong-axis resistance \[N\]. The push-down alone is too stiff for slender columns: its ratio is
+    /// right, and the code knows the slenderness.
+    pub axial_capacity: f64,
+    /// `N_u / N_Ed`, at most that of the new column; `None` where there is no compressive load.
     pub reserve: Option<f64>,
     /// Resistance of the virgin column in the plane of the impact, about its strong axis.
     pub strong: BucklingResistance,
     /// About the weak axis; `None` where the dimensions of the section are not known.
     pub weak: Option<BucklingResistance>,
-    /// The smaller of `ratio` times the strong-axis resistance and the weak-axis resistance \[N\]: the model is plane, so
-    /// that the weak axis keeps its virgin value. `None` where that is not known.
+    /// `ratio` times the smaller of both resistances \[N\]: hinges that have flowed about the strong axis have lost their
+    /// stiffness about the weak one, too, so that as much of it is taken to be left (an assumption). `None` where the weak axis
+    /// is not known.
     pub resistance: Option<f64>,
 }
 
-impl RemainingCapacity {
-    /// Puts the capacities of the virgin column and of the column as it is into relation with the load that it carries
-    /// (`N_Ed`, see [`carried_load`]).
-    #[must_use]
-    pub fn new(parameters: &Parameters, virgin: Capacity, now: Capacity, carried: f64) -> Self {
-        Self::with_resistances(buckling_resistances(parameters), virgin, now, carried)
+/// What verdicts need of the parameters, beside the push-downs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct VerdictBasis {
+    resistances: [Option<BucklingResistance>; 2],
+    /// What the structure above is proven to take at most \[N\].
+    redistribution_limit: f64,
+}
+
+/// `N_Ed` of the new column and of the column as it is \[N\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct VerdictLoads {
+    virgin: f64,
+    now: f64,
+}
+
+impl VerdictBasis {
+    pub fn of(parameters: &Parameters) -> Self {
+        Self {
+            resistances: buckling_resistances(parameters),
+            redistribution_limit: parameters.settings().top.redistribution_limit,
+        }
     }
 
-    /// As [`RemainingCapacity::new`], with the [`buckling_resistances`] of the virgin column.
-    pub(super) fn with_resistances(
-        [strong, weak]: [Option<BucklingResistance>; 2],
+    /// `state` is the column at rest as it is, `None` if it carries nothing: the load is then that of the new column.
+    pub fn loads(&self, model: &Model, state: Option<&State>) -> VerdictLoads {
+        let virgin = self.load(model, &State::at_rest(model));
+        VerdictLoads {
+            virgin,
+            now: state.map_or(virgin, |state| self.load(model, state)),
+        }
+    }
+
+    /// The load at the top, less what the spring takes of it as far as that counts. What the spring adds to it counts wholly.
+    fn load(&self, model: &Model, state: &State) -> f64 {
+        let properties = &model.properties;
+        if properties.top_spring_stiffness == 0.0 {
+            // Without the round-off of the equilibrium.
+            return properties.top_load;
+        }
+        let taken = properties.top_load - carried_load(model, state);
+        properties.top_load - taken.min(self.redistribution_limit)
+    }
+}
+
+impl RemainingCapacity {
+    /// Puts the push-downs of the virgin column and of the column as it is into relation with its load. `state` is the column
+    /// at rest as it is, `None` if it carries nothing.
+    #[must_use]
+    pub fn new(
+        parameters: &Parameters,
+        model: &Model,
+        state: Option<&State>,
         virgin: Capacity,
         now: Capacity,
-        carried: f64,
     ) -> Self {
+        let basis = VerdictBasis::of(parameters);
+        Self::with(&basis, basis.loads(model, state), virgin, now)
+    }
+
+    /// As [`RemainingCapacity::new`], with what has been computed before.
+    pub(super) fn with(
+        basis: &VerdictBasis,
+        loads: VerdictLoads,
+        virgin: Capacity,
+        now: Capacity,
+    ) -> Self {
+        let [strong, weak] = basis.resistances;
+        let strong = strong.expect("the strong axis needs no dimensions");
+        // A push-down of a damaged column may carry more than that of the new one, because its steel has hardened or its bow
+        // opposes the imperfection. Nobody may rely on it.
+        let now = match now.force > virgin.force {
+            true => Capacity {
+                force: virgin.force,
+                ..now
+            },
+            false => now,
+        };
         let ratio = if virgin.force > 0.0 {
             now.force / virgin.force
         } else {
             0.0
         };
-        let strong = strong.expect("the strong axis needs no dimensions");
-        Self {
+        let remaining = Self {
             virgin,
             now,
             ratio,
             damage: (1.0 - ratio).max(0.0),
-            carried_load: carried,
-            reserve: (carried > 0.0).then(|| now.force / carried),
+            carried_load: loads.now,
+            virgin_load: loads.virgin,
+            axial_capacity: ratio * strong.force,
+            reserve: None,
             strong,
             weak,
-            resistance: weak.map(|weak| weak.force.min(ratio * strong.force)),
+            resistance: weak.map(|weak| ratio * weak.force.min(strong.force)),
+        };
+        let reserve = remaining.times_the_load(remaining.axial_capacity, strong.force);
+        Self {
+            reserve: (loads.now > 0.0).then_some(reserve),
+            ..remaining
         }
     }
 
-    /// Computes both capacities. `state` is the column at rest as it is, `None` if it has collapsed or is severed: it then
+    /// `resistance / N_Ed`, at most that of the new column; `None` where there is no compressive load or the weak axis is not
+    /// known.
+    #[must_use]
+    pub fn resistance_over_load(&self) -> Option<f64> {
+        let (resistance, weak) = (self.resistance?, self.weak?);
+        let of_new = weak.force.min(self.strong.force);
+        (self.carried_load > 0.0).then(|| self.times_the_load(resistance, of_new))
+    }
+
+    /// Whether the weak axis governs; `None` where it is not known.
+    #[must_use]
+    pub fn weak_axis_governs(&self) -> Option<bool> {
+        self.weak.map(|weak| weak.force < self.strong.force)
+    }
+
+    /// How many times its load a column resists that resists `now`; at most as often as the new one, which resists `of_new`.
+    fn times_the_load(&self, now: f64, of_new: f64) -> f64 {
+        let (times, new) = (now / self.carried_load, of_new / self.virgin_load);
+        match self.virgin_load > 0.0 && times > new {
+            true => new,
+            false => times,
+        }
+    }
+
+    /// Computes both push-downs. `state` is the column at rest as it is, `None` if it has collapsed or is severed: it then
     /// carries nothing.
     ///
     /// # Errors
@@ -81,19 +181,12 @@ impl RemainingCapacity {
         state: Option<&State>,
     ) -> Result<Self, CapacityError> {
         let imperfection = imperfection(parameters);
-        let virgin_state = State::at_rest(model);
-        let virgin = capacity(model, &virgin_state, imperfection)?;
-        let (now, carried) = match state {
-            Some(state) => (
-                capacity(model, state, imperfection)?,
-                carried_load(model, state),
-            ),
-            None => (
-                Capacity::none(CapacityEnd::NoEquilibrium),
-                carried_load(model, &virgin_state),
-            ),
+        let virgin = capacity(model, &State::at_rest(model), imperfection)?;
+        let now = match state {
+            Some(state) => capacity(model, state, imperfection)?,
+            None => Capacity::none(CapacityEnd::NoEquilibrium),
         };
-        Ok(Self::new(parameters, virgin, now, carried))
+        Ok(Self::new(parameters, model, state, virgin, now))
     }
 }
 
@@ -148,14 +241,22 @@ pub fn imperfection(parameters: &Parameters) -> f64 {
     curve.relative_bow() * height(parameters)
 }
 
-/// Resistances of the virgin column about the strong and the weak axis, with the buckling lengths of its supports, which
-/// are assumed to hold both axes alike.
+/// Resistances of the virgin column about the strong and the weak axis, with the buckling lengths that are given, or those of
+/// its supports, which are assumed to hold both axes alike.
 #[must_use]
 pub fn buckling_resistances(parameters: &Parameters) -> [Option<BucklingResistance>; 2] {
     let p = parameters.column_properties();
     let height = height(parameters);
+    let given = &parameters.settings().capacity;
     let resistance = |axis, bending_stiffness: f64| {
-        let factor = effective_length_factor(p.base, p.top, bending_stiffness, height);
+        let given = match axis {
+            BendingAxis::Strong => given.buckling_factor_strong,
+            BendingAxis::Weak => given.buckling_factor_weak,
+        };
+        let factor = match given > 0.0 {
+            true => given,
+            false => effective_length_factor(p.base, p.top, bending_stiffness, height),
+        };
         buckling_curve(parameters, axis).map(|curve| {
             buckling_resistance(
                 curve,

@@ -331,7 +331,7 @@ impl Column {
             let _ = writeln!(text, "  {name:<24}{value}");
         };
         line(
-            "N_u virgin",
+            "Push-down virgin",
             format!(
                 "{} (bow {})",
                 capacity_text(&remaining.virgin),
@@ -339,7 +339,7 @@ impl Column {
             ),
         );
         line(
-            "N_u now",
+            "Push-down now",
             format!(
                 "{}, {} % of the virgin column",
                 capacity_text(&remaining.now),
@@ -347,7 +347,14 @@ impl Column {
             ),
         );
         line(
-            "Carried load N_Ed",
+            "N_u",
+            format!(
+                "{}: this ratio times the strong-axis resistance",
+                force(remaining.axial_capacity)
+            ),
+        );
+        line(
+            "Load N_Ed",
             format!(
                 "{}; N_u / N_Ed = {}",
                 force(remaining.carried_load),
@@ -369,8 +376,8 @@ impl Column {
         );
         line(
             "Remaining resistance",
-            match (remaining.resistance, &remaining.weak) {
-                (Some(resistance), Some(weak)) if resistance >= weak.force => {
+            match (remaining.resistance, remaining.weak_axis_governs()) {
+                (Some(resistance), Some(true)) => {
                     format!("{}; the weak axis governs", force(resistance))
                 }
                 (Some(resistance), _) => {

@@ -111,7 +111,7 @@ fn the_curves_are_drawn() {
         "Axial force over shortening",
         "virgin column",
         "column as it is",
-        "carried load",
+        "load N_Ed",
     ] {
         assert!(svg.contains(words), "{words}");
     }

@@ -124,7 +124,7 @@ impl Summary<'_> {
         writeln!(
             f,
             "  {:<30}{:>14}{:>14}{:>14}",
-            "N_u  by push-down",
+            "force of the push-down",
             unit.show(remaining.virgin.force),
             format!(
                 "{}{}",
@@ -135,8 +135,12 @@ impl Summary<'_> {
         )?;
         let lines = [
             (
-                "carried load N_Ed",
+                "load N_Ed, gamma_M = 1.0",
                 Unit::force(remaining.carried_load).show(remaining.carried_load),
+            ),
+            (
+                "N_u = ratio x strong axis",
+                unit.show(remaining.axial_capacity),
             ),
             (
                 "reserve N_u / N_Ed",
@@ -151,7 +155,7 @@ impl Summary<'_> {
             (
                 "EN 1993-1-1, weak axis",
                 remaining.weak.map_or("not known".into(), |it| {
-                    format!("{}, assumed undamaged", unit.show(it.force))
+                    format!("{} when virgin", unit.show(it.force))
                 }),
             ),
             (
@@ -603,7 +607,7 @@ mod tests {
         let number = |name: &str| json[name].as_f64().expect(name);
         let ratio = number("residual_capacity_n") / number("virgin_capacity_n");
         assert!((ratio - number("capacity_ratio")).abs() < 1e-12 && ratio < 0.95);
-        let reserve = number("residual_capacity_n") / number("carried_load_n");
+        let reserve = number("axial_capacity_n") / number("carried_load_n");
         assert!((reserve - number("reserve")).abs() < 1e-12 && reserve > 1.0);
         assert_eq!(number("dt_s"), 2e-5);
         assert!(number("error_estimate") < 1e-2);

@@ -129,13 +129,9 @@ impl PushDownCurves<'_> {
         };
         let remaining = self.remaining;
         [
+            level("load N_Ed", Some(remaining.carried_load), colour::IMPACTOR),
             level(
-                "carried load N_Ed",
-                Some(remaining.carried_load),
-                colour::IMPACTOR,
-            ),
-            level(
-                "weak-axis resistance (EN 1993-1-1)",
+                "weak-axis resistance when virgin (EN 1993-1-1)",
                 remaining.weak.map(|weak| weak.force),
                 colour::TOP,
             ),
@@ -171,7 +167,7 @@ impl PushDownCurves<'_> {
             .reserve
             .map_or("no load".to_owned(), |it| significant(it, 3));
         format!(
-            "N_u virgin {}{}, now {}{}, ratio {}; N_u / N_Ed = {reserve}; bow {}",
+            "push-down virgin {}{}, now {}{}, ratio {}; N_u / N_Ed = {reserve}; bow {}",
             bound(&remaining.virgin),
             unit.show(remaining.virgin.force),
             bound(&remaining.now),

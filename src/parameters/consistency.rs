@@ -3,6 +3,7 @@
 //! Whether the column carries its load is checked by the mechanics.
 
 mod base;
+mod verdict;
 
 use super::catalogue::CatalogueSection;
 use super::ranges::LENGTH_RANGE;
@@ -44,6 +45,8 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     section_is_a_profile(settings, &mut found);
     base::base_is_complete(settings, &mut found);
     softening_has_its_rotations(settings, &mut found);
+    verdict::redistribution_is_proven(settings, &mut found);
+    verdict::weak_axis_is_known(settings, &mut found);
     found
 }
 
@@ -687,12 +690,13 @@ mod tests {
         assert!(faults(&bollard).is_empty());
         let [free, load, spring] = bollard;
         // The defaults hold the top and load it.
+        assert_eq!(faults(std::slice::from_ref(&free)), ["top.load"]);
         assert_eq!(
-            faults(std::slice::from_ref(&free)),
-            ["top.load", "top.spring_stiffness"]
-        );
-        assert_eq!(
-            faults(&[free.clone(), load.clone()]),
+            faults(&[
+                free.clone(),
+                load.clone(),
+                ("top.spring_stiffness", 1e7.into())
+            ]),
             ["top.spring_stiffness"]
         );
         assert_eq!(
@@ -1102,6 +1106,68 @@ mod tests {
         // Without a limit of deformation there is no softening either.
         let lifted = properties(&[("assessment.ultimate_rotation", 0.0.into())]);
         assert_eq!((lifted.ultimate_rotation, lifted.softening), (0.0, None));
+    }
+
+    /// A spring that nobody had asked for took load off every real column, so that damaged ones had more reserve than new ones.
+    #[test]
+    fn nothing_takes_the_load_off_a_named_section_unless_it_is_given() {
+        let spring = |parameters: &Parameters| parameters.settings().top.spring_stiffness;
+        let by_numbers = [
+            ("section.name", Value::from("")),
+            ("section.area", 0.01.into()),
+            ("section.second_moment", 1e-4.into()),
+            ("section.mass_per_length", 78.5.into()),
+            ("resistance.moment", 3e5.into()),
+        ];
+        let named = Parameters::default();
+        assert_eq!(spring(&named), 0.0);
+        let numbers = named.with_changes(by_numbers.clone()).expect("right");
+        assert_eq!(spring(&numbers), 1e7);
+        let given = [("top.spring_stiffness", Value::from(2e6))];
+        let given = named.with_changes(given).expect("right");
+        assert_eq!(spring(&given), 2e6);
+        assert_eq!(spring(&given.with_changes(by_numbers).expect("right")), 2e6);
+    }
+
+    #[test]
+    fn redistribution_counts_with_a_limit_a_proof_and_a_spring_only() {
+        let all = [
+            ("top.redistribution_limit", Value::from(1e5)),
+            ("top.redistribution_proof", "calculation 17".into()),
+            ("top.spring_stiffness", 1e7.into()),
+        ];
+        assert!(faults(&all).is_empty());
+        let [limit, proof, spring] = all;
+        assert_eq!(
+            faults(&[limit.clone(), spring.clone()]),
+            ["top.redistribution_proof"]
+        );
+        assert_eq!(
+            faults(&[
+                limit.clone(),
+                spring.clone(),
+                ("top.redistribution_proof", " ".into())
+            ]),
+            ["top.redistribution_proof"]
+        );
+        assert_eq!(
+            faults(&[proof.clone(), spring]),
+            ["top.redistribution_limit"]
+        );
+        assert_eq!(faults(&[limit, proof]), ["top.spring_stiffness"]);
+    }
+
+    #[test]
+    fn a_weak_axis_that_is_not_known_has_no_buckling_length() {
+        let factor = ("capacity.buckling_factor_weak", Value::from(1.0));
+        assert!(faults(std::slice::from_ref(&factor)).is_empty());
+        let changed = [
+            factor,
+            ("section.name", "HEB220".into()),
+            ("section.area", 0.0092.into()),
+            ("section.second_moment", 8e-5.into()),
+        ];
+        assert_eq!(faults(&changed), ["capacity.buckling_factor_weak"]);
     }
 
     #[test]

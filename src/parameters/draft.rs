@@ -24,13 +24,21 @@ const MAX_COMPARED: usize = 16;
 /// Number of unknown names in sections for any node of which each has its own warning.
 const MAX_FOREIGN: usize = 16;
 
+/// `k_s` of a column whose section is given by numbers \[N/m\]: that of the paper's example.
+const SPRING_STIFFNESS_BY_NUMBERS: f64 = 1e7;
+
 /// What follows from other parameters unless it is given.
 fn derived_defaults(
     vehicle: &str,
     (grade, yield_strength): (&str, f64),
     section: &str,
     with_rate: bool,
-) -> [(&'static str, Value); 5] {
+) -> [(&'static str, Value); 6] {
+    // A column of the paper's kind has the paper's spring; of a real one nothing may be assumed to take the load off it.
+    let spring_stiffness = match section.is_empty() {
+        true => SPRING_STIFFNESS_BY_NUMBERS,
+        false => 0.0,
+    };
     // Real columns harden and soften; the numbers of a section say nothing of it.
     let (ratio, model) = match (section.is_empty(), with_rate) {
         (true, _) => (0.0, "none"),
@@ -46,6 +54,7 @@ fn derived_defaults(
         ),
         ("hardening.ratio", ratio.into()),
         ("softening.model", model.into()),
+        ("top.spring_stiffness", spring_stiffness.into()),
     ]
 }
 

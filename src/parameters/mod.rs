@@ -49,6 +49,7 @@ mod steel;
 mod table;
 mod value;
 mod vehicles;
+mod verdict_rows;
 mod yaml;
 mod yaml_1_1;
 
@@ -78,12 +79,12 @@ pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
     AcceptEstimates, AssessmentSettings, BaseConnection, BaseSettings, CapacitySettings,
     Compression, DampingSettings, EstimationSettings, EventSettings, GeometrySettings,
-    HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
-    RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, SendersSettings,
-    SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings, ShearModel,
-    ShearSettings, SiteSettings, SofteningModel, SofteningSettings, SolverSettings, SpringSettings,
-    StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings,
-    ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    HardeningSettings, HingeSettings, LoadBasis, RateLawKind, RateSettings, RealTimeSettings,
+    RecordMode, RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings,
+    SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings,
+    ShearModel, ShearSettings, SiteSettings, SofteningModel, SofteningSettings, SolverSettings,
+    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
+    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use shear::NoShear;
 pub use steel::{STEEL_GRADES, SteelGrade};

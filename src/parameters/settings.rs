@@ -131,7 +131,18 @@ groups! {
         friction: f64,
     }
     /// The structure above the column.
-    TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
+    TopSettings {
+        spring_stiffness: f64,
+        mass: f64,
+        load: f64,
+        // Absent in recordings and states of programs whose verdicts know the load after shedding alone.
+        #[serde(default)]
+        redistribution_limit: f64,
+        #[serde(default)]
+        redistribution_proof: String,
+        #[serde(default)]
+        load_basis: LoadBasis,
+    }
     /// The default impact.
     ImpactSettings {
         mass: f64,
@@ -199,7 +210,14 @@ groups! {
     /// Duration of a response.
     ResponseSettings { duration: f64 }
     /// Remaining axial capacity.
-    CapacitySettings { imperfection: f64 }
+    CapacitySettings {
+        imperfection: f64,
+        // Absent in recordings and states of programs that take the buckling lengths from the supports.
+        #[serde(default)]
+        buckling_factor_strong: f64,
+        #[serde(default)]
+        buckling_factor_weak: f64,
+    }
     /// Assessment of an impact.
     AssessmentSettings {
         ultimate_rotation: f64,
@@ -288,6 +306,15 @@ words! {
         SemiRigid,
         /// Of the top only: nothing.
         Free,
+    }
+    /// Which load the load at the top is.
+    #[derive(Default)]
+    LoadBasis {
+        /// The one that the column carries now.
+        #[default]
+        Present,
+        /// The accidental combination of EN 1990.
+        Accidental,
     }
     /// Whether the web of the column yields in shear.
     ShearModel {
@@ -428,6 +455,17 @@ impl Settings {
     pub(super) fn impact_point_follows_vehicle(&self) -> bool {
         let geometry = &self.geometry;
         geometry.height > 0.0 && contact_height(&self.vehicle.name) == Some(geometry.length_below)
+    }
+}
+
+impl LoadBasis {
+    /// Which load it is, as part of a sentence.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Present => "the present load",
+            Self::Accidental => "the accidental combination of EN 1990 with its psi factors",
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use super::ranges::{
     LENGTH, OPTIONAL_PATH, SELECTED_COLUMNS, SENSOR_NAMES, SITE, SUPPORT, SUPPORT_STIFFNESS,
     TOP_SUPPORT, UNLOADING_STIFFNESS,
 };
+use super::verdict_rows;
 use crate::column::MAX_MASSES;
 
 /// Largest dynamic increase factor that may be asked for, and the limit of a law that has none of its own.
@@ -474,13 +475,14 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "top.spring_stiffness",
         unit: "N/m",
-        default: DefaultValue::Double(1e7),
+        default: DefaultValue::Double(0.0),
         admissible: Admissible::Real {
             min: 0.0,
             max: 1e13,
         },
         applies: Applies::AfterResponse,
-        meaning: "k_s: stiffness of the vertical spring at the top, which represents the rest of the structure",
+        meaning: "k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a \
+                  column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for one by numbers",
     },
     Parameter {
         name: "top.mass",
@@ -498,6 +500,9 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AfterResponse,
         meaning: "P: constant vertical load at the top, positive in compression",
     },
+    verdict_rows::REDISTRIBUTION_LIMIT,
+    verdict_rows::REDISTRIBUTION_PROOF,
+    verdict_rows::LOAD_BASIS,
     Parameter {
         name: "impact.mass",
         unit: "kg",
@@ -987,6 +992,8 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AtOnce,
         meaning: "e0: bow of the column for its axial capacity, at most a tenth of its height",
     },
+    verdict_rows::BUCKLING_FACTOR_STRONG,
+    verdict_rows::BUCKLING_FACTOR_WEAK,
     Parameter {
         name: "assessment.ultimate_rotation",
         unit: "rad",

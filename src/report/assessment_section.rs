@@ -101,31 +101,33 @@ fn quantity(value: f64, unit: &str) -> String {
 pub(super) fn capacity(assessed: &Assessed) -> Markup {
     let remaining = &assessed.remaining;
     let force = |si: f64| Unit::force(si).show(si);
-    let governs = |weak: &BucklingResistance, resistance: f64| match resistance >= weak.force {
+    let governs = |is_weak: bool| match is_weak {
         true => "the weak axis governs",
         false => "the plane of the impact governs",
     };
     html! {
         table.facts {
             tbody {
-                (fact("Virgin column, N_u", capacity_in_words(&remaining.virgin)))
-                (fact("Column as it is, N_u", capacity_in_words(&remaining.now)))
+                (fact("Load, N_Ed", &assessed.assessment.load))
+                (fact("Push-down of the virgin column", capacity_in_words(&remaining.virgin)))
+                (fact("Push-down of the column as it is", capacity_in_words(&remaining.now)))
                 (fact("Ratio, damage index", format!("{} of the virgin column; D = {}", significant(remaining.ratio, 3), significant(remaining.damage, 3))))
-                (fact("Load that it carries, N_Ed", force(remaining.carried_load)))
+                (fact("N_u", format!("{}: this ratio times the resistance about the strong axis", force(remaining.axial_capacity))))
                 (fact("Reserve, N_u / N_Ed", remaining.reserve.map_or("none: no compressive load".to_owned(), |it| significant(it, 3))))
                 (fact("Buckling resistance, strong axis", resistance(&remaining.strong)))
                 (fact("Buckling resistance, weak axis", remaining.weak.as_ref().map_or(
                     "not known: the dimensions of the section are not given".to_owned(), resistance)))
-                (fact("Remaining resistance", match (remaining.resistance, &remaining.weak) {
-                    (Some(found), Some(weak)) => format!("{}; {}", force(found), governs(weak, found)),
+                (fact("Remaining resistance", match (remaining.resistance, remaining.weak_axis_governs()) {
+                    (Some(found), Some(is_weak)) => format!("{}; {}", force(found), governs(is_weak)),
                     _ => "not known without the weak axis".to_owned(),
                 }))
             }
         }
         p.note {
-            "N_u is the largest force of a static push-down in the plane of the impact, with the plastic deformation as it is and a \
+            "The push-down finds the largest static force in the plane of the impact, with the plastic deformation as it is and a \
              bow of " (Unit::length(remaining.virgin.imperfection).show(remaining.virgin.imperfection))
-            ". The weak axis keeps its virgin value, because the model is plane."
+            ". It is too stiff for slender columns, so that its ratio alone counts, times the buckling resistance of the code. The \
+             model is plane: about the weak axis the same ratio is assumed to be left [A]."
         }
     }
 }

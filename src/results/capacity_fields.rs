@@ -2,8 +2,11 @@
 
 use serde::Serialize;
 
-use crate::assessment::{Assessment, Criterion, MissingData, RemainingCapacity, Severity};
+use crate::assessment::{
+    Assessment, Criterion, MissingData, PARTIAL_FACTOR, RemainingCapacity, Severity,
+};
 use crate::column::CapacityEnd;
+use crate::parameters::LoadBasis;
 
 /// The capacity of a column for programs, in SI units; the names are a stable interface. A value that does not exist is null.
 #[derive(Debug, Serialize)]
@@ -17,6 +20,10 @@ pub struct CapacityFields<'a> {
     capacity_ratio: f64,
     damage: f64,
     carried_load_n: f64,
+    load: &'a str,
+    load_basis: LoadBasis,
+    gamma_m: f64,
+    axial_capacity_n: f64,
     reserve: Option<f64>,
     imperfection_m: f64,
     v1_at_virgin_capacity_m: f64,
@@ -46,6 +53,10 @@ impl<'a> CapacityFields<'a> {
             capacity_ratio: remaining.ratio,
             damage: remaining.damage,
             carried_load_n: remaining.carried_load,
+            load: &assessment.load,
+            load_basis: assessment.load_basis,
+            gamma_m: PARTIAL_FACTOR,
+            axial_capacity_n: remaining.axial_capacity,
             reserve: remaining.reserve,
             imperfection_m: remaining.virgin.imperfection,
             v1_at_virgin_capacity_m: remaining.virgin.v1,

@@ -6,11 +6,13 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::assessment::{
-    ActionRange, Assumption, Criterion, ImpactEvaluation, MissingData, Severity, Variation,
+    ActionRange, Assumption, Criterion, ImpactEvaluation, MissingData, PARTIAL_FACTOR, Severity,
+    Variation,
 };
 use crate::column::{
     BaseForces, BaseReport, End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport,
 };
+use crate::parameters::LoadBasis;
 
 /// The word for an outcome.
 #[must_use]
@@ -74,6 +76,11 @@ pub struct ImpactFields<'a> {
     residual_capacity_n: Option<f64>,
     capacity_ratio: Option<f64>,
     carried_load_n: Option<f64>,
+    load: Option<&'a str>,
+    load_basis: Option<LoadBasis>,
+    gamma_m: f64,
+    axial_capacity_n: Option<f64>,
+    remaining_resistance_n: Option<f64>,
     reserve: Option<f64>,
     not_evaluated: Option<&'a [MissingData]>,
     range: Option<RangeFields<'a>>,
@@ -209,6 +216,11 @@ impl<'a> ImpactFields<'a> {
             residual_capacity_n: remaining.map(|it| it.now.force),
             capacity_ratio: remaining.map(|it| it.ratio),
             carried_load_n: remaining.map(|it| it.carried_load),
+            load: assessment.map(|it| it.load.as_str()),
+            load_basis: assessment.map(|it| it.load_basis),
+            gamma_m: PARTIAL_FACTOR,
+            axial_capacity_n: remaining.map(|it| it.axial_capacity),
+            remaining_resistance_n: remaining.and_then(|it| it.resistance),
             reserve: remaining.and_then(|it| it.reserve),
             not_evaluated: assessment.map(|it| &*it.not_evaluated),
             range: evaluation.range.as_ref().map(RangeFields::from),

@@ -286,7 +286,7 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     };
     format!(
         "{kind} of {}: severity {}: {} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
-         N_u {:.0} kN of {:.0} kN (computed in {:.2} ms)",
+         push-down {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
         severity_word(report.severity),
         report.severity_reason,

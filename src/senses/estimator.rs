@@ -14,7 +14,6 @@ use super::virgin_capacities::VirginCapacities;
 use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess, imperfection};
 use crate::column::{
     Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
-    carried_load,
 };
 use crate::parameters::Parameters;
 
@@ -402,20 +401,15 @@ impl Estimator {
             Some(virgin) => virgin,
             None => capacity(&model, &at_rest, imperfection(parameters)).ok()?,
         };
-        let (now, carried) = match prediction.rest.as_deref() {
-            Some(rest) if rest.plastic == PerBar::default() => {
-                (virgin, carried_load(&model, &at_rest))
-            }
+        let (now, loaded) = match prediction.rest.as_deref() {
+            Some(rest) if rest.plastic == PerBar::default() => (virgin, None),
             Some(rest) => (
                 capacity(&model, rest, imperfection(parameters)).ok()?,
-                carried_load(&model, rest),
+                Some(rest),
             ),
-            None => (
-                Capacity::none(CapacityEnd::NoEquilibrium),
-                carried_load(&model, &at_rest),
-            ),
+            None => (Capacity::none(CapacityEnd::NoEquilibrium), None),
         };
-        let remaining = RemainingCapacity::new(parameters, virgin, now, carried);
+        let remaining = RemainingCapacity::new(parameters, &model, loaded, virgin, now);
         let report = &prediction.report;
         let input = AssessmentInput::of_response(parameters, &struck, &impact, report, remaining);
         Some((assess(&input).severity, remaining.ratio))

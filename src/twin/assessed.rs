@@ -10,9 +10,7 @@ use crate::assessment::{
     AssessedImpact, Assessment, AssessmentInput, BaseDemand, RemainingCapacity, Utilisation,
     assess, imperfection,
 };
-use crate::column::{
-    Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport, carried_load,
-};
+use crate::column::{Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport};
 use crate::parameters::Parameters;
 
 /// Increments of a push-down between two looks at the budget.
@@ -196,12 +194,9 @@ pub(super) fn assessed(
         state,
         condition,
     } = at_rest;
-    let carried = match condition {
-        Condition::Standing => carried_load(model, state),
-        _ => carried_load(model, &State::at_rest(model)),
-    };
+    let standing = (*condition == Condition::Standing).then_some(state);
     let Capacities { virgin, now } = *capacities;
-    let remaining = RemainingCapacity::new(parameters, virgin, now, carried);
+    let remaining = RemainingCapacity::new(parameters, model, standing, virgin, now);
     let mut input = AssessmentInput::of_state(parameters, model, state, remaining);
     input.collapsed = *condition == Condition::Collapsed;
     input.severed = *condition == Condition::Severed;

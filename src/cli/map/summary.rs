@@ -85,7 +85,7 @@ const EXTREMES: [ExtremeOf; 4] = [
     ("Largest contact force", false, Unit::force, |it| {
         Some(it.peak_contact_force)
     }),
-    ("Smallest N_u, column stands", true, Unit::force, |it| {
+    ("Least push-down, column stands", true, Unit::force, |it| {
         it.residual_v1.map(|_| it.remaining_capacity)
     }),
 ];

@@ -36,12 +36,12 @@ class Capacity:
 
     @property
     def force(self) -> float:
-        """N_u of the column as it is [N]."""
+        """Largest force of the push-down of the column as it is [N]; too high for slender columns, see `axial_capacity`."""
         return float(self.report["residual_capacity_n"])
 
     @property
     def virgin_force(self) -> float:
-        """N_u of the virgin column [N]."""
+        """Largest force of the push-down of the virgin column [N]."""
         return float(self.report["virgin_capacity_n"])
 
     @property
@@ -50,13 +50,18 @@ class Capacity:
         return float(self.report["capacity_ratio"])
 
     @property
+    def axial_capacity(self) -> float:
+        """N_u: `ratio` times the buckling resistance of EN 1993-1-1 about the strong axis [N]."""
+        return float(self.report["axial_capacity_n"])
+
+    @property
     def carried_load(self) -> float:
-        """Load that the column carries, N_Ed [N]."""
+        """N_Ed: the load at the top before any redistribution that is not proven [N]."""
         return float(self.report["carried_load_n"])
 
     @property
     def reserve(self) -> float | None:
-        """N_u / N_Ed [-]; None where the column carries no compressive force."""
+        """N_u / N_Ed [-]; None where there is no compressive load."""
         reserve: float | None = self.report["reserve"]
         return reserve
 
@@ -73,7 +78,7 @@ class Capacity:
 
     def __repr__(self) -> str:
         return (
-            f"<Capacity {self.report['state']}: N_u {1e-3 * self.force:.4g} kN, {100 * self.ratio:.3g} % of the virgin "
+            f"<Capacity {self.report['state']}: N_u {1e-3 * self.axial_capacity:.4g} kN, {100 * self.ratio:.3g} % of the virgin "
             f"column, {self.severity}>"
         )
 

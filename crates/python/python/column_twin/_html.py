@@ -117,9 +117,10 @@ def capacity(capacity: Capacity) -> str:
     reserve = capacity.reserve
     rows = [
         ("severity", f"{_badge(capacity.severity)} {escape(capacity.report['deciding_criterion'])}"),
-        ("N_u of the virgin column", _kn(capacity.virgin_force)),
-        ("N_u now", f"{_kn(capacity.force)}, {100 * capacity.ratio:.3g} %"),
-        ("carried load N_Ed", _kn(capacity.carried_load)),
+        ("push-down of the virgin column", _kn(capacity.virgin_force)),
+        ("push-down now", f"{_kn(capacity.force)}, {100 * capacity.ratio:.3g} %"),
+        ("N_u", _kn(capacity.axial_capacity)),
+        ("load", escape(capacity.report["load"])),
         ("reserve N_u / N_Ed", "none" if reserve is None else f"{reserve:.3g}"),
     ]
     return f"<div><b>Capacity, {escape(capacity.report['state'])}</b>{_rows(rows)}</div>"

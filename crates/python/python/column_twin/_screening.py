@@ -61,11 +61,11 @@ class Screening:
     peak_contact_force: float
     """Largest contact force [N]."""
     remaining_capacity: float
-    """Remaining axial capacity N_u [N]; 0 if the column carries nothing."""
+    """Largest force of the push-down [N]; 0 if the column carries nothing."""
     capacity_ratio: float
-    """N_u over that of the virgin column [-]."""
+    """This force over that of the virgin column [-]."""
     capacity_reserve: float
-    """N_u over the load that the column carries [-]; NaN where that is not compressive."""
+    """N_u over N_Ed [-], see `Capacity`; NaN where there is no compressive load."""
     max_plastic_rotation: float
     """Largest plastic rotation of a hinge [rad]."""
     severity: Severity
