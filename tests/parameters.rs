@@ -1144,6 +1144,54 @@ fn a_height_lets_the_vehicle_say_where_it_strikes() {
         assert!(faults.contains(text), "{faults}");
     }
 
+    // Both lengths replace a height that was given before them, in a file, in an earlier section or in parameters that change.
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("f.yaml");
+    std::fs::write(
+        &file,
+        "/**:\n  ros__parameters: {geometry: {height: 4.0}, vehicle: {name: mid_car}}\n",
+    )
+    .expect("written");
+    let over_file = |overrides: &[&str]| {
+        let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
+        let parameters = Parameters::load(std::slice::from_ref(&file), &overrides).expect("right");
+        let geometry = &parameters.settings().geometry;
+        let lorry = parameters.impact_height_of("lorry_8t");
+        let lengths = [geometry.length_below, geometry.length_above];
+        (geometry.height, lengths, lorry)
+    };
+    let (below, above) = ("geometry.length_below:=0.5", "geometry.length_above:=2.9");
+    assert_eq!(over_file(&[]), (4.0, [0.5, 3.5], Some(1.25)));
+    assert_eq!(over_file(&[below, above]), (0.0, [0.5, 2.9], None));
+    assert_eq!(over_file(&[above]), (4.0, [1.1, 2.9], None));
+    // Also if they are as long together as the height: their impact point stays.
+    let same = over_file(&[below, "geometry.length_above:=3.5"]);
+    assert_eq!(same, (0.0, [0.5, 3.5], None));
+    let sections = "/**:\n  ros__parameters: {geometry: {height: 4.0}}\n\
+                    column_twin:\n  ros__parameters: {geometry: {length_below: 0.6, length_above: 2.0}}\n";
+    let read = Parameters::from_yaml(Path::new("f.yaml"), sections).expect("right");
+    let geometry = &read.settings().geometry;
+    assert_eq!(
+        [
+            geometry.height,
+            geometry.length_below,
+            geometry.length_above
+        ],
+        [0.0, 0.6, 2.0]
+    );
+    let both = loaded(&[height]).expect("right").with_changes([
+        ("geometry.length_below", Value::from(1.0)),
+        ("geometry.length_above", Value::from(2.0)),
+    ]);
+    assert_eq!(both.expect("right").settings().geometry.height, 0.0);
+
+    // A vehicle without a height of its own strikes at 1 m, and others where they do.
+    let rigid = loaded(&[height]).expect("right");
+    assert_eq!(rigid.impact_height_of("lorry_8t"), Some(1.25));
+    assert_eq!(rigid.impact_height_of("Rigid"), Some(1.0));
+    assert_eq!(rigid.impact_height_of(""), None);
+    assert_eq!(rigid.impact_height_of("mid_car@0.3"), Some(0.5));
+
     // What followed the vehicle follows a change of it, and a file says the same again.
     let car = loaded(&[height, "vehicle.name:=mid_car"]).expect("right");
     let changed = |name: &str, value: Value| {
@@ -1152,6 +1200,13 @@ fn a_height_lets_the_vehicle_say_where_it_strikes() {
         (geometry.length_below, geometry.length_above)
     };
     assert_eq!(changed("vehicle.name", "lorry_8t".into()), (1.25, 2.75));
+    let rigid = car.with_changes([
+        ("vehicle.name", Value::from("rigid")),
+        ("impact.mass", 1500.0.into()),
+    ]);
+    let rigid = rigid.expect("right");
+    let geometry = &rigid.settings().geometry;
+    assert_eq!((geometry.length_below, geometry.length_above), (1.0, 3.0));
     assert_eq!(changed("geometry.height", 5.0.into()), (0.5, 4.5));
     assert_eq!(changed("geometry.length_below", 1.5.into()), (1.5, 2.5));
     let read = Parameters::from_yaml(Path::new("f.yaml"), &car.to_yaml());

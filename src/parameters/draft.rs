@@ -15,7 +15,7 @@ use super::spelling::nearest_word;
 use super::steel::strength_ratio;
 use super::table::PARAMETERS;
 use super::value::Value;
-use super::vehicles::{RIGID, bumper_by_default, contact_height, narrow_by_default};
+use super::vehicles::{RIGID, bumper_by_default, impact_point_of, narrow_by_default};
 
 /// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long
 /// list of wrong names is rejected quickly.
@@ -73,7 +73,15 @@ pub(super) struct Draft {
     foreign: usize,
     /// Files that were read, in their order.
     files: Vec<PathBuf>,
+    /// Sources that were taken.
+    taken: usize,
+    /// What the last assignment came from, and the number of its group.
+    group: Option<(Group, u32)>,
 }
+
+/// Assignments that are read as one statement: those of one section of a source (its number, and that of the section), or those
+/// of the command line or of a program (`None`). Of two groups the later one may replace what the earlier one says.
+type Group = Option<(usize, usize)>;
 
 /// The value of a parameter.
 struct Slot {
@@ -82,6 +90,8 @@ struct Slot {
     place: Option<Origin>,
     /// Whether a wrong value was given.
     wrong: bool,
+    /// Number of the group in which it was given, from 1; 0 for defaults and for what a change starts from.
+    group: u32,
 }
 
 /// The value of a parameter of a sensor.
@@ -98,6 +108,7 @@ impl Slot {
             value: parameter.default_value(),
             place: None,
             wrong: false,
+            group: 0,
         }
     }
 
@@ -106,6 +117,7 @@ impl Slot {
             value,
             place: Some(Origin::Direct),
             wrong: false,
+            group: 0,
         }
     }
 }
@@ -124,6 +136,8 @@ impl Draft {
             compared: 0,
             foreign: 0,
             files: Vec::new(),
+            taken: 0,
+            group: None,
         }
     }
 
@@ -181,17 +195,35 @@ impl Draft {
             }
         }
         self.faults.extend(faults);
+        self.taken += 1;
         for assignment in assignments {
             self.assign(assignment);
         }
     }
 
+    /// The number of the group of an assignment, which is the next one to be taken.
+    fn group_of(&mut self, assignment: &Assignment) -> u32 {
+        let group = match &assignment.given.place {
+            Origin::File { .. } => Some((self.taken, assignment.section)),
+            Origin::CommandLine(_) | Origin::Direct => None,
+        };
+        let number = match self.group {
+            Some((last, number)) if last == group => number,
+            Some((_, number)) => number + 1,
+            None => 1,
+        };
+        self.group = Some((group, number));
+        number
+    }
+
     fn assign(&mut self, assignment: Assignment) {
+        let group = self.group_of(&assignment);
         let Assignment {
             name,
             given,
             name_place,
             for_any_node,
+            section: _,
         } = assignment;
         let Some(entry) = Entry::named(&name) else {
             self.report_unknown(name, name_place, for_any_node);
@@ -238,6 +270,7 @@ impl Draft {
             None => slot.wrong = true,
         }
         slot.place = Some(given.place);
+        slot.group = group;
     }
 
     fn report_unknown(&mut self, name: String, place: Origin, for_any_node: bool) {
@@ -513,40 +546,37 @@ impl Draft {
     }
 
     /// The lengths of the bars of a column whose height is given, as far as they are not given themselves: the impact point is
-    /// where the vehicle strikes.
+    /// where the vehicle strikes. Two lengths that are given later than the height replace it.
     fn follow_height(&mut self) {
-        let length = |name: &str| {
-            let slot = self.slot(name)?;
-            match slot.value {
-                Value::Double(value) => Some((value, slot.place.is_some())),
-                _ => None,
-            }
-        };
-        let (Some((height, _)), Some((below, has_below)), Some((above, has_above))) = (
-            length("geometry.height"),
-            length("geometry.length_below"),
-            length("geometry.length_above"),
-        ) else {
+        let indices = [
+            "geometry.height",
+            "geometry.length_below",
+            "geometry.length_above",
+        ]
+        .map(|name| Parameter::index_of(name).expect("a parameter of the table"));
+        let [height, below, above] = indices.map(|index| &self.slots[index]);
+        let (Value::Double(whole), Value::Double(lower), Value::Double(upper)) =
+            (&height.value, &below.value, &above.value)
+        else {
             return;
         };
-        if height == 0.0 {
+        let (whole, lower, upper) = (*whole, *lower, *upper);
+        if whole == 0.0 {
             return;
         }
-        let vehicle = self.slot("vehicle.name").map(|it| it.value.plain());
-        let at_vehicle = contact_height(&vehicle.unwrap_or_default()).unwrap_or(below);
-        let (below, above) = match (has_below, has_above) {
+        let values = match (below.place.is_some(), above.place.is_some()) {
+            (true, true) if below.group.min(above.group) > height.group => [0.0, lower, upper],
             (true, true) => return,
-            (true, false) => (below, height - below),
-            (false, true) => (height - above, above),
-            (false, false) => (at_vehicle, height - at_vehicle),
-        };
-        for (name, value) in [
-            ("geometry.length_below", below),
-            ("geometry.length_above", above),
-        ] {
-            if let Some(index) = Parameter::index_of(name) {
-                self.slots[index].value = Value::Double(value);
+            (true, false) => [whole, lower, whole - lower],
+            (false, true) => [whole, whole - upper, upper],
+            (false, false) => {
+                let vehicle = self.slot("vehicle.name").map(|it| it.value.plain());
+                let lower = impact_point_of(&vehicle.unwrap_or_default());
+                [whole, lower, whole - lower]
             }
+        };
+        for (index, value) in indices.into_iter().zip(values) {
+            self.slots[index].value = Value::Double(value);
         }
     }
 

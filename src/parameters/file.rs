@@ -101,6 +101,8 @@ struct FileReader<'a> {
     meant: bool,
     /// Whether the present section is for any node, and not for this one by name.
     for_any_node: bool,
+    /// Number of the present section.
+    section: usize,
     /// The sections of all nodes, if they are wanted instead of what is for this node.
     sections: Option<Vec<Section>>,
 }
@@ -115,6 +117,7 @@ impl<'a> FileReader<'a> {
             other_nodes: Vec::new(),
             meant: false,
             for_any_node: false,
+            section: 0,
             sections: None,
         }
     }
@@ -198,6 +201,7 @@ impl<'a> FileReader<'a> {
                 }
                 (YamlContent::Mapping(parameters), true) => {
                     self.meant = true;
+                    self.section += 1;
                     self.for_any_node = match self.sections {
                         None => !self.node.is_named_by(path),
                         Some(_) => path.ends_with('*'),
@@ -295,6 +299,7 @@ impl<'a> FileReader<'a> {
             given,
             name_place,
             for_any_node: self.for_any_node,
+            section: self.section,
         });
     }
 

@@ -587,6 +587,7 @@ impl Table {
                         given: as_given(name, text, given),
                         name_place: place(),
                         for_any_node: false,
+                        section: 0,
                     }),
                     Err(problem) => reader.faults.push(Fault {
                         name: Some(name.clone()),

@@ -13,6 +13,8 @@ pub(super) struct Assignment {
     pub name_place: Origin,
     /// Given for any node (`/**`): a name that this node does not know belongs to another one.
     pub for_any_node: bool,
+    /// Number of its section in its file; later sections win.
+    pub section: usize,
 }
 
 /// What was given for a parameter, or as an element of a list.
@@ -45,6 +47,7 @@ impl Assignment {
             given: Given::direct(value),
             name_place: Origin::Direct,
             for_any_node: false,
+            section: 0,
         }
     }
 }

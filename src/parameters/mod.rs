@@ -359,11 +359,32 @@ impl Parameters {
 
     /// Where a vehicle of this name strikes a column that is given by its height and by no impact point \[m above the base\]
     /// if its impact names no height; `None`: where the parameters have the impact point. An empty name is the vehicle of the
-    /// parameters.
+    /// parameters. [`RIGID`] strikes where it would as the vehicle of the parameters.
     #[must_use]
     pub fn impact_height_of(&self, vehicle: &str) -> Option<f64> {
         let follows = self.settings.impact_point_follows_vehicle();
-        vehicles::contact_height(vehicle).filter(|_| follows)
+        let (name, _) = vehicles::split_crush(vehicle);
+        let known = vehicles::vehicle_name(name).filter(|_| follows);
+        known.map(vehicles::impact_point_of)
+    }
+
+    /// These parameters with the impact point where a vehicle of this name strikes, see
+    /// [`impact_height_of`](Self::impact_height_of); `None` where it is there.
+    ///
+    /// # Errors
+    /// The vehicle strikes too near to the top of the column, or above it.
+    pub fn struck_by(&self, vehicle: &str) -> Result<Option<Self>, ParameterFaults> {
+        let geometry = &self.settings.geometry;
+        let height = self.impact_height_of(vehicle);
+        let Some(height) = height.filter(|it| *it != geometry.length_below) else {
+            return Ok(None);
+        };
+        let lengths = [
+            ("geometry.length_below", height),
+            ("geometry.length_above", geometry.height - height),
+        ];
+        let lengths = lengths.map(|(name, length)| (name, Value::Double(length)));
+        self.with_changes(lengths).map(Some)
     }
 
     /// Maximum duration of a response \[s\].

@@ -88,6 +88,7 @@ impl Override {
             name: self.name.clone().unwrap_or_default(),
             name_place: place.clone(),
             for_any_node: false,
+            section: 0,
         })
     }
 }

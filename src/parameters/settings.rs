@@ -10,7 +10,7 @@ use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
-use super::vehicles::contact_height;
+use super::vehicles::impact_point_of;
 use crate::column::{ElasticLaw, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
@@ -451,10 +451,11 @@ impl Settings {
 }
 
 impl Settings {
-    /// Whether the impact point is where the vehicle strikes: the column is given by its height, and no other place is given.
+    /// Whether the impact point is where the vehicle strikes: the column is given by its height, and no other place is given. A
+    /// given place that is the vehicle's own counts as not given.
     pub(super) fn impact_point_follows_vehicle(&self) -> bool {
         let geometry = &self.geometry;
-        geometry.height > 0.0 && contact_height(&self.vehicle.name) == Some(geometry.length_below)
+        geometry.height > 0.0 && impact_point_of(&self.vehicle.name) == geometry.length_below
     }
 }
 

@@ -15,6 +15,9 @@ use crate::column::MAX_MASSES;
 /// Largest dynamic increase factor that may be asked for, and the limit of a law that has none of its own.
 pub(super) const MAX_RATE_FACTOR: f64 = 100.0;
 
+/// Height of the impact point above the base where nothing gives it \[m\], as in the paper.
+pub(super) const DEFAULT_LENGTH_BELOW: f64 = 1.0;
+
 /// Meaning of 0 for the numbers of a base plate.
 const NO_PLATE: &str = "not given";
 
@@ -92,12 +95,13 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AfterResponse,
         meaning: "height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the \
                   heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a \
-                  height, and `geometry.length_above` is the rest",
+                  height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later \
+                  file or section, on the command line, or by a change of both at once",
     },
     Parameter {
         name: "geometry.length_below",
         unit: "m",
-        default: DefaultValue::Double(1.0),
+        default: DefaultValue::Double(DEFAULT_LENGTH_BELOW),
         admissible: LENGTH,
         applies: Applies::AfterResponse,
         meaning: "L_a: height of the impact point above the base",

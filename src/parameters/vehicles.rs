@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::settings::{SpringSettings, VehicleSettings};
 use super::spelling::nearest_word;
+use super::table::DEFAULT_LENGTH_BELOW;
 use crate::column::{CrushCurve, CrushSpring, Vehicle, VehicleError};
 
 /// The name of the paper's rigid mass, which is no vehicle of the catalogue.
@@ -327,9 +328,11 @@ impl SpringRow {
     }
 }
 
-/// Where the vehicle of this name strikes, above the ground \[m\]; `None` for a rigid one and one by numbers.
-pub(super) fn contact_height(name: &str) -> Option<f64> {
-    CatalogueVehicle::of_crushed(name).map(|it| it.contact_height.value.height_m)
+/// Where a column that is given by its height is hit unless something else says so, if this is the vehicle of its parameters
+/// \[m above the base\]: where the vehicle strikes, and by default for a rigid one and one by numbers.
+pub(super) fn impact_point_of(vehicle: &str) -> f64 {
+    let known = CatalogueVehicle::of_crushed(vehicle);
+    known.map_or(DEFAULT_LENGTH_BELOW, |it| it.contact_height.value.height_m)
 }
 
 /// Whether the vehicle of this name meets a column as a narrow object unless a parameter tells otherwise.

@@ -215,6 +215,9 @@ impl StudyColumn {
         mass: Option<f64>,
         [lowest, highest]: [f64; 2],
     ) -> Result<CriticalVelocities, StudyError> {
+        if let Some(column) = self.struck_by(vehicle)? {
+            return column.critical_velocities(vehicle, mass, [lowest, highest]);
+        }
         let mut search = CriticalSearch::new(lowest, highest);
         while let Some(velocity) = search.next() {
             let impact = self.impact(vehicle, mass, velocity)?;

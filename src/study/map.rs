@@ -326,6 +326,9 @@ impl DamageMap {
         judge: fn(&StudyColumn, &Impact) -> Result<T, StudyError>,
     ) -> Result<T, String> {
         let screened = |column: &StudyColumn| {
+            let struck = column.struck_by(self.vehicle(values));
+            let struck = struck.map_err(|fault| fault.to_string())?;
+            let column = struck.as_deref().unwrap_or(column);
             let impact = self
                 .impact(column, values)
                 .map_err(|fault| fault.to_string())?;
@@ -346,6 +349,15 @@ impl DamageMap {
         }
     }
 
+    /// The vehicle at these values, if it varies.
+    fn vehicle<'v>(&self, values: [AxisValue<'v>; 2]) -> Option<&'v str> {
+        let axes = [&self.rows, &self.columns].into_iter().zip(values);
+        axes.rev().find_map(|(axis, value)| match value {
+            AxisValue::Name(name) if axis.quantity() == MapQuantity::Vehicle => Some(name),
+            _ => None,
+        })
+    }
+
     /// The impact on a column at these values.
     fn impact(
         &self,
@@ -353,12 +365,12 @@ impl DamageMap {
         values: [AxisValue<'_>; 2],
     ) -> Result<Impact, StudyError> {
         let settings = column.parameters().settings();
-        let (mut vehicle, mut mass, mut velocity) = (None, None, settings.impact.velocity);
+        let vehicle = self.vehicle(values);
+        let (mut mass, mut velocity) = (None, settings.impact.velocity);
         for (axis, value) in [&self.rows, &self.columns].into_iter().zip(values) {
             match (axis.quantity(), value) {
                 (MapQuantity::Mass, AxisValue::Number(number)) => mass = Some(number),
                 (MapQuantity::Velocity, AxisValue::Number(number)) => velocity = number,
-                (MapQuantity::Vehicle, AxisValue::Name(name)) => vehicle = Some(name),
                 _ => {}
             }
         }

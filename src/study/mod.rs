@@ -66,4 +66,4 @@ pub use row_search::{RefineError, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};
 #[cfg(feature = "study")]
 pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
-pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits};
+pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits, vehicle_limits_on};

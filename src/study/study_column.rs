@@ -10,7 +10,7 @@ use crate::column::{
     PerBar, Scheme, SimulationError, State, StudyModel, StudyResponse, carried_over,
     residual_state,
 };
-use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
+use crate::parameters::{CatalogueVehicle, ParameterFaults, Parameters, VehicleFault};
 
 /// Margin of a criterion, relative to its limit, below which the plain response decides: ten times the error of a quick
 /// response.
@@ -53,6 +53,9 @@ const BARELY_PLASTIC: f64 = 2e-5;
 /// The column before a bumper of this height \[m\].
 type BeforeBumper = (f64, Arc<StudyColumn>);
 
+/// The column with its impact point at this height \[m\].
+type StruckElsewhere = (f64, Arc<StudyColumn>);
+
 /// A column that is prepared once for many impacts.
 #[derive(Debug, Clone)]
 pub struct StudyColumn {
@@ -68,6 +71,8 @@ pub struct StudyColumn {
     assessment: PreparedAssessment,
     /// The same column before the bumpers of other vehicles, by their height, once an impact has needed them.
     before_bumpers: Arc<Mutex<Vec<BeforeBumper>>>,
+    /// The same column where other vehicles strike it, by the height of the impact point, once an impact has needed them.
+    struck_elsewhere: Arc<Mutex<Vec<StruckElsewhere>>>,
 }
 
 /// What one impact leads to, as far as a study compares it.
@@ -107,6 +112,9 @@ pub enum StudyError {
     /// The vehicle.
     #[error(transparent)]
     Vehicle(#[from] VehicleFault),
+    /// The impact point.
+    #[error("the column cannot be hit where this vehicle strikes: {}", .0.in_one_line())]
+    ImpactPoint(ParameterFaults),
     /// A damaged column before a bumper.
     #[error(
         "the damaged column has no equilibrium before the bumper of this vehicle; give another vehicle, or its bumper_height"
@@ -142,6 +150,7 @@ impl StudyColumn {
             rest,
             assessment,
             before_bumpers: Arc::default(),
+            struck_elsewhere: Arc::default(),
         })
     }
 
@@ -176,6 +185,34 @@ impl StudyColumn {
         };
         let column = Arc::new(Self::at_rest(&self.parameters, model, rest)?);
         lock().push((wanted, Arc::clone(&column)));
+        Ok(Some(column))
+    }
+
+    /// This column where a vehicle of this name strikes it, see [`Parameters::impact_height_of`]; `None` where it is that already,
+    /// and for a damaged column, whose hinges stay where they are.
+    ///
+    /// # Errors
+    /// The vehicle strikes too near to the top of the column, or above it.
+    pub fn struck_by(&self, vehicle: Option<&str>) -> Result<Option<Arc<Self>>, StudyError> {
+        let height = self.parameters.impact_height_of(vehicle.unwrap_or(""));
+        let height = height.filter(|_| self.rest.plastic == PerBar::default());
+        let (Some(height), Some(vehicle)) = (height, vehicle) else {
+            return Ok(None);
+        };
+        let lock = || {
+            self.struck_elsewhere
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        if let Some((_, known)) = lock().iter().find(|(known, _)| *known == height) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let there = self.parameters.struck_by(vehicle);
+        let Some(there) = there.map_err(StudyError::ImpactPoint)? else {
+            return Ok(None);
+        };
+        let column = Arc::new(Self::virgin(&there)?);
+        lock().push((height, Arc::clone(&column)));
         Ok(Some(column))
     }
 

@@ -54,6 +54,17 @@ pub fn vehicle_limits(
     at_rest: Severity,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<VehicleLimits>> {
+    vehicle_limits_on(column, &mut |_| None, at_rest, go_on)
+}
+
+/// As [`vehicle_limits`], where not every vehicle strikes at the same height: `elsewhere` gives the column for the vehicle of a
+/// name, or `None` where that is `column`. The parameters are those of `column`.
+pub fn vehicle_limits_on(
+    column: &StudyColumn,
+    elsewhere: &mut dyn FnMut(&str) -> Option<Arc<StudyColumn>>,
+    at_rest: Severity,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<Vec<VehicleLimits>> {
     let configured = column.parameters().settings().vehicle.name.as_str();
     let catalogue = vehicle_catalogue().iter().map(|it| it.name.as_str());
     let vehicles = std::iter::once((None, configured)).chain(catalogue.map(|it| (Some(it), it)));
@@ -74,6 +85,8 @@ pub fn vehicle_limits(
                 ..same.clone()
             },
             None => {
+                let other = vehicle.and_then(&mut *elsewhere);
+                let column = other.as_deref().unwrap_or(column);
                 let [restrict, evacuate] = search(column, slowest, at_rest, go_on)?;
                 VehicleLimits {
                     vehicle: name.into(),

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::command::Accepted;
 use super::lifecycle::Twin;
-use super::plant::Plant;
+use super::plant::{Plant, is_same_height, with_impact_height};
 use crate::assessment::Severity;
+use crate::column::ColumnProperties;
 use crate::parameters::Parameters;
-use crate::study::{StudyColumn, VehicleLimits, vehicle_limits};
+use crate::study::{StudyColumn, VehicleLimits, vehicle_limits_on};
 
 /// All on which the critical velocities of the column at rest depend, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,17 +20,37 @@ pub struct CriticalVelocityTask {
 }
 
 impl CriticalVelocityTask {
-    /// Computes the critical velocities, see [`vehicle_limits`]; `go_on` is asked before each response, and `None` is the
-    /// result once it returns false. Where the hinges at the impact point are not damaged, the impacts are at the height of
-    /// the parameters, otherwise at that of these hinges. Empty for a column that cannot be computed.
+    /// Computes the critical velocities, see [`vehicle_limits_on`]; `go_on` is asked before each response, and `None` is the
+    /// result once it returns false. Where the hinges at the impact point are not damaged, each vehicle strikes where it does if
+    /// the column is given by its height, otherwise at the height of the parameters; hinges that are damaged take all impacts.
+    /// Empty for a column that cannot be computed.
     pub fn compute(&self, go_on: &mut dyn FnMut() -> bool) -> Option<Arc<[VehicleLimits]>> {
         let properties = self.parameters.column_properties();
-        let moved = self.at_rest.with_hinges_at_impact(&properties);
-        let (model, rest) = moved.unwrap_or((self.at_rest.model, self.at_rest.state));
-        let Ok(column) = StudyColumn::at_rest(&self.parameters, model, rest) else {
+        let struck_at = |properties: &ColumnProperties| {
+            let moved = self.at_rest.with_hinges_at_impact(properties);
+            let (model, rest) = moved.unwrap_or((self.at_rest.model, self.at_rest.state));
+            StudyColumn::at_rest(&self.parameters, model, rest)
+        };
+        let Ok(column) = struck_at(&properties) else {
             return Some(Arc::default());
         };
-        vehicle_limits(&column, self.severity, go_on).map(Arc::from)
+        // By height; the catalogue has few.
+        let mut others: Vec<(f64, Arc<StudyColumn>)> = Vec::new();
+        let mut elsewhere = |vehicle: &str| {
+            let height = self.parameters.impact_height_of(vehicle)?;
+            if is_same_height(height, properties.length_below) {
+                return None;
+            }
+            let known = others.iter().find(|(known, _)| *known == height);
+            if let Some((_, known)) = known {
+                return Some(Arc::clone(known));
+            }
+            let there = struck_at(&with_impact_height(&properties, height)).ok()?;
+            let there = Arc::new(there);
+            others.push((height, Arc::clone(&there)));
+            Some(there)
+        };
+        vehicle_limits_on(&column, &mut elsewhere, self.severity, go_on).map(Arc::from)
     }
 }
 

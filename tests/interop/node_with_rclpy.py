@@ -164,7 +164,7 @@ def parameters(peer):
     names = peer.result("list", client.list_parameters()).result.names
     check_that(f"the list has top.load: {names}", "top.load" in names and "use_sim_time" in names)
     under = peer.result("list", client.list_parameters(["geometry"], 2)).result.names
-    check("geometry.*", sorted(under), ["geometry.length_above", "geometry.length_below"])
+    check("geometry.*", sorted(under), ["geometry.height", "geometry.length_above", "geometry.length_below"])
 
     load, identity, port = peer.result(
         "describe", client.describe_parameters(["top.load", "column_id", "viewer.port"])).descriptors

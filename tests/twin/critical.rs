@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use column_twin::assessment::Severity;
 use column_twin::column::{ImpactSpecification, Model};
-use column_twin::parameters::vehicle_catalogue;
+use column_twin::parameters::{Value, vehicle_catalogue};
 use column_twin::study::{LIMIT_VELOCITIES, StudyColumn, VehicleLimits, vehicle_limits};
 use column_twin::twin::{Accepted, Checkpoint, Command, Output, Status, Twin};
 
@@ -101,7 +101,32 @@ fn the_prediction_of_an_impact_confirms_them() {
     let mut bench = Bench::new(&[]);
     hit(&mut bench, 4.0);
     bench.go_on(3_000 * MS);
-    let at_rest = status(&bench)
+    confirm_by_predictions(&bench);
+}
+
+/// On a column that is given by its height, car, lorry and forklift truck strike at heights of their own, and so they do where
+/// nothing but an event names a vehicle. They once had the height of the vehicle of the parameters.
+#[test]
+fn the_prediction_confirms_them_where_each_vehicle_strikes_at_its_own_height() {
+    let height = ("geometry.height", Value::from(4.0));
+    for vehicle in ["mid_car", "rigid"] {
+        let bench = Bench::new(&[height.clone(), ("vehicle.name", Value::from(vehicle))]);
+        confirm_by_predictions(&bench);
+        let limits = compute(&bench);
+        let one_height = Bench::new(&[("vehicle.name", Value::from(vehicle))]);
+        let at_one_height = compute(&one_height);
+        let of = |limits: &Limits, name: &str| {
+            let found = limits.iter().skip(1).find(|it| &*it.vehicle == name);
+            found.expect("in the catalogue").restrict
+        };
+        for name in ["suv", "lorry_8t", "forklift"] {
+            assert_ne!(of(&limits, name), of(&at_one_height, name), "{name}");
+        }
+    }
+}
+
+fn confirm_by_predictions(bench: &Bench) {
+    let at_rest = status(bench)
         .assessed
         .expect("assessed")
         .assessment
@@ -120,7 +145,7 @@ fn the_prediction_of_an_impact_confirms_them() {
         assessed.map_or(Severity::Evacuate, |it| it.assessment.severity)
     };
     let mut checked = 0;
-    for limits in compute(&bench).iter().skip(1) {
+    for limits in compute(bench).iter().skip(1) {
         for (severity, velocity) in [
             (Severity::Restrict, limits.restrict),
             (Severity::Evacuate, limits.evacuate),

@@ -126,6 +126,9 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<Screened> {
+        if let Some(there) = self.struck_by(vehicle)? {
+            return there.screen(py, vehicle, mass, velocity);
+        }
         let impact = self.impact(vehicle, mass, velocity)?;
         let screened = py.detach(|| self.study.screen(&impact));
         let screening = screened.map_err(|fault| fault::study(&fault))?;
@@ -143,6 +146,9 @@ impl Column {
         velocities: &[u8],
         threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyByteArray>> {
+        if let Some(there) = self.struck_by(vehicle)? {
+            return there.screen_batch(py, vehicle, masses, velocities, threads);
+        }
         let velocities = numbers(velocities);
         let masses = masses.map(numbers);
         let impacts: PyResult<Vec<Impact>> = velocities
@@ -249,6 +255,9 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<(Vec<String>, Vec<Bound<'py, PyByteArray>>, String)> {
+        if let Some(there) = self.struck_by(vehicle)? {
+            return there.simulate(py, vehicle, mass, velocity);
+        }
         let impact = self.impact(vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
         let history = py
@@ -285,6 +294,9 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<(String, Curve<'py>)> {
+        if let Some(there) = self.struck_by(vehicle)? {
+            return there.capacity_after(py, vehicle, mass, velocity);
+        }
         let impact = self.impact(vehicle, mass, velocity)?;
         let computed = py.detach(|| {
             let model = self.model()?;
@@ -336,6 +348,15 @@ impl Column {
     fn of(parameters: &Parameters) -> PyResult<Self> {
         let study = StudyColumn::virgin(parameters).map_err(|fault| fault::study(&fault))?;
         Ok(Self { study })
+    }
+
+    /// The column where this vehicle strikes it; `None` where it is that already.
+    fn struck_by(&self, vehicle: Option<&str>) -> PyResult<Option<Self>> {
+        let struck = self.study.struck_by(vehicle);
+        let struck = struck.map_err(|fault| fault::study(&fault))?;
+        Ok(struck.map(|there| Self {
+            study: StudyColumn::clone(&there),
+        }))
     }
 
     fn parameters(&self) -> &Parameters {

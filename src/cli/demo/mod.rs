@@ -18,7 +18,7 @@ use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification, WEBS};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
-use column_twin::parameters::{CatalogueVehicle, Parameters, Value};
+use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, severity_word,
 };
@@ -71,24 +71,13 @@ const COLUMN_ID: &str = "heb220_s355";
 const CAR: &str = "suv";
 
 impl DemoArgs {
-    /// Height at which the vehicle strikes \[m\]; `None` for one that is not in the catalogue.
-    fn height(&self) -> Option<f64> {
-        CatalogueVehicle::named(&self.vehicle).map(|it| it.contact_height.value.height_m)
-    }
-
-    /// The parameters of the hit.
-    fn changes(&self, column: &Parameters) -> Vec<(&'static str, Value)> {
-        let geometry = &column.settings().geometry;
-        let total = geometry.length_below + geometry.length_above;
+    /// The parameters of the hit. The column is given by its height, so that the vehicle strikes at its own.
+    fn changes(&self) -> Vec<(&'static str, Value)> {
         let mut changes = vec![
             ("vehicle.name", Value::from(self.vehicle.as_str())),
             ("impact.velocity", self.velocity.into()),
         ];
         changes.extend(self.mass.map(|mass| ("impact.mass", mass.into())));
-        if let Some(height) = self.height() {
-            changes.push(("geometry.length_below", height.into()));
-            changes.push(("geometry.length_above", (total - height).into()));
-        }
         changes
     }
 }
@@ -175,7 +164,7 @@ fn follow(
                 velocity: arguments.velocity,
                 gap: None,
                 restitution: None,
-                height: arguments.height(),
+                height: None,
             },
             match_timeout: TIMEOUT,
             answer_timeout: TIMEOUT,
@@ -383,7 +372,7 @@ fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrin
 /// Prints what the paper's model, which only bends, says of the same hit.
 fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), Failure> {
     let column = Parameters::from_yaml(Path::new("column.yaml"), COLUMN)?;
-    let struck = column.with_changes(arguments.changes(&column))?;
+    let struck = column.with_changes(arguments.changes())?;
     let evaluated = |shear: &str| -> Result<ImpactEvaluation, Failure> {
         let parameters = struck.with_changes([("shear.model", Value::from(shear))])?;
         let (properties, impact) = (parameters.column_properties(), parameters.impact());
@@ -460,14 +449,6 @@ fn draw(arguments: &DemoArgs, stage: &Stage<'_, '_>) -> Result<(), Failure> {
     let mass = arguments
         .mass
         .map(|mass| ["--mass".to_owned(), mass.to_string()]);
-    let height = arguments
-        .height()
-        .map(|it| ["--height".to_owned(), it.to_string()]);
-    let command = [
-        &command[..],
-        mass.as_slice().as_flattened(),
-        height.as_slice().as_flattened(),
-    ]
-    .concat();
+    let command = [&command[..], mass.as_slice().as_flattened()].concat();
     stage.run("figures", &command, "the figures")
 }
