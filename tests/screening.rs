@@ -159,9 +159,12 @@ fn a_map_of_cars_against_the_papers_column_agrees_with_simulate() {
     assert!(outcomes[Outcome::Severed as usize] > 50);
 }
 
+/// A strain rate, with the hardening that belongs to it.
+const STRAIN_RATE: [&str; 2] = ["rate.law:=logarithmic", "hardening.ratio:=0.005"];
+
 #[test]
 fn maps_of_a_column_with_strain_rate_agree_with_simulate() {
-    let parameters = parameters("heb220_s355.yaml", &[]);
+    let parameters = parameters("heb220_s355.yaml", &STRAIN_RATE);
     compare(&parameters, "rigid", 13);
     compare(&parameters, "mid_car", 13);
 }
@@ -172,7 +175,8 @@ fn maps_of_other_columns_and_vehicles_agree_with_simulate() {
     let loaded = parameters("heb220_paper.yaml", &["top.load:=1.0e6"]);
     let outcomes = compare(&loaded, "van", 12);
     assert!(outcomes[Outcome::Severed as usize] + outcomes[Outcome::Collapsed as usize] > 20);
-    let rated = parameters("heb220_s355.yaml", &["top.load:=3.0e5"]);
+    let rated = [&STRAIN_RATE[..], &["top.load:=3.0e5"]].concat();
+    let rated = parameters("heb220_s355.yaml", &rated);
     let outcomes = compare(&rated, "suv", 12);
     assert!(outcomes[Outcome::Plastic as usize] > 10);
     assert!(outcomes[Outcome::Severed as usize] > 20);

@@ -1,6 +1,8 @@
 //! Shear of the web through the parameters of the program: finite-element impacts, sections by numbers, bumpers of vehicles.
 
-use column_twin::assessment::{ImpactEvaluation, Severity, respond_and_rest};
+use column_twin::assessment::{
+    ActionRange, HARDENING_BAND, ImpactEvaluation, Severity, respond_and_rest,
+};
 use column_twin::column::{
     End, Impact, ImpactSpecification, Model, Outcome, Report, State, plastic_plateau,
 };
@@ -153,7 +155,10 @@ fn car(force: f64) -> Vec<(&'static str, Value)> {
 #[test]
 fn a_car_at_its_own_height_shears_the_web() {
     for force in [600e3, 800e3] {
-        let parameters = parameters(car(force));
+        // The weak end of the band: with the hardening of the default the softer front just does not fracture the web.
+        let mut values = car(force);
+        values.push(("hardening.ratio", HARDENING_BAND[0].into()));
+        let parameters = parameters(values);
         let (properties, impact) = (parameters.column_properties(), parameters.impact());
         let ended = respond_and_rest(&properties, &impact, 2.0).expect("a response");
         let evaluation = ImpactEvaluation::complete(&parameters, &properties, &impact, ended)
@@ -166,10 +171,14 @@ fn a_car_at_its_own_height_shears_the_web() {
         assert!(report.webs[0].plastic_angle >= 0.17, "{report:?}");
         let assessment = evaluation.assessment.expect("an assessment");
         assert_eq!(assessment.severity, Severity::Evacuate);
+        let (report, range) = by_default(force);
+        assert!(report.webs[0].plastic_angle > 0.15, "{report:?}");
+        assert!(range.least >= Severity::Restrict, "{range}");
+        assert_eq!(range.most, Severity::Evacuate, "{range}");
         // Without the limits of deformation it bends by as much as the finite elements say: 185 and 206 mm.
         let mut values = car(force);
-        values.push(("assessment.ultimate_rotation", 0.0.into()));
-        values.push(("shear.max_hardening", 0.0.into()));
+        values.extend(as_the_finite_elements());
+        values.push(("hardening.ratio", 1e-4.into()));
         let unlimited = response(&self::parameters(values));
         assert!(
             (0.15..0.25).contains(&unlimited.max_v1),
@@ -184,12 +193,24 @@ fn a_car_at_its_own_height_shears_the_web() {
     }
 }
 
+/// The response and the range of its verdict with the hardening of the default.
+fn by_default(force: f64) -> (Report, ActionRange) {
+    let parameters = parameters(car(force));
+    let (properties, impact) = (parameters.column_properties(), parameters.impact());
+    let ended = respond_and_rest(&properties, &impact, 2.0).expect("a response");
+    let evaluation = ImpactEvaluation::complete(&parameters, &properties, &impact, ended)
+        .expect("an evaluation");
+    (evaluation.report, evaluation.range.expect("a range"))
+}
+
 /// A section by numbers shears where its web is known, as the same section by its name does.
 #[test]
 fn a_section_by_numbers_shears_where_its_web_is_known() {
-    let named = parameters(as_the_finite_elements());
-    let (section, shear) = (named.section(), named.shear().expect("a web"));
+    // A section by its name hardens unless told otherwise.
     let mut values = as_the_finite_elements();
+    values.push(("hardening.ratio", 0.0.into()));
+    let named = parameters(values.clone());
+    let (section, shear) = (named.section(), named.shear().expect("a web"));
     values.extend([
         ("section.area", section.area.into()),
         ("section.second_moment", section.second_moment.into()),
@@ -259,9 +280,9 @@ fn the_bumper_belongs_to_the_vehicle() {
     };
     let [at_a_point, before_a_bumper] =
         [rigid, behind].map(|it| column.screen(&it).expect("a screening").max_v1);
-    // The shorter bar is stronger.
+    // The shorter bar is stronger: 0.2 m take about 4 % off such a hit.
     assert!(
-        before_a_bumper < 0.95 * at_a_point,
+        before_a_bumper < 0.98 * at_a_point,
         "{before_a_bumper} {at_a_point}"
     );
     let (report, _) =

@@ -266,7 +266,12 @@ impl Case<'_> {
         changes: [(&str, Value); N],
     ) -> Result<Changed, String> {
         let changed = self.parameters.with_changes(changes);
-        let parameters = changed.map_err(|faults| faults.to_string())?;
+        let parameters = changed.map_err(|faults| {
+            // One line each, after a line with their number.
+            let text = faults.to_string();
+            let lines: Vec<_> = text.lines().skip(1).map(str::trim).collect();
+            lines.join("; ")
+        })?;
         Ok(Changed {
             // The event may have named another height than the parameters.
             properties: ColumnProperties {
@@ -416,4 +421,103 @@ impl Case<'_> {
 /// Both ends of a range; none where it has no width.
 fn ends(width: f64) -> impl Iterator<Item = f64> {
     [-width, width].into_iter().filter(|end| *end != 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ImpactEvaluation;
+    use super::*;
+    use crate::parameters::parse_override;
+
+    fn evaluated(overrides: &[&str]) -> ImpactEvaluation {
+        let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
+        let parameters = Parameters::load(&[], &overrides).expect("parameters");
+        let (properties, impact) = (parameters.column_properties(), parameters.impact());
+        let ended = respond_and_rest(&properties, &impact, parameters.response_duration())
+            .expect("a response");
+        ImpactEvaluation::complete(&parameters, &properties, &impact, ended).expect("an evaluation")
+    }
+
+    /// Each end of the range is an action to which the verdict or a variation leads, and what decides it leads there alone.
+    #[test]
+    fn the_range_of_a_verdict_holds_it_and_names_what_decides() {
+        let real = [
+            "section.name:=HEB220",
+            "steel.grade:=S355",
+            "vehicle.name:=mid_car",
+        ];
+        let hits: [&[&str]; 4] = [
+            &[],
+            &["impact.velocity:=5.0"],
+            &["geometry.length_below:=0.5", "geometry.length_above:=3.5"],
+            &["support.base:=pinned", "top.load:=1.0e6"],
+        ];
+        let mut wide = 0;
+        for hit in hits {
+            let evaluation = evaluated(&[&real[..], hit].concat());
+            let verdict = evaluation.assessment.expect("an assessment").severity;
+            let range = evaluation.range.expect("a range");
+            assert!(range.least <= verdict && verdict <= range.most, "{range}");
+            let found: Vec<_> = range.variations.iter().map(|it| it.severity).collect();
+            for end in [range.least, range.most] {
+                assert!(end == verdict || found.contains(&end), "{range}");
+            }
+            let end = if range.most > verdict {
+                range.most
+            } else {
+                range.least
+            };
+            assert_eq!(range.decided_by.is_empty(), end == verdict, "{range}");
+            for assumption in &range.decided_by {
+                assert!(
+                    range
+                        .of_assumption(*assumption)
+                        .any(|it| it.severity == end)
+                );
+            }
+            wide += usize::from(range.least < range.most);
+            assert_eq!(range.not_varied, []);
+        }
+        assert!(wide > 0);
+    }
+
+    #[test]
+    fn what_cannot_be_varied_is_named_with_its_reason() {
+        let range = evaluated(&[
+            "geometry.length_below:=0.3",
+            "assessment.range_height:=0.4",
+            "resistance.moment:=3.0e5",
+        ])
+        .range
+        .expect("a range");
+        let reason = |assumption| {
+            let mut all = range.not_varied.iter().filter(|(it, _)| *it == assumption);
+            all.next().map(|(_, reason)| reason.as_str())
+        };
+        let height = reason(Assumption::Height);
+        assert_eq!(height, Some("-0.10 m above the base is not on the column"));
+        assert_eq!(range.of_assumption(Assumption::Height).count(), 1);
+        let strength = reason(Assumption::YieldStrength);
+        assert_eq!(strength, Some("resistance.moment is given as a number"));
+    }
+
+    /// Without a width of a range nothing of it is varied.
+    #[test]
+    fn a_range_without_width_is_not_varied() {
+        let range = evaluated(&[
+            "assessment.range_velocity:=0.0",
+            "assessment.range_height:=0.0",
+            "assessment.range_front:=0.0",
+        ])
+        .range
+        .expect("a range");
+        let varied: Vec<_> = range.variations.iter().map(|it| it.assumption).collect();
+        for assumption in [
+            Assumption::Speed,
+            Assumption::Height,
+            Assumption::FrontForce,
+        ] {
+            assert!(!varied.contains(&assumption));
+        }
+    }
 }

@@ -103,8 +103,13 @@ impl Summary<'_> {
                 it.severity.name()
             )?;
         }
-        for (assumption, reason) in &range.not_varied {
-            writeln!(f, "  {:<16}not varied: {reason}", assumption.name())?;
+        let not_varied: Vec<_> = range
+            .not_varied
+            .iter()
+            .map(|(assumption, reason)| format!("{} ({reason})", assumption.in_words()))
+            .collect();
+        if !not_varied.is_empty() {
+            wrapped(f, "Not varied", &not_varied.join("; "))?;
         }
         Ok(())
     }

@@ -357,7 +357,8 @@ fn bumper_leaves_the_bars_clear(settings: &Settings, found: &mut Vec<Inconsisten
                  give at most {} m, or an impact point farther from the support",
                 readable(bumper),
                 readable(shorter),
-                readable(highest)
+                // Rounded down, without the round-off of the product.
+                readable((1e6 * highest).floor() / 1e6)
             ),
         });
     }

@@ -42,7 +42,6 @@ fn parameters([below, above]: [f64; 2]) -> Parameters {
     let overrides = [
         format!("geometry.length_below:={below:?}"),
         format!("geometry.length_above:={above:?}"),
-        "rate.law:=none".to_owned(),
     ];
     let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");

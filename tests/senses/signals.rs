@@ -70,13 +70,16 @@ impl Signal {
         self.truth[name].as_f64().expect(name)
     }
 
-    /// The column, without strain rate, shear, hardening and softening, which the fibre beam does not have.
+    /// The column with the spring of the fibre beam, and without shear, hardening and softening, which it does not have.
     pub fn parameters(&self) -> Parameters {
         let length = |name: &str| self.truth["column"][name].as_f64().expect(name);
         let overrides = [
             format!("geometry.length_below:={:?}", length("La")),
             format!("geometry.length_above:={:?}", length("Lb")),
-            "rate.law:=none".to_owned(),
+            format!(
+                "top.spring_stiffness:={:?}",
+                self.truth["column"]["ks"].as_f64().expect("ks")
+            ),
             "shear.model:=none".to_owned(),
             "hardening.ratio:=0.0".to_owned(),
             "softening.model:=none".to_owned(),

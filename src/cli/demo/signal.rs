@@ -44,15 +44,20 @@ const SEED: u64 = 4;
 
 /// Column and sensors of the signal, after `config/heb220_s355.yaml` and `config/sensors_industrial.yaml`.
 pub(super) const PARAMETERS: &str = "\
-# The column of the signal: struck 0.8 m above its base, and made of a steel whose strength does not grow with the strain rate and
-# whose web does not shear, as in the fibre-beam model that has computed the signal. The sensors are where the signal was taken.
+# The column of the signal: struck 0.8 m above its base, held by a spring at its top, and made of a steel that neither hardens
+# nor buckles and whose web does not shear, as in the fibre-beam model that has computed the signal. The sensors are where the
+# signal was taken.
 /**:
   ros__parameters:
     geometry:
       length_below: 0.8
       length_above: 3.2
-    rate:
-      law: none
+    top:
+      spring_stiffness: 10.0e+6
+    hardening:
+      ratio: 0.0
+    softening:
+      model: none
     shear:
       model: none
     sensors:
