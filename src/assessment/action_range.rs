@@ -8,7 +8,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::Serialize;
 
 use super::evaluation::{band_properties, judged, respond_and_rest};
-use super::{OVERSTRENGTH, Severity};
+use super::{Assessment, OVERSTRENGTH, Severity};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};
 
@@ -49,6 +49,8 @@ pub struct Variation {
     pub softens: bool,
     /// What would have to be done.
     pub severity: Severity,
+    /// At least, because a criterion could not be evaluated.
+    pub at_least: bool,
 }
 
 /// Between which actions the verdict on one impact lies.
@@ -58,6 +60,8 @@ pub struct ActionRange {
     pub least: Severity,
     /// The most severe one.
     pub most: Severity,
+    /// Whether more than that may have to be done, because a criterion could not be evaluated.
+    pub at_least: bool,
     /// The assumptions that alone lead to the most severe action, or where none does to more than the verdict, to the least
     /// severe one. None where every variation leads to the verdict.
     pub decided_by: Vec<Assumption>,
@@ -101,14 +105,14 @@ impl Assumption {
 
 impl ActionRange {
     /// Computes one response, with its assessment, for each end of the range of each assumption: at most 13. `verdict` is the
-    /// action for `report`, the response of the virgin column with these `properties` to this impact.
+    /// assessment of `report`, the response of the virgin column with these `properties` to this impact.
     #[must_use]
     pub fn of(
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
         report: &Report,
-        verdict: Severity,
+        verdict: &Assessment,
     ) -> Self {
         let case = Case {
             parameters,
@@ -116,8 +120,9 @@ impl ActionRange {
             impact,
         };
         let mut range = Self {
-            least: verdict,
-            most: verdict,
+            least: verdict.severity,
+            most: verdict.severity,
+            at_least: verdict.at_least,
             decided_by: Vec::new(),
             variations: Vec::new(),
             not_varied: Vec::new(),
@@ -129,7 +134,7 @@ impl ActionRange {
                 Err(reason) => range.not_varied.push((assumption, reason)),
             }
         }
-        range.summarise(verdict);
+        range.summarise(verdict.severity);
         range
     }
 
@@ -137,6 +142,8 @@ impl ActionRange {
         let found = || self.variations.iter().map(|it| it.severity);
         self.least = found().fold(verdict, Severity::min);
         self.most = found().fold(verdict, Severity::max);
+        let is_open = self.at_least || self.variations.iter().any(|it| it.at_least);
+        self.at_least = is_open && self.most < Severity::Evacuate;
         let end = match self.most > verdict {
             true => self.most,
             false => self.least,
@@ -162,15 +169,12 @@ impl ActionRange {
 /// `RESTRICT to EVACUATE, decided by the height of the hit`.
 impl Display for ActionRange {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let at_least = if self.at_least { "at least " } else { "" };
+        let most = upper(self.most);
         if self.least == self.most {
-            return write!(f, "{} within all ranges", upper(self.most));
+            return write!(f, "{at_least}{most} within all ranges");
         }
-        write!(
-            f,
-            "{} to {}, decided by ",
-            upper(self.least),
-            upper(self.most)
-        )?;
+        write!(f, "{} to {at_least}{most}, decided by ", upper(self.least))?;
         for (index, assumption) in self.decided_by.iter().enumerate() {
             let joint = match index {
                 0 => "",
@@ -229,6 +233,7 @@ impl Changed {
             softens: self.properties.softening.is_some(),
             report,
             severity: judged.1.severity,
+            at_least: judged.1.at_least,
         })
     }
 }

@@ -110,7 +110,7 @@ impl ImpactEvaluation {
             };
         let range = assessment
             .as_ref()
-            .map(|it| ActionRange::of(parameters, properties, impact, &report, it.severity));
+            .map(|it| ActionRange::of(parameters, properties, impact, &report, it));
         // The same load as in the criteria.
         let carried = match &remaining {
             Some(remaining) => remaining.carried_load,

@@ -64,7 +64,7 @@ impl Assessed {
         let assessment = assess(&input);
         Ok(Self {
             remaining,
-            range: range(impact, assessment.severity),
+            range: range(impact, &assessment),
             assessment,
             plateau: input.plateau,
             front_force: input.impact.and_then(|impact| impact.front_force),
@@ -83,7 +83,7 @@ impl Assessed {
     }
 }
 
-fn range(impact: &ReportedImpact, verdict: Severity) -> Result<ActionRange, &'static str> {
+fn range(impact: &ReportedImpact, verdict: &Assessment) -> Result<ActionRange, &'static str> {
     let struck = impact
         .struck
         .ok_or("the column was still moving when the impact began")?;

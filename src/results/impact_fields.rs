@@ -107,6 +107,7 @@ struct WebFields {
 struct RangeFields<'a> {
     least: Severity,
     most: Severity,
+    at_least: bool,
     decided_by: &'a [Assumption],
     variations: Vec<VariationFields<'a>>,
     not_varied: BTreeMap<&'static str, &'a str>,
@@ -253,6 +254,7 @@ impl<'a> From<&'a ActionRange> for RangeFields<'a> {
         Self {
             least: range.least,
             most: range.most,
+            at_least: range.at_least,
             decided_by: &range.decided_by,
             variations: range.variations.iter().map(variation).collect(),
             not_varied: not_varied
