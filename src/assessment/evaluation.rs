@@ -6,7 +6,7 @@ use crate::column::{
     self, CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
     carried_load, follow, plastic_plateau, residual_without_bumper, respond, with_half_the_step,
 };
-use crate::parameters::{NoShear, Parameters};
+use crate::parameters::{NoShear, POISSON_RATIO, Parameters};
 
 /// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
 /// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
@@ -54,9 +54,8 @@ pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
         (most.max(own), None),
     ]
     .map(|(hardening_ratio, softening)| ColumnProperties {
-        hardening_ratio,
         softening,
-        ..*properties
+        ..properties.with_hardening(hardening_ratio, POISSON_RATIO)
     })
 }
 

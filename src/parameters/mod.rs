@@ -86,7 +86,7 @@ pub use settings::{
     SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
     VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
-pub use shear::NoShear;
+pub use shear::{NoShear, POISSON_RATIO};
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
 pub use value::{Kind, Value, readable};

@@ -20,7 +20,7 @@ pub enum NoShear {
 }
 
 /// `nu` of structural steel (EN 1993-1-1, 3.2.6).
-const POISSON_RATIO: f64 = 0.3;
+pub const POISSON_RATIO: f64 = 0.3;
 
 impl Parameters {
     /// Dimensions of the web and the flanges for the shear of the column: those of a named section and the numbers that override

@@ -150,6 +150,12 @@ fn outcome(impact: &ReportedImpact) -> String {
             format!(" The web {place} shears by {angle} rad.")
         })
         .collect();
+    let hinges = match yielded {
+        0 => "No hinge yields.".to_owned(),
+        _ => format!(
+            "{yielded} of 4 hinges yield; the largest plastic rotation is {angle}, at {named}."
+        ),
+    };
     match report.outcome {
         Outcome::Elastic => format!(
             "The model predicts no plastic deformation by this impact: {named} comes closest to yielding, with a utilisation of \
@@ -158,8 +164,7 @@ fn outcome(impact: &ReportedImpact) -> String {
             length.show(report.max_v1),
         ),
         Outcome::Plastic => format!(
-            "The model predicts a displacement of the impact point of {} at most, of which {}. {yielded} of 4 hinges yield; the \
-             largest plastic rotation is {angle}, at {named}.{sheared}",
+            "The model predicts a displacement of the impact point of {} at most, of which {}. {hinges}{sheared}",
             length.show(report.max_v1),
             report
                 .residual_v1

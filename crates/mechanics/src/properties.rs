@@ -113,6 +113,21 @@ impl ShearProperties {
 }
 
 impl ColumnProperties {
+    /// The same column of a steel that hardens otherwise: its hinges, and its webs, whose elastic rigidity tells their area; a
+    /// web that is rigid until it yields does not harden. `poisson_ratio` is that of the steel.
+    #[must_use]
+    pub fn with_hardening(&self, hardening_ratio: f64, poisson_ratio: f64) -> Self {
+        let shear = self.shear.map(|shear| ShearProperties {
+            hardening: shear.rigidity * 2.0 * (1.0 + poisson_ratio) * hardening_ratio / 3.0,
+            ..shear
+        });
+        Self {
+            hardening_ratio,
+            shear,
+            ..*self
+        }
+    }
+
     /// Lengths over which the bars below and above the impact point deform \[m\]: without the half of the bumper that lies
     /// before each of them. Without [`shear`](Self::shear) they are the whole lengths.
     ///
