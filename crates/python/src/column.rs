@@ -260,8 +260,10 @@ impl Column {
         }
         let impact = self.impact(vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
+        let stated = self.with_impact(vehicle, mass, impact.velocity);
+        let stated = stated.unwrap_or_else(|_| self.parameters().clone());
         let history = py
-            .detach(|| self.history(&impact, &name))
+            .detach(|| self.history(&stated, &impact, &name))
             .map_err(|fault| fault::of_simulation(&fault))?;
         let columns = history.columns.iter().map(|it| doubles(py, it));
         Ok((
@@ -398,19 +400,19 @@ impl Column {
             None
         };
         // What the table has against it, in its words; otherwise what the mechanics has.
-        match self.faults(vehicle, mass, velocity) {
-            Some(faults) => Err(faults.to_string()),
-            None => Err(fault.unwrap_or_else(|| "the impact is out of range".to_owned())),
+        match self.with_impact(vehicle, mass, velocity) {
+            Err(faults) => Err(faults.to_string()),
+            Ok(_) => Err(fault.unwrap_or_else(|| "the impact is out of range".to_owned())),
         }
     }
 
-    /// The faults of the parameters with this impact.
-    fn faults(
+    /// The parameters with this impact, as the command line has them.
+    fn with_impact(
         &self,
         vehicle: Option<&str>,
         mass: Option<f64>,
         velocity: f64,
-    ) -> Option<ParameterFaults> {
+    ) -> Result<Parameters, ParameterFaults> {
         let mut changes = vec![("impact.velocity", Value::from(velocity))];
         if let Some(name) = vehicle {
             changes.push(("vehicle.name", Value::from(name)));
@@ -419,7 +421,7 @@ impl Column {
         if let Some(mass) = mass.or(own_mass.then_some(0.0)) {
             changes.push(("impact.mass", Value::from(mass)));
         }
-        self.parameters().with_changes(changes).err()
+        self.parameters().with_changes(changes)
     }
 
     /// The name of the vehicle as the catalogue spells it; empty if it is given by numbers.
@@ -433,7 +435,13 @@ impl Column {
         }
     }
 
-    fn history(&self, impact: &Impact, vehicle_name: &str) -> Result<History, SimulationError> {
+    /// `stated` are the parameters with the impact.
+    fn history(
+        &self,
+        stated: &Parameters,
+        impact: &Impact,
+        vehicle_name: &str,
+    ) -> Result<History, SimulationError> {
         let parameters = self.parameters();
         let properties = parameters.column_properties();
         let masses = impact.vehicle.map_or(0, |it| it.masses().len());
@@ -455,7 +463,7 @@ impl Column {
             },
         )?;
         let solve_time = start.elapsed();
-        let evaluation = ImpactEvaluation::complete(parameters, &properties, impact, ended)?;
+        let evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)?;
         let fields = ImpactFields::of(&evaluation, vehicle_name, solve_time);
         Ok(History {
             outcome: serde_json::to_string(&fields).expect("numbers and words"),
