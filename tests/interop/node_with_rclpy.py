@@ -73,6 +73,9 @@ def check_fields(what, message, expected):
             for one, other in zip(found, value):
                 check_fields(f"{what}: {one.name}", one, other)
             continue
+        if isinstance(value, dict):
+            check_fields(f"{what}: {name}", found, value)
+            continue
         if isinstance(value, str):
             check(f"{what}: {name}", found, value)
             continue
