@@ -188,9 +188,9 @@ impl DamageMap {
     /// let map = DamageMap::new(&Parameters::default(), None, axes)?;
     /// let refined = map.refine(&Batch::default())?;
     /// assert!(refined.complete && refined.responses < map.len());
-    /// let inspect = &refined.boundaries[0];
-    /// assert_eq!(inspect.severity, Severity::Inspect);
-    /// let place = inspect.points[1].place.value().expect("a boundary");
+    /// let evacuate = refined.boundaries.last().expect("one for each severity");
+    /// assert_eq!(evacuate.severity, Severity::Evacuate);
+    /// let place = evacuate.points[1].place.value().expect("a boundary");
     /// assert!((1.0..20.0).contains(&place));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
