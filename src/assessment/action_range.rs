@@ -8,7 +8,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::Serialize;
 
 use super::evaluation::{band_properties, judged, respond_and_rest};
-use super::{Assessment, OVERSTRENGTH, Severity};
+use super::{Assessment, OVERSTRENGTH, Severity, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};
 
@@ -164,17 +164,29 @@ impl ActionRange {
         let all = self.variations.iter();
         all.filter(move |it| it.assumption == assumption)
     }
+
+    /// The band of the steel: the weakest and the strongest real column with this yield strength, see [`band_properties`];
+    /// `None` if one of their responses failed.
+    #[must_use]
+    pub fn band(&self) -> Option<[&Variation; 2]> {
+        let mut ends = self.of_assumption(Assumption::Hardening);
+        Some([ends.next()?, ends.next()?])
+    }
 }
 
 /// `RESTRICT to EVACUATE, decided by the height of the hit`.
 impl Display for ActionRange {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let at_least = if self.at_least { "at least " } else { "" };
-        let most = upper(self.most);
+        let most = in_capitals(self.most);
         if self.least == self.most {
             return write!(f, "{at_least}{most} within all ranges");
         }
-        write!(f, "{} to {at_least}{most}, decided by ", upper(self.least))?;
+        write!(
+            f,
+            "{} to {at_least}{most}, decided by ",
+            in_capitals(self.least)
+        )?;
         for (index, assumption) in self.decided_by.iter().enumerate() {
             let joint = match index {
                 0 => "",
@@ -185,10 +197,6 @@ impl Display for ActionRange {
         }
         Ok(())
     }
-}
-
-fn upper(severity: Severity) -> String {
-    severity.name().to_uppercase()
 }
 
 /// The impact as it is judged.
@@ -271,13 +279,9 @@ impl Case<'_> {
         changes: [(&str, Value); N],
     ) -> Result<Changed, String> {
         let changed = self.parameters.with_changes(changes);
-        let parameters = changed.map_err(|faults| {
-            // One line each, after a line with their number.
-            let text = faults.to_string();
-            let lines: Vec<_> = text.lines().skip(1).map(str::trim).collect();
-            lines.join("; ")
-        })?;
+        let parameters = changed.map_err(|faults| faults.in_one_line())?;
         Ok(Changed {
+            instead,
             // The event may have named another height than the parameters.
             properties: ColumnProperties {
                 length_below: self.properties.length_below,
@@ -285,7 +289,8 @@ impl Case<'_> {
                 ..parameters.column_properties()
             },
             parameters,
-            ..self.with(instead, *self.properties, *self.impact)
+            impact: *self.impact,
+            keeps_base: false,
         })
     }
 

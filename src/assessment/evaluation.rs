@@ -1,6 +1,6 @@
 //! One impact on the virgin column with all that an engineer needs to judge it.
 
-use super::action_range::{ActionRange, Assumption};
+use super::action_range::ActionRange;
 use super::{Assessment, AssessmentInput, RemainingCapacity, assess};
 use crate::column::{
     self, CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
@@ -11,37 +11,6 @@ use crate::parameters::{NoShear, POISSON_RATIO, Parameters};
 /// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
 /// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
 pub const HARDENING_BAND: [f64; 2] = [0.003, 0.02];
-
-/// The response to one impact of the weakest and of the strongest real column with this yield strength: the band in which its
-/// result lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HardeningBand {
-    /// Hardening ratio of each of [`band_properties`].
-    pub hardening: [f64; 2],
-    /// Outcome for each of [`band_properties`].
-    pub outcome: [Outcome; 2],
-    /// Largest `v1` for each of [`band_properties`] \[m\].
-    pub max_v1: [f64; 2],
-    /// `v1` of the residual equilibrium for each of [`band_properties`] \[m\]; `None` if there is none.
-    pub residual_v1: [Option<f64>; 2],
-    /// Whether the weakest column softens.
-    pub softens: bool,
-}
-
-impl HardeningBand {
-    /// The band within the range of a verdict; `None` if one of its runs failed.
-    fn of(range: &ActionRange) -> Option<Self> {
-        let mut ends = range.of_assumption(Assumption::Hardening);
-        let (weakest, strongest) = (ends.next()?, ends.next()?);
-        Some(Self {
-            hardening: [weakest, strongest].map(|end| end.hardening_ratio),
-            outcome: [weakest, strongest].map(|end| end.report.outcome),
-            max_v1: [weakest, strongest].map(|end| end.report.max_v1),
-            residual_v1: [weakest, strongest].map(|end| end.report.residual_v1),
-            softens: weakest.softens,
-        })
-    }
-}
 
 /// The weakest column of the band, with the least hardening and the softening of the column, and the strongest one, with the
 /// most hardening and no softening. The hardening of the column itself lies within the band.
@@ -74,8 +43,6 @@ pub struct ImpactEvaluation {
     pub step: f64,
     /// Estimated relative error of the largest `v1`, from a run with half the step; `None` if that run failed.
     pub error_estimate: Option<f64>,
-    /// The band of hardening and softening; `None` if one of its runs failed.
-    pub band: Option<HardeningBand>,
     /// Between which actions the verdict lies; `None` without the capacities.
     pub range: Option<ActionRange>,
     /// `F0`: plastic plateau of the virgin column under the load that it carries \[N\].
@@ -124,7 +91,6 @@ impl ImpactEvaluation {
             assessment,
             step: 1e-9 * model.properties.step_nanos as f64,
             error_estimate: error_estimate(&model.properties, impact, duration, &report),
-            band: range.as_ref().and_then(HardeningBand::of),
             range,
             plateau: plastic_plateau(&model, carried),
             front_force: impact.vehicle.and_then(|vehicle| {

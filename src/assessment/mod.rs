@@ -37,8 +37,7 @@ pub use action_range::{ActionRange, Assumption, Variation};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
 pub use evaluation::{
-    HARDENING_BAND, HardeningBand, ImpactEvaluation, band_properties, observe_and_rest,
-    respond_and_rest,
+    HARDENING_BAND, ImpactEvaluation, band_properties, observe_and_rest, respond_and_rest,
 };
 pub use input::{
     AssessedImpact, AssessedShear, AssessmentInput, VerdictLoad, largest_plastic_rotation,

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
 
-use column_twin::assessment::ImpactEvaluation;
+use column_twin::assessment::{ActionRange, ImpactEvaluation};
 use column_twin::column::{
     HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
 };
@@ -225,19 +225,19 @@ impl Summary<'_> {
                 format!("; relative error about {error:.1e}")
             })
         )?;
-        if let Some(band) = &evaluation.band {
+        if let Some(band) = evaluation.range.as_ref().and_then(ActionRange::band) {
             let unit = Unit::length(self.report().max_v1);
-            let one = |index: usize, value: Option<f64>| match band.outcome[index] {
+            let one = |index: usize, value: Option<f64>| match band[index].report.outcome {
                 Outcome::Collapsed => "collapse".to_owned(),
                 Outcome::Severed => "a torn hinge or web".to_owned(),
                 Outcome::Elastic | Outcome::Plastic => {
                     value.map_or("none".to_owned(), |value| unit.show(value))
                 }
             };
-            let [least, most] = band.hardening.map(|it| readable(100.0 * it));
+            let [least, most] = band.map(|it| readable(100.0 * it.hardening_ratio));
             for (name, values) in [
-                ("largest v1", band.max_v1.map(Some)),
-                ("residual v1", band.residual_v1),
+                ("largest v1", band.map(|it| Some(it.report.max_v1))),
+                ("residual v1", band.map(|it| it.report.residual_v1)),
             ] {
                 let (from, to) = (one(0, values[0]), one(1, values[1]));
                 let name = format!("{name}, band of the steel");
@@ -246,7 +246,7 @@ impl Summary<'_> {
                     false => writeln!(f, "  {name:<32}{from} to {to}")?,
                 }
             }
-            let ends = match band.softens {
+            let ends = match band[0].softens {
                 true => format!("{least} % with buckling to {most} % without"),
                 false => format!("{least} to {most} % without buckling"),
             };

@@ -7,7 +7,7 @@ use super::assessed::Assessed;
 use super::document::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{capitalised, outcome_in_words, short};
-use crate::assessment::{ActionRange, Assumption, Variation};
+use crate::assessment::{ActionRange, Variation};
 use crate::column::{Outcome, Report};
 use crate::figures::units::Unit;
 
@@ -87,8 +87,7 @@ fn displacements(report: &Report) -> (String, String) {
 }
 
 fn band_table(range: &ActionRange) -> Markup {
-    let mut ends = range.of_assumption(Assumption::Hardening);
-    let (Some(weakest), Some(strongest)) = (ends.next(), ends.next()) else {
+    let Some([weakest, strongest]) = range.band() else {
         return html! {};
     };
     let [least, most] = [weakest, strongest].map(|end| end.hardening_ratio);

@@ -199,7 +199,11 @@ impl<'a> ImpactFields<'a> {
             solve_time_s: solve_time.as_secs_f64(),
             dt_s: evaluation.step,
             error_estimate: evaluation.error_estimate,
-            max_v1_hardening_band_m: evaluation.band.map(|it| it.max_v1),
+            max_v1_hardening_band_m: evaluation
+                .range
+                .as_ref()
+                .and_then(ActionRange::band)
+                .map(|ends| ends.map(|it| it.report.max_v1)),
             vehicle: vehicle_name,
             crush_max_m: &vehicle.max_crush[..vehicle.masses],
             crush_permanent_m: &vehicle.permanent_crush[..vehicle.masses],
