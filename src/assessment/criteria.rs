@@ -141,7 +141,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "ultimate_shear_angle",
         edition: LINKS,
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -155,7 +155,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "capacity_reserve_1",
         edition: TIMES_RATIO,
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
         severity: Severity::Evacuate,
@@ -177,7 +177,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "damage_80",
         edition: DAMAGE,
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -245,7 +245,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "damage_50",
         edition: DAMAGE,
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Prop,
@@ -256,7 +256,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "residual_bow_250",
         edition: "EN 1993-1-1:2005, table 5.1, e0 of buckling curve b",
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
         relation: Relation::AtMost,
         severity: Severity::Restrict,
@@ -267,7 +267,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "damage_20",
         edition: DAMAGE,
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Restrict,
@@ -278,7 +278,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "residual_bow_750",
         edition: "EN 1090-2:2018, straightness of a column",
-        tag: Provenance::Recalled,
+        tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
         relation: Relation::AtMost,
         severity: Severity::Inspect,

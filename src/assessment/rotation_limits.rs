@@ -7,7 +7,7 @@ use crate::column::{RolledSection, SectionBackbone};
 pub const ULTIMATE_ROTATION: f64 = 0.15;
 
 /// Plastic shear angle at which a web is fractured unless the user gives another \[rad\]: the rotation `b` at which a link of an
-/// eccentrically braced frame that yields in shear has lost its strength (ASCE/SEI 41-17; recalled, not verified).
+/// eccentrically braced frame that yields in shear has lost its strength (ASCE/SEI 41-17; recalled, not verified: an assumption on the safe side).
 pub const ULTIMATE_SHEAR_ANGLE: f64 = 0.17;
 
 /// Plastic rotation that a hinge in a section of class 3 is granted before its plates buckle, without a normal force \[rad\]: an

@@ -1,5 +1,5 @@
-//! The class of a section: whether its plates buckle before it can rotate (EN 1993-1-1:2005, 5.5 and table 5.2; recalled, not
-//! verified).
+//! The class of a section: whether its plates buckle before it can rotate (EN 1993-1-1:2005, 5.5 and table 5.2, as
+//! the open-source library metku of Tampere University states it in `eurocodes/en1993/en1993_1_1.py`).
 
 use std::fmt::{self, Display, Formatter};
 
@@ -109,7 +109,7 @@ impl Display for SectionClass {
     }
 }
 
-/// Such as `class 3 [M]: c/t of its flange is 12.3 epsilon, above the 10 epsilon of the class before`.
+/// Such as `class 3 [T]: c/t of its flange is 12.3 epsilon, above the 10 epsilon of the class before`.
 impl Display for SectionClassification {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
@@ -128,7 +128,7 @@ impl Display for SectionClassification {
         };
         write!(
             f,
-            "class {class} [M]: c/t of its {plate} is {slenderness:.1} epsilon, {side} {limit:.1} epsilon {of}"
+            "class {class} [T]: c/t of its {plate} is {slenderness:.1} epsilon, {side} {limit:.1} epsilon {of}"
         )
     }
 }

@@ -240,7 +240,7 @@ fn what_cannot_be_evaluated_is_listed_with_its_reason() {
     );
     assert!(criterion(&assessment, "capping_rotation").value.is_some());
     assert!(
-        assessment.reason.contains("The section is of class 3 [M]"),
+        assessment.reason.contains("The section is of class 3 [T]"),
         "{}",
         assessment.reason
     );

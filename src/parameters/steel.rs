@@ -12,7 +12,8 @@ pub struct SteelGrade {
     pub young_modulus: f64,
     /// `f_y` \[Pa\].
     pub yield_strength: f64,
-    /// `f_u`: ultimate strength \[Pa\] (EN 1993-1-1:2005 with AC:2009, table 3.1; recalled, not verified).
+    /// `f_u`: ultimate strength \[Pa\] (EN 1993-1-1:2005 with AC:2009, table 3.1,
+    /// as the open-source library Blueprints states it in `chapter_3_materials/table_3_1.py`).
     pub ultimate_strength: f64,
 }
 

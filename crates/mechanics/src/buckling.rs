@@ -86,7 +86,7 @@ impl BucklingCurve {
     }
 
     /// The curve of a rolled I or H section with yield strength `yield_strength` \[Pa\] about an axis
-    /// (EN 1993-1-1:2005, Table 6.2; recalled, not verified). A section outside of the table gets the curve `d`.
+    /// (EN 1993-1-1:2005, Table 6.2, as the open-source package civilR states it for grades up to S420; S460 recalled, not verified). A section outside of the table gets the curve `d`.
     #[must_use]
     pub fn of_rolled(section: &RolledSection, yield_strength: f64, axis: BendingAxis) -> Self {
         let slim = section.depth > 1.2 * section.width;
