@@ -13,6 +13,8 @@ pub(super) struct PlotAxis {
     pub to: f64,
     pub marks: Vec<f64>,
     step: f64,
+    /// A second unit that each mark shows in parentheses: how many of it there are in one of the first.
+    second_unit: Option<f64>,
     /// Names of the marks 0, 1, ..., where the axis shows names.
     names: Vec<String>,
 }
@@ -37,6 +39,7 @@ impl PlotAxis {
             to: count - 0.5,
             marks: (0..names.len()).map(|mark| mark as f64).collect(),
             step: 1.0,
+            second_unit: None,
             names,
         }
     }
@@ -53,8 +56,15 @@ impl PlotAxis {
             to,
             marks,
             step,
+            second_unit: None,
             names: Vec::new(),
         }
+    }
+
+    /// The same axis, whose marks also show their value in a second unit, of which `per_unit` make one of the first.
+    pub fn with_second_unit(mut self, per_unit: f64) -> Self {
+        self.second_unit = Some(per_unit);
+        self
     }
 }
 
@@ -94,7 +104,10 @@ impl ValueFormatter<f64> for PlotAxis {
             return format!("{mark:.digits$e}");
         }
         let decimals = (-self.step.log10().floor()).max(0.0) as usize;
-        format!("{mark:.decimals$}")
+        match self.second_unit {
+            Some(per_unit) => format!("{mark:.decimals$} ({:.0})", mark * per_unit),
+            None => format!("{mark:.decimals$}"),
+        }
     }
 }
 

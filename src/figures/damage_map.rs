@@ -7,6 +7,7 @@ use plotters::style::{Color, RGBColor, WHITE};
 use super::axis::PlotAxis;
 use super::chart::{PlotArea, axes};
 use super::iso_lines::iso_lines;
+use super::map_marks::{METRES_PER_SECOND, marks};
 use super::page::{self, Area, CANVAS, Drawn, LegendKey, SMALL, Stroke, colour};
 use super::units::Unit;
 use crate::assessment::Severity;
@@ -31,6 +32,8 @@ pub struct MapFigures<'a> {
     pub refined: Option<&'a RefinedMap>,
     /// What the map is about, in one line.
     pub subject: &'a str,
+    /// What it assumes, in one line.
+    pub assumptions: &'a str,
 }
 
 /// An axis of a map as a figure shows it.
@@ -82,7 +85,13 @@ impl<'a> ShownAxis<'a> {
 
     fn plot_axis(&self, count: usize) -> PlotAxis {
         match self.axis.ends() {
-            Some([from, to]) => PlotAxis::exactly(self.of_si(from), self.of_si(to), count),
+            Some([from, to]) => {
+                let axis = PlotAxis::exactly(self.of_si(from), self.of_si(to), count);
+                match self.axis.quantity() {
+                    MapQuantity::Velocity => axis.with_second_unit(1.0 / METRES_PER_SECOND),
+                    _ => axis,
+                }
+            }
             None => {
                 let names = (0..self.axis.len()).map(|index| self.axis.value(index).to_string());
                 PlotAxis::named(names.collect())
@@ -94,6 +103,7 @@ impl<'a> ShownAxis<'a> {
         let title = self.axis.quantity().title();
         match &*self.symbol {
             "" => title.to_owned(),
+            "m/s" => format!("{title} [m/s (km/h)]"),
             symbol => format!("{title} [{symbol}]"),
         }
     }
@@ -171,7 +181,12 @@ impl MapFigures<'_> {
         }
         let key = key.join("; ");
         page::draw(|page| {
-            let top = page::heading(page, &title, [&subject, &key], &self.legend(variant))?;
+            let top = page::heading(
+                page,
+                &title,
+                [&subject, self.assumptions, &key],
+                &self.legend(variant),
+            )?;
             let (_, below) = page.split_vertically(top + 20);
             let plot = axes(&below, &x, &y, [&rows.name(), &columns.name()])?;
             let picture = Picture {
@@ -188,6 +203,7 @@ impl MapFigures<'_> {
                 self.boundary(&picture, variant, severity, Stroke::solid(BOUNDARY, 12))?;
             }
             picture.iso_lines(&lines)?;
+            picture.marks(&rows, &columns)?;
             picture.frame()
         })
     }
@@ -433,7 +449,7 @@ impl MapFigures<'_> {
             .map(|(variant, it)| (LegendKey::Line(stroke(variant)), it.label.clone()))
             .collect();
         page::draw(|page| {
-            let top = page::heading(page, &title, [self.subject, key], &legend)?;
+            let top = page::heading(page, &title, [self.subject, self.assumptions, key], &legend)?;
             let (_, below) = page.split_vertically(top);
             let (upper, lower) = below.split_vertically((CANVAS.1 as i32 - top) / 2);
             let half = CANVAS.0 as i32 / 2 - 40;
@@ -639,6 +655,37 @@ impl Picture<'_, '_, '_> {
                     break;
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// Draws speed limits and vehicles of the catalogue across the plot, with their names.
+    fn marks(&self, rows: &ShownAxis<'_>, columns: &ShownAxis<'_>) -> Drawn<()> {
+        let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
+        let stroke = Stroke::dashed(colour::FAINT, 5);
+        for mark in marks(columns.axis) {
+            let value = columns.of_si(mark.value);
+            self.line(&[(self.x.from, value), (self.x.to, value)], stroke)?;
+            let (_, y) = self.plot.backend_coord(&(self.x.to, value));
+            page::label(
+                self.page,
+                &mark.name,
+                (horizontal.end, y),
+                (horizontal.start, horizontal.end),
+                colour::FAINT,
+            )?;
+        }
+        for mark in marks(rows.axis) {
+            let value = rows.of_si(mark.value);
+            self.line(&[(value, self.y.from), (value, self.y.to)], stroke)?;
+            let (x, _) = self.plot.backend_coord(&(value, self.y.from));
+            page::label(
+                self.page,
+                &mark.name,
+                (x, vertical.end - 20),
+                (horizontal.start, horizontal.end),
+                colour::FAINT,
+            )?;
         }
         Ok(())
     }

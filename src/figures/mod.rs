@@ -15,6 +15,7 @@ mod estimate;
 mod force_crush;
 mod histories;
 mod iso_lines;
+mod map_marks;
 mod page;
 mod path_chart;
 mod push_down;

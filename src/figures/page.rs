@@ -158,11 +158,11 @@ pub(super) fn width(area: &Area<'_>, text: &str, style: &TextStyle<'_>) -> Drawn
     Ok(area.estimate_text_size(text, style)?.0 as i32)
 }
 
-/// Draws title, two lines below it and the legend; returns the height used.
-pub(super) fn heading(
+/// Draws title, the lines below it and the legend; returns the height used.
+pub(super) fn heading<const LINES: usize>(
     area: &Area<'_>,
     title: &str,
-    lines: [&str; 2],
+    lines: [&str; LINES],
     legend: &[(LegendKey, String)],
 ) -> Drawn<i32> {
     let start = LEFT / 2;
@@ -172,9 +172,12 @@ pub(super) fn heading(
         .pos(Pos::new(HPos::Left, VPos::Top));
     let plain = text_style(TEXT, colour::FAINT, HPos::Left, VPos::Top);
     area.draw_text(&fitted(area, title, &bold, room)?, &bold, (start, 60))?;
-    area.draw_text(&fitted(area, lines[0], &plain, room)?, &plain, (start, 208))?;
-    area.draw_text(&fitted(area, lines[1], &plain, room)?, &plain, (start, 316))?;
-    draw_legend(area, legend, 472)
+    let mut y = 208;
+    for line in lines {
+        area.draw_text(&fitted(area, line, &plain, room)?, &plain, (start, y))?;
+        y += 108;
+    }
+    draw_legend(area, legend, y + 48)
 }
 
 /// The text, shortened until it fits.

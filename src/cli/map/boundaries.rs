@@ -8,6 +8,8 @@ use column_twin::study::{
     AxisValue, ColumnKind, DamageMap, RefinedMap, RowBoundary, SEVERITIES, TableColumn, TableValue,
 };
 
+use super::summary::{shown_unit, with_km_h};
+
 /// Most rows that people are shown, per variant.
 const SHOWN_ROWS: usize = 9;
 
@@ -114,7 +116,7 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
     let mut text = format!(
         "Lowest {}{} at which the severity changes to at least\n",
         columns.name(),
-        unit(columns.unit())
+        unit(shown_unit(columns.unit()))
     );
     let head = format!("{}{}", rows.name(), unit(rows.unit()));
     let _ = write!(text, "  {head:<24}");
@@ -164,7 +166,7 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
                 let shown = match place(class, row) {
                     Some(RowBoundary::Between {
                         at, rising: true, ..
-                    }) => significant(at, 4),
+                    }) => with_km_h(at, columns.unit()),
                     Some(RowBoundary::Between { below, .. }) => {
                         format!("{} (falls)", significant(below, 4))
                     }

@@ -16,6 +16,7 @@ pub use arguments::MapArgs;
 use super::failure::{Exit, Failure, unless_closed};
 use super::interruption::Interruption;
 use boundaries::{boundary_columns, boundary_rows, show_boundaries};
+use column_twin::column::Support;
 use column_twin::figures::{self, FigureError, MapFigures};
 use column_twin::study::{
     BatchEnd, DamageMap, MapError, MapGrid, RefineError, RefinedMap, TableValue,
@@ -324,6 +325,7 @@ fn draw(
         grid,
         refined,
         subject: &arguments.subject(map),
+        assumptions: &assumptions(map),
     };
     if let Some(folder) = &arguments.plots {
         let count = figures::draw_map(folder, &figures)?.len();
@@ -335,6 +337,44 @@ fn draw(
         let _ = writeln!(text, "Viewer     rerun {}", path.display());
     }
     Ok(text)
+}
+
+/// What the first column of the map assumes beside its axes, in one line.
+fn assumptions(map: &DamageMap) -> String {
+    let axes = [map.rows(), map.columns()].map(|axis| axis.quantity().name());
+    let parameters = &map.variants()[0].parameters;
+    let p = parameters.column_properties();
+    let support = |support| match support {
+        Support::BuiltIn => "built in",
+        Support::Pinned => "pinned",
+        Support::Free => "free",
+        Support::SemiRigid { .. } => "semi-rigid",
+    };
+    let mut parts = Vec::new();
+    if !axes.contains(&"top.load") {
+        let load = 1e-3 * p.top_load;
+        parts.push(format!("load {} kN", column_twin::report::short(load)));
+    }
+    parts.push(format!("base {}, top {}", support(p.base), support(p.top)));
+    let strength = 1e-6 * parameters.steel().yield_strength;
+    parts.push(format!("f_y {} MPa", column_twin::report::short(strength)));
+    parts.push(match p.hardening_ratio {
+        0.0 => "no hardening".to_owned(),
+        ratio => format!("hardening {} %", column_twin::report::short(100.0 * ratio)),
+    });
+    parts.push(match p.rate {
+        Some(_) => "strain rate".to_owned(),
+        None => "no strain rate".to_owned(),
+    });
+    parts.push(match p.shear {
+        Some(_) => "the web yields in shear".to_owned(),
+        None => "no shear of the web".to_owned(),
+    });
+    parts.push(match p.softening {
+        Some(_) => "local buckling softens".to_owned(),
+        None => "no softening".to_owned(),
+    });
+    format!("Assumes {}", parts.join(", "))
 }
 
 impl MapArgs {

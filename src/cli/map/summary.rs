@@ -245,7 +245,7 @@ impl<'a> MapSummary<'a> {
         if columns.quantity().is_named() {
             return Ok(());
         }
-        let unit = with_unit(columns.quantity().unit());
+        let unit = with_unit(shown_unit(columns.quantity().unit()));
         writeln!(
             f,
             "\nLowest {}{unit} at which the severity is at least",
@@ -274,7 +274,7 @@ impl<'a> MapSummary<'a> {
                     Critical::NotReached => format!("> {}", short(highest)),
                     Critical::NotComputed => "-".to_owned(),
                     Critical::AtMost(value) => format!("<= {}", short(*value)),
-                    Critical::Between(_, at) => significant(*at, 4),
+                    Critical::Between(_, at) => with_km_h(*at, columns.quantity().unit()),
                 };
                 write!(f, "{text:>14}")?;
             }
@@ -302,6 +302,22 @@ impl<'a> MapSummary<'a> {
                 .collect(),
             critical: &self.rows,
         })
+    }
+}
+
+/// The unit of boundaries: speeds are shown in km/h, too.
+pub(super) fn shown_unit(unit: &str) -> &str {
+    match unit {
+        "m/s" => "m/s (km/h)",
+        unit => unit,
+    }
+}
+
+/// The place of a boundary with four digits; of a speed, in km/h behind it.
+pub(super) fn with_km_h(at: f64, unit: &str) -> String {
+    match unit {
+        "m/s" => format!("{} ({:.0})", significant(at, 4), 3.6 * at),
+        _ => significant(at, 4),
     }
 }
 
