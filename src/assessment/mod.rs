@@ -33,6 +33,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use action_range::range_in_words;
 pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
