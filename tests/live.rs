@@ -200,6 +200,47 @@ fn the_status_has_the_critical_velocities_of_the_damaged_column_and_no_impact_wa
     live.stop().expect("no panic");
 }
 
+/// The range of the verdict comes behind the forecast, the report or the forecast is given out once more with it, and the status
+/// holds it once the column is at rest.
+#[test]
+fn the_range_of_the_verdict_follows_the_forecast() {
+    let clock = SystemClock::new();
+    let now = clock.now();
+    let live = Live::start(twin(now), clock, options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("the first time");
+    let event = event("a", now);
+    let accepted = live.execute(Command::Impact(event.clone()));
+    assert_eq!(accepted, Ok(Accepted::Applied));
+    let mut direct = twin(now);
+    let _ = direct.handle(Command::Impact(event), now, &mut Vec::new());
+    direct.run_ahead(u64::MAX, now, &mut Vec::new());
+    let task = direct.range_task().expect("awaited");
+    let expected = task.compute(&mut || true).expect("not abandoned");
+
+    let (mut forecasts, mut ranged, mut status) = (0, None, None);
+    while ranged.is_none() || status.is_none() {
+        // The thread gets only the time that no other thread wants.
+        receiver.wait(Duration::from_millis(100));
+        for output in std::iter::from_fn(|| receiver.try_next()) {
+            match output {
+                Output::Forecast(it) => {
+                    assert_eq!(it.range, None);
+                    forecasts += 1;
+                }
+                Output::Ranged(it) => {
+                    assert!(forecasts > 0, "behind the forecast");
+                    assert!(ranged.replace(it.report.range).is_none(), "once");
+                }
+                Output::Status(it) if it.range.is_some() => status = it.range,
+                _ => {}
+            }
+        }
+    }
+    assert_eq!(ranged.flatten().as_ref(), Some(&expected));
+    assert_eq!(status.as_ref(), Some(&expected));
+    live.stop().expect("no panic");
+}
+
 /// The losses are counted, no report is lost, and another reader loses nothing.
 #[test]
 fn a_slow_reader_loses_only_its_own_samples() {

@@ -173,12 +173,12 @@ fn a_car_at_its_own_height_shears_the_web() {
         assert_eq!(assessment.severity, Severity::Evacuate);
         let (report, range) = by_default(force);
         assert!(report.webs[0].plastic_angle > 0.15, "{report:?}");
-        assert!(range.least >= Severity::Restrict, "{range}");
+        assert!(range.ends.least >= Severity::Restrict, "{range}");
         // The weak end of the band of the steel once left the webs as they were.
         let weakest = range.of_assumption(Assumption::Hardening).next();
         let weakest = weakest.map(|it| (it.severity, it.report.outcome));
         assert_eq!(weakest, Some((Severity::Evacuate, Outcome::Severed)));
-        assert_eq!(range.most, Severity::Evacuate, "{range}");
+        assert_eq!(range.ends.most, Severity::Evacuate, "{range}");
         // Without the limits of deformation it bends by as much as the finite elements say: 185 and 206 mm.
         let mut values = car(force);
         values.extend(as_the_finite_elements());

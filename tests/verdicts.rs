@@ -3,7 +3,10 @@
 use std::cmp::Ordering;
 use std::path::PathBuf;
 
-use column_twin::assessment::{ImpactEvaluation, MissingData, Severity, respond_and_rest};
+use column_twin::assessment::{
+    Assumption, ImpactEvaluation, MissingData, Severity, respond_and_rest,
+};
+use column_twin::column::Outcome;
 use column_twin::parameters::{Parameters, parse_override};
 use serde::Deserialize;
 
@@ -81,6 +84,55 @@ fn evaluated(case: &Case) -> ImpactEvaluation {
     ImpactEvaluation::complete(&parameters, &properties, &impact, ended).expect("an evaluation")
 }
 
+/// Where only the column with the nominal strength flows, the range judged the base of the stronger one, which stays elastic, by
+/// the nominal forces without overstrength, which were smaller than its own: its least end was too mild.
+#[test]
+fn the_base_of_the_stronger_column_bears_its_own_forces() {
+    const OVERSTRENGTH: f64 = 1.25;
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");
+    let hit = |strength: f64| {
+        let overrides = [
+            "geometry.length_below:=0.5".to_owned(),
+            "geometry.length_above:=3.5".to_owned(),
+            "vehicle.name:=mid_car".to_owned(),
+            "impact.velocity:=10.0".to_owned(),
+            format!("steel.yield_strength:={strength:?}"),
+        ];
+        let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
+        let parameters =
+            Parameters::load(std::slice::from_ref(&file), &overrides).expect("parameters");
+        let (properties, impact) = (parameters.column_properties(), parameters.impact());
+        let ended = respond_and_rest(&properties, &impact, parameters.response_duration());
+        ImpactEvaluation::complete(
+            &parameters,
+            &properties,
+            &impact,
+            ended.expect("a response"),
+        )
+        .expect("an evaluation")
+    };
+    let (nominal, stronger) = (hit(355e6), hit(OVERSTRENGTH * 355e6));
+    assert_eq!(nominal.report.outcome, Outcome::Plastic);
+    assert_eq!(stronger.report.outcome, Outcome::Elastic);
+    let anchors = |of: &ImpactEvaluation| {
+        let criteria = &of.assessment.as_ref().expect("an assessment").criteria;
+        let criterion = criteria.iter().find(|it| it.name == "base_anchors_1_3");
+        let criterion = criterion.expect("a criterion");
+        criterion.value.zip(criterion.limit).expect("evaluated")
+    };
+    // Its own forces exceed what the anchors bear, the nominal ones would not without overstrength.
+    let (with_overstrength, limit) = anchors(&nominal);
+    assert!(with_overstrength / OVERSTRENGTH < limit);
+    assert!(anchors(&stronger).0 > limit);
+    let range = nominal.range.expect("a range");
+    let mut variations = range.of_assumption(Assumption::YieldStrength);
+    let variation = variations.next().expect("it is varied");
+    assert_eq!(variation.report, stronger.report);
+    let severity = stronger.assessment.expect("an assessment").severity;
+    assert_eq!(severity, Severity::Restrict);
+    assert_eq!(variation.severity, severity);
+}
+
 #[test]
 fn no_verdict_is_milder_than_that_of_an_engineer() {
     let text = include_str!("data/verdict_cases.json");
@@ -125,7 +177,7 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
                 harsher.push(case.id);
             }
         }
-        if case.engineer < range.least || case.engineer > range.most {
+        if case.engineer < range.ends.least || case.engineer > range.ends.most {
             out_of_range.push(case.id);
         }
     }

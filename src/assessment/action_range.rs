@@ -5,15 +5,15 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::evaluation::{band_properties, judged, respond_and_rest};
-use super::{Assessment, OVERSTRENGTH, Severity, in_capitals};
+use super::evaluation::{band_properties, input_of, respond_and_rest};
+use super::{Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, Severity, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};
 
 /// What is assumed of an impact and its column, and not known exactly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Assumption {
     /// Speed of the vehicle.
@@ -54,8 +54,9 @@ pub struct Variation {
 }
 
 /// Between which actions the verdict on one impact lies.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ActionRange {
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictRange {
     /// The least severe action of the verdict and all variations.
     pub least: Severity,
     /// The most severe one.
@@ -65,6 +66,13 @@ pub struct ActionRange {
     /// The assumptions that alone lead to the most severe action, or where none does to more than the verdict, to the least
     /// severe one. None where every variation leads to the verdict.
     pub decided_by: Vec<Assumption>,
+}
+
+/// The range of a verdict with all that was computed for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ActionRange {
+    /// Between which actions the verdict lies.
+    pub ends: VerdictRange,
     /// All that was computed.
     pub variations: Vec<Variation>,
     /// What could not be varied, and why.
@@ -105,56 +113,96 @@ impl Assumption {
 
 impl ActionRange {
     /// Computes one response, with its assessment, for each end of the range of each assumption: at most 13. `verdict` is the
-    /// assessment of `report`, the response of the virgin column with these `properties` to this impact.
+    /// assessment of the response of the virgin column with these `properties` to this impact.
     #[must_use]
     pub fn of(
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
-        report: &Report,
         verdict: &Assessment,
     ) -> Self {
+        let verdict = (verdict.severity, verdict.at_least);
+        let mut range = Self::begin(verdict);
+        // Nothing stops it.
+        range.vary(parameters, properties, impact, &mut || true);
+        range.summarise(verdict.0);
+        range
+    }
+
+    /// As [`of`](Self::of) a verdict with this severity, which is a lower bound or not; `go_on` is asked before each response, and
+    /// `None` is the result once it returns false.
+    #[must_use]
+    pub fn of_severity(
+        parameters: &Parameters,
+        properties: &ColumnProperties,
+        impact: &Impact,
+        verdict: (Severity, bool),
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
+        let mut range = Self::begin(verdict);
+        if !range.vary(parameters, properties, impact, go_on) {
+            return None;
+        }
+        range.summarise(verdict.0);
+        Some(range)
+    }
+
+    fn begin((severity, at_least): (Severity, bool)) -> Self {
+        Self {
+            ends: VerdictRange {
+                least: severity,
+                most: severity,
+                at_least,
+                decided_by: Vec::new(),
+            },
+            variations: Vec::new(),
+            not_varied: Vec::new(),
+        }
+    }
+
+    /// Computes the variations; false once `go_on` returns false.
+    fn vary(
+        &mut self,
+        parameters: &Parameters,
+        properties: &ColumnProperties,
+        impact: &Impact,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> bool {
         let case = Case {
             parameters,
             properties,
             impact,
         };
-        let mut range = Self {
-            least: verdict.severity,
-            most: verdict.severity,
-            at_least: verdict.at_least,
-            decided_by: Vec::new(),
-            variations: Vec::new(),
-            not_varied: Vec::new(),
-        };
         for (assumption, changed) in case.variations() {
-            let variation = changed.and_then(|changed| changed.judged(assumption, report));
-            match variation {
-                Ok(variation) => range.variations.push(variation),
-                Err(reason) => range.not_varied.push((assumption, reason)),
+            if !go_on() {
+                return false;
+            }
+            match changed.and_then(|changed| changed.judged(assumption, parameters)) {
+                Ok(variation) => self.variations.push(variation),
+                Err(reason) => self.not_varied.push((assumption, reason)),
             }
         }
-        range.summarise(verdict.severity);
-        range
+        true
     }
 
     fn summarise(&mut self, verdict: Severity) {
+        let range = &mut self.ends;
         let found = || self.variations.iter().map(|it| it.severity);
-        self.least = found().fold(verdict, Severity::min);
-        self.most = found().fold(verdict, Severity::max);
-        let is_open = self.at_least || self.variations.iter().any(|it| it.at_least);
-        self.at_least = is_open && self.most < Severity::Evacuate;
-        let end = match self.most > verdict {
-            true => self.most,
-            false => self.least,
+        range.least = found().fold(verdict, Severity::min);
+        range.most = found().fold(verdict, Severity::max);
+        let is_open = range.at_least || self.variations.iter().any(|it| it.at_least);
+        range.at_least = is_open && range.most < Severity::Evacuate;
+        let end = match range.most > verdict {
+            true => range.most,
+            false => range.least,
         };
         if end == verdict {
             return;
         }
         for variation in &self.variations {
             let reaches = variation.severity == end;
-            if reaches && !self.decided_by.contains(&variation.assumption) {
-                self.decided_by.push(variation.assumption);
+            if reaches && !range.decided_by.contains(&variation.assumption) {
+                range.decided_by.push(variation.assumption);
             }
         }
     }
@@ -174,28 +222,46 @@ impl ActionRange {
     }
 }
 
-/// `RESTRICT to EVACUATE, decided by the height of the hit`.
-impl Display for ActionRange {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let at_least = if self.at_least { "at least " } else { "" };
-        let most = in_capitals(self.most);
-        if self.least == self.most {
-            return write!(f, "{at_least}{most} within all ranges");
-        }
-        write!(
-            f,
-            "{} to {at_least}{most}, decided by ",
-            in_capitals(self.least)
-        )?;
+impl VerdictRange {
+    /// What decides, as a part of a sentence: `the height of the hit or the yield strength`; empty where every variation leads to
+    /// the verdict.
+    #[must_use]
+    pub fn decided_by_in_words(&self) -> String {
+        let mut words = String::new();
         for (index, assumption) in self.decided_by.iter().enumerate() {
-            let joint = match index {
+            words += match index {
                 0 => "",
                 _ if index + 1 == self.decided_by.len() => " or ",
                 _ => ", ",
             };
-            write!(f, "{joint}{}", assumption.in_words())?;
+            words += assumption.in_words();
         }
-        Ok(())
+        words
+    }
+}
+
+/// `RESTRICT to EVACUATE, decided by the height of the hit`.
+impl Display for VerdictRange {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let words = [self.least, self.most].map(in_capitals);
+        let [least, most] = words.each_ref().map(String::as_str);
+        let decided_by = self.decided_by_in_words();
+        f.write_str(&range_in_words(least, most, self.at_least, &decided_by))
+    }
+}
+
+impl Display for ActionRange {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.ends.fmt(f)
+    }
+}
+
+/// A range in words, from the words for its ends.
+pub(crate) fn range_in_words(least: &str, most: &str, at_least: bool, decided_by: &str) -> String {
+    let at_least = if at_least { "at least " } else { "" };
+    match least == most {
+        true => format!("{at_least}{most} within all ranges"),
+        false => format!("{least} to {at_least}{most}, decided by {decided_by}"),
     }
 }
 
@@ -212,21 +278,19 @@ struct Changed {
     parameters: Parameters,
     properties: ColumnProperties,
     impact: Impact,
-    /// Whether the base is judged with the forces of the verdict, because these contain the change already.
-    keeps_base: bool,
+    /// The steel has the largest strength that it may have: the forces into the base contain its overstrength. The base bears no
+    /// more than that of the verdict, whose plate may be assumed of the same steel.
+    has_overstrength: bool,
 }
 
 impl Changed {
-    fn judged(self, assumption: Assumption, verdict: &Report) -> Result<Variation, String> {
+    fn judged(self, assumption: Assumption, verdict: &Parameters) -> Result<Variation, String> {
         let duration = self.parameters.response_duration();
-        let (mut report, rest) = respond_and_rest(&self.properties, &self.impact, duration)
+        let (report, rest) = respond_and_rest(&self.properties, &self.impact, duration)
             .map_err(|fault| fault.to_string())?;
-        if self.keeps_base {
-            report.base = verdict.base;
-        }
         let model =
             Model::new(&self.properties.before(&self.impact)).map_err(|fault| fault.to_string())?;
-        let judged = judged(
+        let mut input = input_of(
             &self.parameters,
             &model,
             &self.impact,
@@ -234,14 +298,19 @@ impl Changed {
             rest.as_ref(),
         )
         .map_err(|fault| fault.to_string())?;
+        if self.has_overstrength {
+            input.base = ConnectedBase::of(verdict).ok();
+            input.base_demand = Some(BaseDemand::with_overstrength(&report));
+        }
+        let assessment = assess(&input);
         Ok(Variation {
             assumption,
             instead: self.instead,
             hardening_ratio: self.properties.hardening_ratio,
             softens: self.properties.softening.is_some(),
             report,
-            severity: judged.1.severity,
-            at_least: judged.1.at_least,
+            severity: assessment.severity,
+            at_least: assessment.at_least,
         })
     }
 }
@@ -268,7 +337,7 @@ impl Case<'_> {
             parameters: self.parameters.clone(),
             properties,
             impact,
-            keeps_base: false,
+            has_overstrength: false,
         }
     }
 
@@ -290,7 +359,7 @@ impl Case<'_> {
             },
             parameters,
             impact: *self.impact,
-            keeps_base: false,
+            has_overstrength: false,
         })
     }
 
@@ -400,7 +469,7 @@ impl Case<'_> {
             })
     }
 
-    /// The forces into the base contain the overstrength already.
+    /// As much stronger than its nominal value as the overstrength says.
     fn yield_strength(&self) -> Result<Changed, String> {
         let given = self.parameters.settings().resistance.moment;
         if given > 0.0 {
@@ -413,7 +482,7 @@ impl Case<'_> {
             [("steel.yield_strength", strength.into())],
         )?;
         Ok(Changed {
-            keeps_base: true,
+            has_overstrength: true,
             ..changed
         })
     }
@@ -467,25 +536,28 @@ mod tests {
             let evaluation = evaluated(&[&real[..], hit].concat());
             let verdict = evaluation.assessment.expect("an assessment").severity;
             let range = evaluation.range.expect("a range");
-            assert!(range.least <= verdict && verdict <= range.most, "{range}");
+            assert!(
+                range.ends.least <= verdict && verdict <= range.ends.most,
+                "{range}"
+            );
             let found: Vec<_> = range.variations.iter().map(|it| it.severity).collect();
-            for end in [range.least, range.most] {
+            for end in [range.ends.least, range.ends.most] {
                 assert!(end == verdict || found.contains(&end), "{range}");
             }
-            let end = if range.most > verdict {
-                range.most
+            let end = if range.ends.most > verdict {
+                range.ends.most
             } else {
-                range.least
+                range.ends.least
             };
-            assert_eq!(range.decided_by.is_empty(), end == verdict, "{range}");
-            for assumption in &range.decided_by {
+            assert_eq!(range.ends.decided_by.is_empty(), end == verdict, "{range}");
+            for assumption in &range.ends.decided_by {
                 assert!(
                     range
                         .of_assumption(*assumption)
                         .any(|it| it.severity == end)
                 );
             }
-            wide += usize::from(range.least < range.most);
+            wide += usize::from(range.ends.least < range.ends.most);
             assert_eq!(range.not_varied, []);
         }
         assert!(wide > 0);

@@ -43,7 +43,7 @@ pub struct ConnectedBase {
 pub struct BaseDemand {
     /// The reactions, with the nominal strength of the column.
     pub report: BaseReport,
-    /// Whether the column has flowed, so that its overstrength counts.
+    /// Whether the column has flowed with its nominal strength, so that its overstrength counts.
     pub has_flowed: bool,
 }
 
@@ -182,6 +182,15 @@ impl BaseDemand {
         Self {
             report: report.base,
             has_flowed: report.outcome != Outcome::Elastic,
+        }
+    }
+
+    /// Of the response of a column that was computed with the largest strength that its steel may have, which is not multiplied
+    /// once more.
+    pub(super) fn with_overstrength(report: &Report) -> Self {
+        Self {
+            report: report.base,
+            has_flowed: false,
         }
     }
 

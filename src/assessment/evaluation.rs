@@ -76,7 +76,7 @@ impl ImpactEvaluation {
             };
         let range = assessment
             .as_ref()
-            .map(|it| ActionRange::of(parameters, properties, impact, &report, it));
+            .map(|it| ActionRange::of(parameters, properties, impact, it));
         // The same load as in the criteria.
         let carried = match &remaining {
             Some(remaining) => remaining.carried_load,
@@ -104,16 +104,29 @@ impl ImpactEvaluation {
 
 /// The capacities and the assessment of the virgin column with this `model`, which stood before the bumper of the vehicle, after
 /// its response and in the equilibrium `rest`, see [`respond_and_rest`].
-pub(super) fn judged(
+fn judged(
     parameters: &Parameters,
     model: &Model,
     impact: &Impact,
     report: &Report,
     rest: Option<&State>,
 ) -> Result<(RemainingCapacity, Assessment), CapacityError> {
+    let input = input_of(parameters, model, impact, report, rest)?;
+    Ok((input.remaining, assess(&input)))
+}
+
+/// All that the assessment of such a column depends on, with its capacities.
+pub(super) fn input_of(
+    parameters: &Parameters,
+    model: &Model,
+    impact: &Impact,
+    report: &Report,
+    rest: Option<&State>,
+) -> Result<AssessmentInput, CapacityError> {
     let remaining = RemainingCapacity::compute(parameters, &model.without_bumper(), rest)?;
-    let input = AssessmentInput::of_response(parameters, model, impact, report, remaining);
-    Ok((remaining, assess(&input)))
+    Ok(AssessmentInput::of_response(
+        parameters, model, impact, report, remaining,
+    ))
 }
 
 /// The response of the virgin column before the bumper of the vehicle, and the equilibrium in which it comes to rest once the

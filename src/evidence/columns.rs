@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::background::KnownResults;
 use super::comparison::Place;
-use super::critical_velocities::KnownResults;
 use super::inputs::Inputs;
 use super::journal_line::{JournalEntry, JournalLine};
 use super::lines::Gap;

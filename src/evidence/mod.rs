@@ -12,9 +12,9 @@
 
 mod about;
 mod activity;
+mod background;
 mod columns;
 mod comparison;
-mod critical_velocities;
 mod entry_encoder;
 mod estimates;
 mod fleet_recording;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::background::KnownResults;
 use super::comparison::{Difference, Place, seconds};
-use super::critical_velocities::KnownResults;
 use super::estimates::EstimateCheck;
 use super::replayed_twin::{Found, ReplayedTwin, compare, note_missing};
 use super::verification::Verification;
@@ -12,7 +12,8 @@ use crate::messages::column_twin::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
 use crate::twin::{
-    Checkpoint, Command, CommandRecord, Journal, Nanos, Output, Position, StatusRecord,
+    BackgroundTask, Checkpoint, Command, CommandRecord, Journal, Nanos, Output, Position,
+    StatusRecord,
 };
 
 /// A recorded message of the twin.
@@ -51,7 +52,7 @@ pub(super) struct Replayer {
     declares_losses: bool,
     /// It is a column of a fleet.
     of_fleet: bool,
-    /// Critical velocities of other columns.
+    /// What was computed in the background for other columns.
     known: KnownResults,
 }
 
@@ -191,7 +192,17 @@ impl Replayer {
             Ok(mut replayed) => {
                 if let Some(vehicles) = &checkpoint.critical_velocities {
                     let task = replayed.twin.task_at_rest();
-                    self.known.check(vehicles, task, place, found);
+                    let task = task.map(Box::new).map(BackgroundTask::CriticalVelocities);
+                    let vehicles = Arc::clone(vehicles);
+                    let recorded = Command::CriticalVelocities { vehicles };
+                    self.known.check(&recorded, task, place, found);
+                }
+                let judged = checkpoint.judged.as_ref();
+                if let Some(range) = judged.and_then(|it| it.range.as_ref()) {
+                    let task = replayed.twin.range_task_at_rest();
+                    let task = task.map(Box::new).map(BackgroundTask::Range);
+                    let recorded = Command::VerdictRange(Arc::clone(range));
+                    self.known.check(&recorded, task, place, found);
                 }
                 replayed.outputs = self.keeps_outputs.then(Vec::new);
                 self.replayed = Some(replayed);
@@ -227,9 +238,15 @@ impl Replayer {
         self.estimates.parameters(replayed.twin.parameters());
         let outcome = |it: &CommandRecord| (it.refusal.clone(), it.taken_back);
         let command = match &record.command {
-            Command::CriticalVelocities { vehicles } => {
+            Command::CriticalVelocities { .. } => {
                 let task = replayed.twin.critical_velocity_task();
-                self.known.check(vehicles, task, &place, found)
+                let task = task.map(Box::new).map(BackgroundTask::CriticalVelocities);
+                self.known.check(&record.command, task, &place, found)
+            }
+            Command::VerdictRange(_) => {
+                let task = replayed.twin.range_task();
+                let task = task.map(Box::new).map(BackgroundTask::Range);
+                self.known.check(&record.command, task, &place, found)
             }
             Command::Estimate(estimate) => {
                 let merged = &replayed.merged;

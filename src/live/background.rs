@@ -1,4 +1,5 @@
-//! The thread that computes the critical velocities of the column at rest, with the lowest priority.
+//! The thread that computes what the twin awaits in the background, with the lowest priority: the range of a verdict behind its
+//! forecast, and the critical velocities of the column at rest.
 //!
 //! It exists only while it computes, and gets plain data. The solver's thread starts it, fetches its result, and abandons it when
 //! the column or its parameters have changed: the thread ends after the response that it is computing, and nothing
@@ -12,13 +13,12 @@ use rustix::thread::{CpuSet, sched_getaffinity};
 
 use super::notifier::Notifier;
 use super::real_time::{THREAD_STACK, lower_priority};
-use crate::study::VehicleLimits;
-use crate::twin::{Command, CriticalVelocityTask, Twin};
+use crate::twin::{BackgroundTask, Command, Twin};
 
 /// The thread's name.
 pub const BACKGROUND_THREAD: &str = "column_twin/critical"; // the system shows the first 15 characters
 
-/// The computation of critical velocities in the background.
+/// The computation in the background.
 #[derive(Debug)]
 pub(super) struct Background {
     /// The task that was started last, until the twin no longer awaits it.
@@ -29,7 +29,7 @@ pub(super) struct Background {
 
 #[derive(Debug)]
 struct Started {
-    task: CriticalVelocityTask,
+    task: BackgroundTask,
     shared: Arc<SharedTask>,
 }
 
@@ -37,7 +37,7 @@ struct Started {
 #[derive(Debug, Default)]
 struct SharedTask {
     abandoned: AtomicBool,
-    result: OnceLock<Arc<[VehicleLimits]>>,
+    result: OnceLock<Command>,
 }
 
 impl Background {
@@ -59,10 +59,7 @@ impl Background {
 
     /// The command with the result, once it is there.
     pub fn take_result(&mut self) -> Option<Command> {
-        let vehicles = self.started.as_ref()?.shared.result.get()?;
-        Some(Command::CriticalVelocities {
-            vehicles: Arc::clone(vehicles),
-        })
+        self.started.as_ref()?.shared.result.get().cloned()
     }
 
     /// Starts what the twin awaits, unless it was started before. `notifier` is notified of the result.
@@ -70,7 +67,7 @@ impl Background {
         if self.started.is_some() {
             return;
         }
-        let Some(task) = twin.critical_velocity_task() else {
+        let Some(task) = twin.background_tasks().next() else {
             return;
         };
         let shared = Arc::<SharedTask>::default();
@@ -89,8 +86,8 @@ impl Background {
                     return;
                 }
                 let go_on = &mut || !shared.abandoned.load(Ordering::Relaxed);
-                if let Some(vehicles) = task.compute(go_on) {
-                    let _ = shared.result.set(vehicles);
+                if let Some(command) = task.compute(go_on) {
+                    let _ = shared.result.set(command);
                     notifier.notify();
                 }
             });

@@ -192,6 +192,7 @@ impl OutputQueues {
             Output::State(_) => states,
             Output::Forecast(_)
             | Output::Report(_)
+            | Output::Ranged(_)
             | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)

@@ -30,6 +30,9 @@ const SLICE: u64 = 16;
 /// samples need the rest. A response takes 3 % of its own time to compute, and its error twice as much.
 const BACKGROUND_SHARE: u64 = 4;
 
+/// A thread is not started later than this before the next sample \[ns\]. It takes a tenth of that.
+const TIME_TO_START_A_THREAD: Nanos = 500_000;
+
 /// Steps of a forecast per cycle while the response catches up, when samples are late anyway.
 const SLICE_WHILE_BEHIND: u64 = 1_000;
 
@@ -93,7 +96,7 @@ pub(super) struct Solver {
     pub clock: Arc<dyn Clock>,
     pub shared: Arc<Shared>,
     pub sink: Sink,
-    /// What is computed while the column is at rest.
+    /// What is computed with the lowest priority.
     pub background: Background,
     /// The time of the clock in the last cycle.
     pub latest: Option<Nanos>,
@@ -193,9 +196,13 @@ impl Solver {
         }
     }
 
-    /// Lets something be computed in the background, if nothing else is to be done.
+    /// Lets something be computed in the background, if nothing else is to be done. During a response the thread is started where
+    /// this does not delay a sample.
     fn start_background(&mut self) {
-        if !self.twin.is_responding() && !self.twin.is_looking_ahead() {
+        let now = self.clock.now();
+        let has_time = !self.twin.is_responding()
+            || self.twin.next_deadline(now).saturating_sub(now) > TIME_TO_START_A_THREAD;
+        if has_time && !self.twin.is_looking_ahead() {
             self.background
                 .start(&self.twin, self.shared.inbox.notifier());
         }

@@ -149,6 +149,8 @@ impl From<&Report> for ImpactReport {
             capacity_ratio: f64::NAN,
             reserve: f64::NAN,
             severity: Self::SEVERITY_UNKNOWN,
+            range_least: Self::SEVERITY_UNKNOWN,
+            range_most: Self::SEVERITY_UNKNOWN,
             error_estimate: f64::NAN,
             ..Self::default()
         }

@@ -1,5 +1,7 @@
 //! The words that people see for the numbers of phases and severities in messages. Those that call for somebody are capitals.
 
+use crate::assessment;
+
 use super::column_twin::{CredibleInterval, ImpactEstimate, TwinStatus};
 
 /// The word for a phase in `ColumnState`, `TwinStatus` and `ColumnStatus`.
@@ -29,6 +31,14 @@ pub fn severity_word(severity: u8) -> &'static str {
         TwinStatus::SEVERITY_EVACUATE => "EVACUATE",
         _ => "unknown",
     }
+}
+
+/// The range of a verdict in a report or a status in words; `None` where it is not known.
+#[must_use]
+pub fn range_in_words(least: u8, most: u8, at_least: bool, decided_by: &str) -> Option<String> {
+    let is_known = ![least, most].contains(&TwinStatus::SEVERITY_UNKNOWN);
+    let [least, most] = [least, most].map(|it| severity_word(it).to_uppercase());
+    is_known.then(|| assessment::range_in_words(&least, &most, at_least, decided_by))
 }
 
 /// One line about an estimate.

@@ -1,6 +1,8 @@
 //! The outcome of an impact with its assessment as messages.
 
-use crate::assessment::{Assessment, Criterion, ImpactEvaluation, RemainingCapacity, Severity};
+use crate::assessment::{
+    Assessment, Criterion, ImpactEvaluation, RemainingCapacity, Severity, VerdictRange,
+};
 use crate::column::Impact;
 use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;
@@ -16,6 +18,7 @@ impl From<&ReportOutput> for ImpactReport {
             ..Self::from(&output.report)
                 .of_impact(&output.striking.vehicle, &output.striking.impact)
                 .assessed(output.assessed.as_deref())
+                .ranged(output.range.as_deref())
         }
     }
 }
@@ -51,6 +54,7 @@ impl ImpactReport {
             ..Self::from(&evaluation.report)
                 .of_impact(vehicle, impact)
                 .assessed(assessed.as_ref())
+                .ranged(evaluation.range.as_ref().map(|it| &it.ends))
         }
     }
 
@@ -70,13 +74,30 @@ impl ImpactReport {
             ..self
         }
     }
+
+    /// The report with the range of its verdict; without one its ends are unknown.
+    fn ranged(self, range: Option<&VerdictRange>) -> Self {
+        let ends = Ends::of(range);
+        Self {
+            range_least: ends.least,
+            range_most: ends.most,
+            range_at_least: ends.at_least,
+            range_decided_by: ends.decided_by,
+            ..self
+        }
+    }
 }
 
 impl TwinStatus {
     /// The status with the assessment of the column at rest and the last impact.
     pub(super) fn assessed(self, status: &Status) -> Self {
         let numbers = Numbers::of(status.assessed.as_deref());
+        let ends = Ends::of(status.range.as_deref());
         Self {
+            range_least: ends.least,
+            range_most: ends.most,
+            range_at_least: ends.at_least,
+            range_decided_by: ends.decided_by,
             virgin_capacity: numbers.virgin_capacity,
             residual_capacity: numbers.residual_capacity,
             capacity_ratio: numbers.capacity_ratio,
@@ -185,6 +206,30 @@ impl<'a> Numbers<'a> {
             severity: severity_code(*severity),
             deciding_criterion,
             reason,
+        }
+    }
+}
+
+/// What report and status say alike of the range of a verdict.
+struct Ends {
+    least: u8,
+    most: u8,
+    at_least: bool,
+    decided_by: String,
+}
+
+impl Ends {
+    fn of(range: Option<&VerdictRange>) -> Self {
+        let end = |end: fn(&VerdictRange) -> Severity| {
+            range.map_or(ImpactReport::SEVERITY_UNKNOWN, |it| severity_code(end(it)))
+        };
+        Self {
+            least: end(|it| it.least),
+            most: end(|it| it.most),
+            at_least: range.is_some_and(|it| it.at_least),
+            decided_by: range
+                .map(VerdictRange::decided_by_in_words)
+                .unwrap_or_default(),
         }
     }
 }

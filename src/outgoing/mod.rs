@@ -26,8 +26,8 @@ use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
-    Calibration, Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput,
-    Status, TwinPhase, WithdrawnForecast,
+    Calibration, Journal, Lengths, Output, RangedReport, RefusalCode, ReportOutput, RestingColumn,
+    StateOutput, Status, TwinPhase, WithdrawnForecast,
 };
 #[cfg(feature = "viewer")]
 pub(crate) use assessment::severity_code;
@@ -260,6 +260,10 @@ impl Outgoing {
                     self.report(report, ImpactReport::RESULT),
                 ));
             }
+            Output::Ranged(RangedReport { report, is_result }) => put(match is_result {
+                true => Message::ImpactReport(self.report(report, ImpactReport::RESULT)),
+                false => Message::ImpactForecast(self.report(report, ImpactReport::FORECAST)),
+            }),
             Output::Withdrawn(withdrawn) => {
                 put(Message::ImpactForecast(self.withdrawn(withdrawn)));
             }

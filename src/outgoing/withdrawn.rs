@@ -48,6 +48,8 @@ impl ImpactReport {
             reserve: f64::NAN,
             severity: Self::SEVERITY_UNKNOWN,
             severity_reason: reason.to_owned(),
+            range_least: Self::SEVERITY_UNKNOWN,
+            range_most: Self::SEVERITY_UNKNOWN,
             error_estimate: f64::NAN,
             dt: f64::NAN,
             ..Self::default()

@@ -94,7 +94,6 @@ fn range(impact: &ReportedImpact, verdict: &Assessment) -> Result<ActionRange, &
         &impact.parameters,
         &impact.model.properties,
         &impact.impact,
-        &impact.report,
         verdict,
     ))
 }

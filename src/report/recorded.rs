@@ -355,6 +355,7 @@ impl Gathered {
         // Whatever else is accepted may change the column.
         self.critical_velocities = match &record.command {
             Command::CriticalVelocities { vehicles } => Some(Arc::clone(vehicles)),
+            Command::VerdictRange(_) => self.critical_velocities.take(),
             _ => None,
         };
         let is_at_rest = record.position.step.is_none() && !record.taken_back;

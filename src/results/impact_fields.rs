@@ -256,10 +256,10 @@ impl<'a> From<&'a ActionRange> for RangeFields<'a> {
         };
         let not_varied = range.not_varied.iter();
         Self {
-            least: range.least,
-            most: range.most,
-            at_least: range.at_least,
-            decided_by: &range.decided_by,
+            least: range.ends.least,
+            most: range.ends.most,
+            at_least: range.ends.at_least,
+            decided_by: &range.ends.decided_by,
             variations: range.variations.iter().map(variation).collect(),
             not_varied: not_varied
                 .map(|(assumption, reason)| (assumption.in_words(), reason.as_str()))

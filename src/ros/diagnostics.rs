@@ -19,6 +19,7 @@ use super::measurements::SensorInputs;
 use super::security::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
+use crate::messages::words::range_in_words;
 
 /// Losses of the node itself since the start.
 #[derive(Debug, Default)]
@@ -164,6 +165,16 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
         ("severity", severity_word(twin.severity).to_owned()),
         ("deciding criterion", twin.deciding_criterion.clone()),
         ("severity reason", twin.severity_reason.clone()),
+        (
+            "range of the verdict",
+            range_in_words(
+                twin.range_least,
+                twin.range_most,
+                twin.range_at_least,
+                &twin.range_decided_by,
+            )
+            .unwrap_or_else(|| "not known".to_owned()),
+        ),
         ("virgin capacity [N]", twin.virgin_capacity.to_string()),
         ("residual capacity [N]", twin.residual_capacity.to_string()),
         ("reserve", twin.reserve.to_string()),

@@ -8,7 +8,7 @@ use crate::messages::column_twin::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 pub use crate::messages::words::{decision_word, in_unit, severities_in_words, severity_word};
-use crate::messages::words::{estimate_line, phase_word};
+use crate::messages::words::{estimate_line, phase_word, range_in_words};
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -81,6 +81,8 @@ pub(super) struct WatchLines {
     last_status: Option<(u8, u64, u64)>,
     /// The last critical velocities that were shown, by column.
     last_critical: BTreeMap<String, Vec<CriticalVelocities>>,
+    /// Event and stamp of the last result that was shown, by column.
+    last_result: BTreeMap<String, (String, Option<i64>)>,
     /// Lost messages that have not been shown yet, by topic, and when the last ones were shown.
     missed: BTreeMap<&'static str, u64>,
     last_missed: Option<Instant>,
@@ -93,6 +95,7 @@ impl Default for WatchLines {
             last_state: None,
             last_status: None,
             last_critical: BTreeMap::new(),
+            last_result: BTreeMap::new(),
             missed: BTreeMap::new(),
             last_missed: None,
         }
@@ -199,6 +202,9 @@ impl WatchLines {
                 "no forecast of {}: {}",
                 report.event_id, report.severity_reason
             )),
+            // Forecast and result are published again with the range of the verdict.
+            Seen::Forecast(report) if range_of(report).is_some() => range_line("forecast", report),
+            Seen::Report(report) if self.has_shown_result(report) => range_line("result", report),
             // It is published again with the error of its time step.
             Seen::Forecast(report) if !report.error_estimate.is_nan() => Some(format!(
                 "forecast of {}: the time step makes an error of about {:.2e} of the largest v1",
@@ -222,6 +228,19 @@ impl WatchLines {
                 (before != Some(state)).then(|| status_line(status, before))
             }
         }
+    }
+
+    /// Whether the result of this impact is the last of its column that was shown.
+    fn has_shown_result(&mut self, report: &ImpactReport) -> bool {
+        let impact = (report.event_id.clone(), report.header.stamp.to_nanos());
+        if self.last_result.get(&report.column_id) == Some(&impact) && range_of(report).is_some() {
+            return true;
+        }
+        if self.last_result.len() == MAX_COLUMNS {
+            self.last_result.clear();
+        }
+        self.last_result.insert(report.column_id.clone(), impact);
+        false
     }
 
     /// The line about critical velocities that have not been shown yet.
@@ -254,6 +273,26 @@ fn state_line(state: &ColumnState) -> String {
     )
 }
 
+/// The range of the verdict in words; `None` where it is not known.
+pub fn range_of(report: &ImpactReport) -> Option<String> {
+    range_in_words(
+        report.range_least,
+        report.range_most,
+        report.range_at_least,
+        &report.range_decided_by,
+    )
+}
+
+/// One line about the range of the verdict in a forecast or a result.
+fn range_line(kind: &str, report: &ImpactReport) -> Option<String> {
+    let range = range_of(report)?;
+    Some(format!(
+        "{kind} of {}: severity {}; range {range}",
+        report.event_id,
+        severity_word(report.severity)
+    ))
+}
+
 /// One line about a forecast or a result; `kind` is the word for either.
 pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     let outcome = match report.outcome {
@@ -284,8 +323,9 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
         [] => String::new(),
         [front, ..] => format!(", front crushed by {:.0} mm", 1e3 * front),
     };
+    let range = range_of(report).map_or(String::new(), |it| format!(" Range: {it}."));
     format!(
-        "{kind} of {}: severity {}: {} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
+        "{kind} of {}: severity {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
          push-down {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
         severity_word(report.severity),
@@ -318,8 +358,15 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
         "" => String::new(),
         fault => format!(": {fault}"),
     };
+    let range = range_in_words(
+        status.range_least,
+        status.range_most,
+        status.range_at_least,
+        &status.range_decided_by,
+    );
+    let range = range.map_or(String::new(), |it| format!("; range {it}"));
     format!(
-        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm, severity {}{}",
+        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm, severity {}{}{range}",
         status.column_id,
         phase_word(status.phase),
         status.impacts_since_reset,
@@ -470,6 +517,47 @@ mod tests {
         assert_eq!(line(&[0.0, 2.5], &[3.5, f64::NAN]), None);
         assert_eq!(line(&[], &[]), None);
         assert!(line(&[0.0, 2.4], &[3.5, f64::NAN]).is_some());
+    }
+
+    #[test]
+    fn the_range_of_a_verdict_has_a_line_of_its_own_once_it_is_known() {
+        let mut lines = WatchLines::default();
+        let now = Instant::now();
+        let unknown = ImpactReport {
+            event_id: "e".to_owned(),
+            severity: ImpactReport::SEVERITY_PROP,
+            range_least: ImpactReport::SEVERITY_UNKNOWN,
+            range_most: ImpactReport::SEVERITY_UNKNOWN,
+            ..ImpactReport::default()
+        };
+        let known = ImpactReport {
+            range_least: ImpactReport::SEVERITY_INSPECT,
+            range_most: ImpactReport::SEVERITY_PROP,
+            range_at_least: true,
+            range_decided_by: "the height of the hit".to_owned(),
+            ..unknown.clone()
+        };
+        let range = "INSPECT to at least PROP, decided by the height of the hit";
+        let line = lines.line(&Seen::Forecast(known.clone()), now);
+        let expected = format!("forecast of e: severity PROP; range {range}");
+        assert_eq!(line, Some(expected));
+        let line = lines.line(&Seen::Report(unknown), now);
+        assert!(line.is_some_and(|it| !it.to_lowercase().contains("range")));
+        let line = lines.line(&Seen::Report(known.clone()), now);
+        assert_eq!(
+            line,
+            Some(format!("result of e: severity PROP; range {range}"))
+        );
+        // Of another impact, whose result was not shown before.
+        let other = ImpactReport {
+            event_id: "f".to_owned(),
+            ..known
+        };
+        let line = lines.line(&Seen::Report(other), now).expect("shown");
+        assert!(
+            line.contains(&format!("Range: {range}.")) && line.contains("v1"),
+            "{line}"
+        );
     }
 
     #[test]

@@ -62,7 +62,9 @@ pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_
 pub use felt::follow_sensors;
 pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};
 pub use fresh_domain::FreshDomain;
-pub use lines::{Seen, decision_word, in_unit, report_line, severities_in_words, severity_word};
+pub use lines::{
+    Seen, decision_word, in_unit, range_of, report_line, severities_in_words, severity_word,
+};
 pub use live_twin::{Health, LiveTwin, LiveTwinError};
 pub use matches::Matches;
 pub use measure::{MeasureOptions, Measured, send_measurements};

@@ -194,6 +194,7 @@ impl Publishing {
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
+            | Output::Ranged(_)
             | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)
@@ -239,6 +240,11 @@ impl Publishing {
                 it.event_id,
                 it.compute_time
             ),
+            Output::Ranged(it) => tracing::debug!(
+                "range of the verdict on impact {:?}: {:?}",
+                it.report.event_id,
+                it.report.range
+            ),
             Output::Status(status) => tracing::debug!("status: {:?}", status.phase),
             Output::Journal(Journal::Checkpoint(it)) => {
                 tracing::debug!("checkpoint {} after response {}", it.number, it.response);
@@ -255,6 +261,7 @@ impl Publishing {
                     Command::CriticalVelocities { vehicles } => {
                         format!("critical velocities of {} vehicles", vehicles.len())
                     }
+                    Command::VerdictRange(range) => format!("range of the verdict: {range}"),
                     Command::Estimate(it) => format!("estimate {} of {:?}", it.update, it.event_id),
                     Command::DecideEstimate(it) => match it.accept {
                         true => format!("confirmation of {:?}", it.event_id),

@@ -11,7 +11,7 @@ use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
 use super::what_if::Striking;
-use crate::assessment::BaseDemand;
+use crate::assessment::{BaseDemand, VerdictRange};
 use crate::column::Report;
 use crate::parameters::Parameters;
 
@@ -39,6 +39,8 @@ pub(super) struct ActiveResponse {
     pub forecast: Forecast,
     /// Until this instant its samples are not given out, because an earlier estimate of the same impact has given out some.
     pub silent_until: Option<Nanos>,
+    /// The range of the verdict in the forecast, once it is known.
+    pub range: Option<Arc<VerdictRange>>,
 }
 
 /// A response that is over.
@@ -80,6 +82,7 @@ impl BegunImpact {
             step_nanos: self.step_nanos,
             compute_time: seconds(compute_nanos),
             is_superseded: false,
+            range: None,
         }
     }
 }

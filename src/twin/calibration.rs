@@ -66,6 +66,7 @@ impl Twin {
             self.at_rest = corrected;
             self.assess();
             self.forget_other_critical_velocities();
+            self.forget_range();
         }
         let life = &mut self.registry.life;
         life.calibrations_since_reset = life.calibrations_since_reset.saturating_add(1);

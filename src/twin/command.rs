@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::calibration::Calibration;
 use super::refusal::Refusal;
+use crate::assessment::VerdictRange;
 use crate::column::ImpactSpecification;
 use crate::exact_number;
 use crate::parameters::Value;
@@ -56,6 +57,10 @@ pub enum Command {
         /// One entry for each vehicle.
         vehicles: Arc<[VehicleLimits]>,
     },
+    /// The range of the verdict on the present or the last impact is known, which another thread has computed from
+    /// [`Twin::range_task`](super::Twin::range_task). Forecast or report are given out once more with it. It is a command, so that
+    /// the journal tells from when on.
+    VerdictRange(Arc<VerdictRange>),
     /// What the sensors say about an impact, which another thread has computed. It is a command, so that the journal tells
     /// from when on, and what made it so.
     Estimate(Arc<EstimateRecord>),

@@ -71,12 +71,6 @@ impl Twin {
         (!is_known).then(|| self.task_at_rest()).flatten()
     }
 
-    /// Whether this is still the [`critical_velocity_task`](Self::critical_velocity_task).
-    #[must_use]
-    pub fn awaits(&self, task: &CriticalVelocityTask) -> bool {
-        self.critical_velocity_task().is_some_and(|it| it == *task)
-    }
-
     /// All on which the critical velocities of the column at rest depend, whether they are known or not; `None` if it is not
     /// assessed.
     #[must_use]

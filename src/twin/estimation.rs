@@ -311,6 +311,7 @@ impl Twin {
                 self.take_back(last.response, before.plastic_work);
             }
             self.forget_other_critical_velocities();
+            self.forget_range();
             text += "; its report no longer holds";
         }
         out.notice(NoticeLevel::Info, now, text);

@@ -39,6 +39,7 @@ impl Twin {
             assessed: self.assessed.clone(),
             virgin: self.virgin,
             critical: None,
+            judged: None,
             response: None,
             is_completing: false,
             superseded: SupersededForecasts::new(),

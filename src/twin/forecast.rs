@@ -40,6 +40,8 @@ pub(super) struct Foreseen {
     pub at_rest: Plant,
     pub assessed: Option<Arc<Assessed>>,
     pub error_estimate: Option<f64>,
+    /// What computing it took.
+    pub compute_nanos: u64,
 }
 
 /// The response is known to its end.
@@ -138,8 +140,9 @@ impl Forecast {
                         assessed: capacities
                             .map(|it| assessed(&impact.parameters, &at_rest, Some(&last), &it)),
                         error_estimate: None,
+                        compute_nanos,
                     };
-                    put_forecast(impact, &foreseen, self.is_superseded, compute_nanos, out);
+                    put_forecast(impact, &foreseen, self.is_superseded, out);
                     let assessed = foreseen.assessed.as_deref();
                     out.verdict("forecast", &impact.event_id, assessed, now);
                     self.foreseen = Some(foreseen);
@@ -157,8 +160,9 @@ impl Forecast {
                     self.error_estimate = estimate;
                     if let Some(foreseen) = &mut self.foreseen {
                         foreseen.error_estimate = estimate;
+                        foreseen.compute_nanos = compute_nanos;
                         if estimate.is_some() {
-                            put_forecast(impact, foreseen, self.is_superseded, compute_nanos, out);
+                            put_forecast(impact, foreseen, self.is_superseded, out);
                         }
                     }
                 }
@@ -179,16 +183,16 @@ fn put_forecast(
     impact: &BegunImpact,
     foreseen: &Foreseen,
     is_superseded: bool,
-    compute_nanos: u64,
     out: &mut impl Outputs,
 ) {
     let Foreseen {
         report,
         assessed,
         error_estimate,
+        compute_nanos,
         ..
     } = foreseen;
-    let output = impact.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
+    let output = impact.report_output(*report, assessed.clone(), *error_estimate, *compute_nanos);
     out.put(Output::Forecast(ReportOutput {
         is_superseded,
         ..output

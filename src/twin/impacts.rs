@@ -229,6 +229,7 @@ impl Twin {
             striking,
             ..
         } = pending;
+        self.withdraw_unknown_range();
         self.registry.life.last_event_id = Arc::clone(&event_id);
         self.journal.responses += 1;
         let period = 1e9 / self.parameters.current().settings().publish_rate;
@@ -252,6 +253,7 @@ impl Twin {
             timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
             forecast: Forecast::new(ahead),
             silent_until: None,
+            range: None,
         }));
         self.status.set_changed();
     }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::command::{Command, Nanos};
 use super::estimates::Estimates;
 use super::plant::Condition;
+use super::range::JudgedImpact;
 use super::refusal::Refusal;
 use super::registry::{Counts, LastRefusal, Life};
 use crate::column::{Impact, State};
@@ -67,6 +68,9 @@ pub struct Checkpoint {
     pub condition: Condition,
     /// Its critical velocities; `None` if they are not known yet.
     pub critical_velocities: Option<Arc<[VehicleLimits]>>,
+    /// The last impact with the range of its verdict; `None` without one, and in recordings of programs that know no range.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub judged: Option<JudgedImpact>,
     /// What the sensors have felt.
     pub estimates: Estimates,
     /// What it has been through since the last reset.

@@ -10,9 +10,10 @@ use super::estimates::Estimates;
 use super::forecast::{Foreseen, SupersededForecasts};
 use super::impacts::NO_REPORT;
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{NoticeLevel, Output, Outputs, Verdicts};
+use super::output::{NoticeLevel, Output, Outputs, ReportOutput, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
+use super::range::Judged;
 use super::refusal::Refusal;
 use super::registry::{RefusedInput, Registry};
 use super::saved_state::SavedState;
@@ -38,6 +39,8 @@ pub struct Twin {
     pub(super) virgin: Option<VirginCapacity>,
     /// Its critical velocities; `None` until they are computed.
     pub(super) critical: Option<KnownCriticalVelocities>,
+    /// The last impact with the range of its verdict, if that has one.
+    pub(super) judged: Option<Box<Judged>>,
     /// In memory of its own, because most columns of a fleet have none.
     pub(super) response: Option<Box<ActiveResponse>>,
     /// The clock has jumped back during the present response, which no longer waits for it.
@@ -93,6 +96,7 @@ impl Twin {
             assessed: None,
             virgin: None,
             critical: None,
+            judged: None,
             response: None,
             is_completing: false,
             superseded: SupersededForecasts::new(),
@@ -218,6 +222,7 @@ impl Twin {
                 Ok(Accepted::Applied)
             }
             Command::CriticalVelocities { vehicles } => Ok(self.take_critical_velocities(vehicles)),
+            Command::VerdictRange(range) => Ok(self.take_range(range)),
             Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
             Command::DecideEstimate(decision) => {
                 self.decide_estimate(decision, now, out).map_err(|refusal| {
@@ -231,11 +236,16 @@ impl Twin {
             }),
         };
         let refusal = result.as_ref().err().cloned();
+        let has_range = matches!(command, Command::VerdictRange(_))
+            && result.as_ref().is_ok_and(|it| *it == Accepted::Applied);
         out.put(Output::Journal(
             self.journal.command(command, refusal, position, now),
         ));
         self.superseded.put_withdrawn(out);
         self.put_estimate(out);
+        if has_range {
+            self.put_ranged(now, out);
+        }
         result
     }
 
@@ -297,6 +307,7 @@ impl Twin {
             &Judgement {
                 assessed: self.assessed.as_ref(),
                 critical: self.critical_velocities(),
+                range: self.known_range(),
                 waiting_estimate: self.waiting_estimate(),
             },
             struck,
@@ -446,12 +457,16 @@ impl Twin {
                 &mut self.virgin,
             ),
         };
-        let output = response.impact.report_output(
-            report,
-            assessed.clone(),
-            error_estimate,
-            response.timeline.compute_nanos(),
-        );
+        let output = ReportOutput {
+            range: response.range.clone(),
+            ..response.impact.report_output(
+                report,
+                assessed.clone(),
+                error_estimate,
+                response.timeline.compute_nanos(),
+            )
+        };
+        let judged = Judged::new(&response, &output);
         out.put(Output::Report(output));
         out.verdict(
             "result",
@@ -468,8 +483,14 @@ impl Twin {
             |twin| {
                 // Another set of parameters may have come into force.
                 match Arc::ptr_eq(&parameters, twin.parameters.current()) {
-                    true => twin.assessed = assessed,
-                    false => twin.assess(),
+                    true => {
+                        twin.assessed = assessed;
+                        twin.judged = judged;
+                    }
+                    false => {
+                        twin.assess();
+                        twin.forget_range();
+                    }
                 }
             },
             out,

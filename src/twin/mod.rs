@@ -13,6 +13,8 @@
 //! | `forecast` | the forecasts, also of responses that have ended before their time | |
 //! | `assessed` | remaining capacity and assessment of the column at rest | clock, identifiers |
 //! | `critical` | critical velocities of the column at rest: what is to be computed, and the result | clock, identifiers |
+//! | `range` | range of the verdict on an impact: what is to be computed, and the result | clock |
+//! | `background` | which of what another thread computes comes first | threads |
 //! | `impacts` | how an impact meets the column: at rest, in motion, or in a response that is over | |
 //! | `estimates` | what the sensors have felt, and what has become of it | mechanics, clock |
 //! | `estimation` | from an estimate to an impact | threads, sensors |
@@ -44,6 +46,9 @@
 //!   under way.
 //! - Critical velocities belong to one column at rest with one assessment and one set of parameters; they are forgotten when
 //!   any of these changes, and not shown during a response.
+//! - The range of a verdict belongs to one impact on a column at rest without damage. It is computed behind the forecast, and
+//!   forecast or report are given out once more with it ([`Output::Ranged`]). It is not awaited any more once another impact, a
+//!   reset, a calibration or a change of parameters comes.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
 //!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
 //!   damage it.
@@ -65,6 +70,7 @@
 
 mod active_response;
 mod assessed;
+mod background;
 mod calibration;
 mod command;
 mod critical;
@@ -79,6 +85,7 @@ mod lifecycle;
 mod output;
 mod parameter_set;
 mod plant;
+mod range;
 mod reconfiguration;
 mod refusal;
 mod registry;
@@ -91,6 +98,7 @@ mod timeline;
 mod what_if;
 
 pub use assessed::{Assessed, LastImpact};
+pub use background::{BackgroundKind, BackgroundTask};
 pub use calibration::{CALIBRATION_FACTORS, Calibration};
 pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, Nanos, ResidualMeasurement};
 pub use critical::CriticalVelocityTask;
@@ -104,7 +112,7 @@ pub use journal::{
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
     EstimateOutput, ForecastEnd, Lengths, MergedEvent, Notice, NoticeLevel, Output, Outputs,
-    ParametersChanged, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
+    ParametersChanged, RangedReport, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
     WithdrawnImpact,
 };
 #[cfg(all(test, feature = "record"))]
@@ -112,6 +120,7 @@ pub(crate) use plant::failing_step;
 #[cfg(feature = "study")]
 pub(crate) use plant::with_impact_height;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
+pub use range::{JudgedImpact, RangeTask};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{
     Counts, LastRefusal, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Refused, RefusedInput,

@@ -11,7 +11,7 @@ use super::registry::Refused;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
 use super::what_if::Striking;
-use crate::assessment;
+use crate::assessment::{self, VerdictRange};
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
 use crate::senses::{EstimateRecord, EventEvidence};
@@ -26,6 +26,8 @@ pub enum Output {
     Forecast(ReportOutput),
     /// What an impact has done; `stamp` is the event's.
     Report(ReportOutput),
+    /// A forecast or a report once more, now that the range of its verdict is known.
+    Ranged(RangedReport),
     /// The forecast of an accepted impact no longer holds, or there will be none; in both cases no report follows.
     Withdrawn(WithdrawnForecast),
     /// What the sensors say about an impact: with every estimate, and when it was decided whether it is an impact of the twin.
@@ -110,6 +112,17 @@ pub struct ReportOutput {
     pub compute_time: f64,
     /// It is the forecast of a response that something else has ended; an [`Output::Withdrawn`] follows.
     pub is_superseded: bool,
+    /// Between which actions the verdict lies; `None` where it is not known, or not yet.
+    pub range: Option<Arc<VerdictRange>>,
+}
+
+/// A forecast or a result with the range of its verdict. Nothing else differs from what was given out before.
+#[derive(Debug, Clone)]
+pub struct RangedReport {
+    /// With the range.
+    pub report: ReportOutput,
+    /// Whether it is a result.
+    pub is_result: bool,
 }
 
 /// The forecast of an accepted impact no longer holds, or there will be none.

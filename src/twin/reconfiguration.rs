@@ -41,6 +41,7 @@ impl Twin {
                 self.replace_column(column);
                 self.assess();
                 self.forget_other_critical_velocities();
+                self.forget_range();
             }
             Accepted::Applied
         };
@@ -195,6 +196,7 @@ impl Twin {
         self.apply_waiting_parameters(now, out);
         self.assess();
         self.forget_other_critical_velocities();
+        self.forget_range();
         let text = format!("reset by {source}: the column is virgin");
         out.notice(NoticeLevel::Info, now, text);
         self.status.set_changed();

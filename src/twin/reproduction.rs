@@ -8,6 +8,7 @@ use super::journal::{Checkpoint, JournalClock, NotReached, Position};
 use super::lifecycle::{Stopwatch, Twin};
 use super::output::{Output, Outputs};
 use super::plant::Plant;
+use super::range::Judged;
 use crate::column::{Model, ModelError};
 use crate::parameters::Parameters;
 
@@ -35,6 +36,7 @@ impl Twin {
         twin.journal = JournalClock::continuing(from);
         twin.assess();
         twin.restore_critical_velocities(from.critical_velocities.as_ref());
+        twin.judged = from.judged.as_ref().map(Judged::restored);
         Ok(twin)
     }
 
@@ -55,6 +57,7 @@ impl Twin {
             state: self.at_rest.state,
             condition: self.at_rest.condition.clone(),
             critical_velocities: self.critical_velocities().map(Arc::clone),
+            judged: self.judged.as_ref().map(|it| it.impact.clone()),
             estimates: self.estimates.clone(),
             life: self.registry.life.clone(),
             counts: self.registry.counts,

@@ -10,6 +10,7 @@ use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
 use super::registry::{Counts, LastRefusal, Registry};
+use crate::assessment::VerdictRange;
 use crate::column::{HINGES, Phase, Sample, VehicleReport, WEBS};
 use crate::study::VehicleLimits;
 
@@ -102,6 +103,8 @@ pub struct Status {
     pub assessed: Option<Arc<Assessed>>,
     /// The critical velocities of the column at rest; `None` if they are not known, and during a response.
     pub critical_velocities: Option<Arc<[VehicleLimits]>>,
+    /// The range of the verdict on the last impact that has ended; `None` if it is not known.
+    pub range: Option<Arc<VerdictRange>>,
     /// The vehicle of the last response that has ended.
     pub vehicle: VehicleReport,
     /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
@@ -128,6 +131,8 @@ pub(super) struct Judgement<'a> {
     pub assessed: Option<&'a Arc<Assessed>>,
     /// Its critical velocities.
     pub critical: Option<&'a Arc<[VehicleLimits]>>,
+    /// The range of the verdict on its last impact.
+    pub range: Option<&'a Arc<VerdictRange>>,
     /// The impact that waits for somebody to confirm it.
     pub waiting_estimate: Option<&'a Arc<str>>,
 }
@@ -180,6 +185,7 @@ impl Status {
             shear_angle: webs.map(|web| web.plastic_angle),
             assessed: judgement.assessed.map(Arc::clone),
             critical_velocities: judgement.critical.map(Arc::clone),
+            range: judgement.range.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
             error_estimate: last.and_then(|it| it.error_estimate),
             at_rest: struck.is_none().then(|| RestingColumn {

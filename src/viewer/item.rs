@@ -122,7 +122,8 @@ impl ViewerItem {
             },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),
             // Notices tell in words what has happened.
-            Output::Estimate(_)
+            Output::Ranged(_)
+            | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
             | Output::Calibrated(_)

@@ -25,6 +25,7 @@ mod node;
 #[allow(dead_code)] // the tests of the recordings use the rest
 #[path = "../../crates/recording/tests/recording/random_damage.rs"]
 mod random_damage;
+mod range;
 mod recomputed_estimates;
 mod recorded_twin;
 mod replayed;

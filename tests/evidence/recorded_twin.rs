@@ -303,6 +303,13 @@ impl RecordedTwin {
         self.execute(Command::CriticalVelocities { vehicles });
     }
 
+    /// The range of the verdict on the present or the last impact has been computed.
+    pub fn know_range(&mut self) {
+        let task = self.twin.range_task().expect("awaited");
+        let range = task.compute(&mut || true).expect("not abandoned");
+        self.execute(Command::VerdictRange(range));
+    }
+
     /// One cycle of a solver that wakes after `nanos`, with a slice of the forecast.
     pub fn advance(&mut self, nanos: Nanos) {
         self.now += nanos;

@@ -228,6 +228,54 @@ fn columns_of_a_fleet_respond_as_single_twins_bit_for_bit() {
     }
 }
 
+/// Each column that was hit has the range of its verdict, that of a single twin.
+#[test]
+fn the_range_of_the_verdict_follows_the_forecast_of_each_column() {
+    const COLUMNS: u32 = 3;
+    let columns = columns(COLUMNS as usize);
+    let clock = Arc::new(SimClock::new(START));
+    let mut fleet = Fleet::start(&columns, Arc::clone(&clock) as _, 2);
+    for column in 0..COLUMNS {
+        let hit = impact(column, "a", START);
+        fleet.handle.submit(column, hit).expect("room");
+    }
+    let is_ranged = |output: &Output| matches!(output, Output::Ranged(_));
+    let is_told = |output: &Output| matches!(output, Output::Status(it) if it.range.is_some());
+    let mut now = START;
+    let ranges = of_all(COLUMNS, 1, is_ranged);
+    let statuses = of_all(COLUMNS, 1, is_told);
+    let all = |received: &BTreeMap<u32, Vec<Output>>| ranges(received) && statuses(received);
+    fleet.receive("ranges", all, || {
+        now += MS;
+        clock.set(now);
+    });
+    for column in 0..COLUMNS {
+        let parameters = Parameters::clone(&columns[column as usize].parameters);
+        let mut single = Twin::new(parameters, None, Box::new(|| 0), START).expect("stands");
+        let mut out = Vec::new();
+        let hit = impact(column, "a", START);
+        single.handle(hit, START, &mut out).expect("accepted");
+        single.run_ahead(u64::MAX, START, &mut out);
+        let task = single.range_task().expect("awaited");
+        let expected = task.compute(&mut || true);
+        let received = &fleet.received[&column];
+        let ranged: Vec<_> = received
+            .iter()
+            .filter_map(|it| match it {
+                Output::Ranged(it) => Some(it.report.range.clone()),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(ranged, [expected], "column {column}");
+        let place = |is: &dyn Fn(&Output) -> bool| received.iter().position(is);
+        assert!(
+            place(&is_refined) < place(&is_ranged),
+            "behind the forecast"
+        );
+    }
+    fleet.handle.stop().expect("no panic");
+}
+
 #[test]
 fn columns_that_are_hit_at_once_lose_no_state_in_real_time() {
     const COLUMNS: u32 = 10;

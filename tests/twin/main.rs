@@ -9,6 +9,7 @@ mod estimates;
 mod forecasts;
 mod memory;
 mod parameters;
+mod range;
 mod response;
 mod second_impact;
 mod vehicles;

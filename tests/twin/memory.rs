@@ -27,7 +27,8 @@ impl Outputs for Counted {
             Output::Refused(_) => self.refused += 1,
             Output::Status(_) => self.statuses += 1,
             Output::Save(_) => self.saved += 1,
-            Output::Withdrawn(_)
+            Output::Ranged(_)
+            | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)

@@ -20,7 +20,8 @@ use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification, WEBS};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
-    Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, severity_word,
+    Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, range_of,
+    severity_word,
 };
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
@@ -232,6 +233,13 @@ impl<'a, 'b> Narration<'a, 'b> {
                     "  no result will follow: {}\n",
                     report.severity_reason
                 ));
+            }
+            // The forecast is published again with the range of its verdict.
+            Seen::Forecast(report) if let Some(range) = range_of(report) => {
+                let mut text = String::new();
+                let _ = wrapped(&mut text, "  range", &range); // writing to a String cannot fail
+                self.out.print(format_args!("{text}"));
+                self.forecast = Some(report.clone());
             }
             // The forecast is published again with the error of its time step.
             Seen::Forecast(report) if self.forecast.is_some() => {

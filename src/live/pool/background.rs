@@ -1,7 +1,8 @@
-//! The one thread that computes the critical velocities of all columns of a fleet at rest, with the lowest priority.
+//! The one thread that computes what the columns of a fleet await in the background, with the lowest priority: ranges of verdicts,
+//! and the critical velocities of columns at rest.
 //!
-//! Columns that differ by their names only have the same critical velocities, which are computed once. Columns that have been hit
-//! come first. For the others, of which there are many after the start, the thread takes only a part of a processor, because they
+//! Columns that differ by their names only have the same results, which are computed once. Ranges come first, then columns that
+//! have been hit. For the others, of which there are many after the start, the thread takes only a part of a processor, because they
 //! are not urgent. The solver threads and this one share queues without locks only: a thread with the lowest priority must not hold a
 //! lock that they need. Whoever pops while another thread is preempted in the middle of its push has to wait, which is seldom.
 
@@ -21,8 +22,7 @@ use super::super::notifier::Notifier;
 use super::super::real_time::THREAD_STACK;
 use super::super::real_time::lower_priority;
 use crate::parameters::MAX_COLUMNS;
-use crate::study::VehicleLimits;
-use crate::twin::CriticalVelocityTask;
+use crate::twin::{BackgroundKind, BackgroundTask, Command};
 
 /// Maximum sleep between two checks of the stop flag.
 const MAX_SLEEP: Duration = Duration::from_secs(3600);
@@ -38,19 +38,17 @@ const REST: u64 = 4;
 const BURST: u64 = 20_000_000;
 
 /// A column and what is to be computed for it.
-pub type Wanted = (u32, CriticalVelocityTask);
+pub type Wanted = (u32, BackgroundTask);
 
-/// A column, what was computed for it, and the result.
-pub type Known = (u32, CriticalVelocityTask, Arc<[VehicleLimits]>);
+/// A column, what was computed for it, and the command with the result.
+pub type Known = (u32, BackgroundTask, Command);
 
 /// The computation in the background.
 #[derive(Debug)]
 pub struct Background {
-    /// Columns that have been hit.
-    hit: ArrayQueue<Box<Wanted>>,
-    /// The other ones.
-    others: ArrayQueue<Box<Wanted>>,
-    /// Columns in both queues, and the one that is being computed.
+    /// By their [`BackgroundKind`].
+    wanted: [ArrayQueue<Box<Wanted>>; BackgroundKind::COUNT],
+    /// Columns that want critical velocities, with the one for which they are being computed.
     unknown: AtomicUsize,
     known: ArrayQueue<Box<Known>>,
     notifier: Notifier,
@@ -61,10 +59,9 @@ impl Background {
     /// For a fleet of so many columns, each of which wants at most one result of each queue at a time.
     pub fn new(columns: usize) -> Self {
         Self {
-            hit: ArrayQueue::new(columns.max(1)),
-            others: ArrayQueue::new(columns.max(1)),
+            wanted: std::array::from_fn(|_| ArrayQueue::new(columns.max(1))),
             unknown: AtomicUsize::new(0),
-            known: ArrayQueue::new(2 * columns.max(1)),
+            known: ArrayQueue::new(BackgroundKind::COUNT * columns.max(1)),
             notifier: Notifier::default(),
             stop: AtomicBool::new(false),
         }
@@ -88,17 +85,17 @@ impl Background {
             })
     }
 
-    /// Asks for the critical velocities of a column; `false` if there is no room.
-    pub fn want(&self, column: u32, task: CriticalVelocityTask) -> bool {
-        let queue = match task.is_damaged() {
-            true => &self.hit,
-            false => &self.others,
-        };
+    /// Asks for a result for a column; `false` if there is no room.
+    pub fn want(&self, column: u32, task: BackgroundTask) -> bool {
+        let kind = task.kind();
+        let is_counted = usize::from(kind != BackgroundKind::Range);
         // Before the thread can take it out of the count.
-        self.unknown.fetch_add(1, Ordering::Relaxed);
-        let taken = queue.push(Box::new((column, task))).is_ok();
+        self.unknown.fetch_add(is_counted, Ordering::Relaxed);
+        let taken = self.wanted[kind as usize]
+            .push(Box::new((column, task)))
+            .is_ok();
         if !taken {
-            self.unknown.fetch_sub(1, Ordering::Relaxed);
+            self.unknown.fetch_sub(is_counted, Ordering::Relaxed);
         }
         self.notifier.notify();
         taken
@@ -125,42 +122,44 @@ impl Background {
     }
 
     fn run(&self, tell: &dyn Fn()) {
-        let mut found: VecDeque<(CriticalVelocityTask, Arc<[VehicleLimits]>)> = VecDeque::new();
+        let mut found: VecDeque<(BackgroundTask, Command)> = VecDeque::new();
         let mut rested = processor_time();
         while !self.stop.load(Ordering::SeqCst) {
-            let Some(wanted) = self.hit.pop().or_else(|| self.others.pop()) else {
+            let Some(wanted) = self.wanted.iter().find_map(ArrayQueue::pop) else {
                 self.notifier.wait(MAX_SLEEP);
                 continue;
             };
             let (column, task) = *wanted;
             let same = found.iter().find(|(it, _)| task.has_the_result_of(it));
-            let vehicles = match same {
-                Some((_, vehicles)) => Arc::clone(vehicles),
+            let kind = task.kind();
+            let command = match same {
+                Some((_, command)) => command.clone(),
                 None => {
-                    let is_damaged = task.is_damaged();
+                    let is_urgent = kind != BackgroundKind::Undamaged;
                     let go_on = &mut || {
-                        if !is_damaged {
+                        if !is_urgent {
                             self.rest(&mut rested);
                         }
                         !self.stop.load(Ordering::Relaxed)
                     };
-                    let Some(vehicles) = task.compute(go_on) else {
+                    let Some(command) = task.compute(go_on) else {
                         return;
                     };
-                    if is_damaged {
+                    if is_urgent {
                         // It took no part of the others' time.
                         rested = processor_time();
                     }
                     if found.len() == MAX_KNOWN {
                         found.pop_front();
                     }
-                    found.push_back((task.clone(), Arc::clone(&vehicles)));
-                    vehicles
+                    found.push_back((task.clone(), command.clone()));
+                    command
                 }
             };
             // There is room: a column wants nothing more of a queue before it has taken its result.
-            let _ = self.known.push(Box::new((column, task, vehicles)));
-            self.unknown.fetch_sub(1, Ordering::Relaxed);
+            let _ = self.known.push(Box::new((column, task, command)));
+            let is_counted = usize::from(kind != BackgroundKind::Range);
+            self.unknown.fetch_sub(is_counted, Ordering::Relaxed);
             tell();
         }
     }
@@ -173,7 +172,8 @@ impl Background {
             return;
         }
         let end = monotonic_nanos().saturating_add(REST * computed);
-        while self.hit.is_empty() && !self.stop.load(Ordering::SeqCst) {
+        let [ranges, hit, _] = &self.wanted;
+        while ranges.is_empty() && hit.is_empty() && !self.stop.load(Ordering::SeqCst) {
             let left = end.saturating_sub(monotonic_nanos());
             if left == 0 {
                 break;
@@ -199,7 +199,7 @@ mod tests {
     use crate::twin::{Command, ImpactCommand, Twin};
 
     /// A twin with short responses, after an impact if `is_hit`.
-    fn task(is_hit: bool) -> CriticalVelocityTask {
+    fn task(is_hit: bool) -> BackgroundTask {
         let values = [
             ("solver.dt", 1e-4.into()),
             ("response.duration", 0.05.into()),
@@ -228,13 +228,15 @@ mod tests {
                 twin.run_ahead(u64::MAX, now, &mut out);
             }
         }
-        twin.critical_velocity_task().expect("at rest")
+        let task = twin.critical_velocity_task().expect("at rest");
+        BackgroundTask::CriticalVelocities(Box::new(task))
     }
 
     #[test]
     fn columns_that_have_been_hit_come_first_and_equal_ones_are_computed_once() {
         let (virgin, hit) = (task(false), task(true));
-        assert!(hit.is_damaged() && !virgin.is_damaged());
+        assert_eq!(hit.kind(), BackgroundKind::Damaged);
+        assert_eq!(virgin.kind(), BackgroundKind::Undamaged);
         let background = Arc::new(Background::new(4));
         for (column, task) in [(0, &virgin), (1, &virgin), (2, &hit), (3, &virgin)] {
             assert!(background.want(column, task.clone()));
@@ -252,10 +254,14 @@ mod tests {
         assert_eq!(background.unknown(), 0);
         let order: Vec<_> = results.iter().map(|(column, _, _)| *column).collect();
         assert_eq!(order, [2, 0, 1, 3]);
-        for (_, task, vehicles) in &results {
-            assert_eq!(Some(vehicles), task.compute(&mut || true).as_ref());
+        for (_, task, command) in &results {
+            assert_eq!(Some(command), task.compute(&mut || true).as_ref());
         }
-        assert!(Arc::ptr_eq(&results[1].2, &results[3].2));
+        let vehicles = |index: usize| match &results[index].2 {
+            Command::CriticalVelocities { vehicles } => Arc::clone(vehicles),
+            other => panic!("{other:?}"),
+        };
+        assert!(Arc::ptr_eq(&vehicles(1), &vehicles(3)));
         background.stop();
         thread.expect("starts").join().expect("no panic");
     }

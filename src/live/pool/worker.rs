@@ -19,7 +19,8 @@ use super::schedule::{Job, Plan, Schedule};
 use super::watch::Watch;
 use crate::parameters::Parameters;
 use crate::twin::{
-    Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, RefusalCode, Twin,
+    Accepted, BackgroundKind, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, RefusalCode,
+    Twin,
 };
 
 /// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
@@ -36,7 +37,7 @@ pub const MAX_THREADS: usize = 64;
 #[derive(Debug)]
 pub enum Input {
     Request(Request),
-    /// Its critical velocities.
+    /// What was computed for it in the background.
     Known(Box<Known>),
 }
 
@@ -45,9 +46,9 @@ pub struct Slot {
     pub twin: Twin,
     /// Jumps of the clock that it knows.
     jumps: u64,
-    /// Its critical velocities are being computed: as it was before an impact, and as one has left it. Those of a column that was
-    /// hit do not wait for those of before.
-    wants_limits: [bool; 2],
+    /// What is being computed for it in the background, by its kind. The critical velocities of a column that was hit do not wait
+    /// for those of before.
+    is_wanted: [bool; BackgroundKind::COUNT],
     /// It has executed a command since the start.
     is_touched: bool,
     /// With its forecast.
@@ -59,7 +60,7 @@ impl Slot {
         Self {
             twin,
             jumps: 0,
-            wants_limits: [false; 2],
+            is_wanted: [false; BackgroundKind::COUNT],
             is_touched: false,
             patience: Patience::default(),
         }
@@ -347,10 +348,9 @@ impl Shared {
             }
             Input::Request(Request::Snapshot { reply }) => reply.send(slot.twin.snapshot()),
             Input::Known(known) => {
-                let (_, task, vehicles) = *known;
-                slot.wants_limits[usize::from(task.is_damaged())] = false;
+                let (_, task, command) = *known;
+                slot.is_wanted[task.kind() as usize] = false;
                 if slot.twin.awaits(&task) {
-                    let command = Command::CriticalVelocities { vehicles };
                     // The twin takes it in every state.
                     let _ = execute(slot, command, now, sink);
                 }
@@ -375,19 +375,24 @@ impl Shared {
     fn plan_of(&self, column: u32, slot: &mut Slot) -> Plan {
         let now = self.clock.now();
         let twin = &mut slot.twin;
-        if !twin.is_quiet(now) {
+        let is_quiet = twin.is_quiet(now);
+        // The range of a verdict is wanted during the response already.
+        let is_range_due = twin.awaits_range() && !slot.is_wanted[BackgroundKind::Range as usize];
+        if is_quiet || is_range_due {
+            for task in twin.background_tasks() {
+                let is_wanted = &mut slot.is_wanted[task.kind() as usize];
+                if !*is_wanted {
+                    *is_wanted = self.background.want(column, task);
+                }
+            }
+        }
+        if !is_quiet {
             return Plan {
                 is_responding: true,
                 deadline: Some(twin.next_deadline(now)),
                 forecast_left: twin.forecast_steps_left(),
                 has_spare: twin.is_looking_ahead() && !twin.awaits_forecast(),
             };
-        }
-        if let Some(task) = twin.critical_velocity_task() {
-            let is_wanted = &mut slot.wants_limits[usize::from(task.is_damaged())];
-            if !*is_wanted {
-                *is_wanted = self.background.want(column, task);
-            }
         }
         twin.forget_what_is_too_old(now);
         Plan {

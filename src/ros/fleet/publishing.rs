@@ -345,6 +345,7 @@ impl FleetPublishing {
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
+            | Output::Ranged(_)
             | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)

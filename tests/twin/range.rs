@@ -1,0 +1,157 @@
+//! The range of the verdict on an impact: computed behind the forecast, and part of forecast, report and status from then on.
+
+use std::sync::Arc;
+
+use column_twin::assessment::{ActionRange, ImpactEvaluation, VerdictRange, respond_and_rest};
+use column_twin::parameters::Value;
+use column_twin::twin::{
+    Accepted, BackgroundTask, Checkpoint, Command, Output, RangedReport, Twin,
+};
+
+use super::{Bench, MS, event, parameters};
+
+fn hit(bench: &mut Bench, id: &str, velocity: f64) {
+    let mut event = event(id, bench.now);
+    event.impact.velocity = velocity;
+    bench.hit(event);
+}
+
+fn computed(bench: &Bench) -> Arc<VerdictRange> {
+    let task = bench.twin.range_task().expect("awaited");
+    task.compute(&mut || true).expect("not abandoned")
+}
+
+fn ranged(bench: &Bench) -> Vec<&RangedReport> {
+    let all = bench.out.iter().filter_map(|it| match it {
+        Output::Ranged(ranged) => Some(ranged),
+        _ => None,
+    });
+    all.collect()
+}
+
+/// By the library alone, as `column-twin simulate` computes it.
+fn by_simulation(velocity: f64) -> ActionRange {
+    let parameters = parameters(&[("impact.velocity", Value::from(velocity))]);
+    let (properties, impact) = (parameters.column_properties(), parameters.impact());
+    let ended = respond_and_rest(&properties, &impact, parameters.response_duration());
+    let evaluation = ImpactEvaluation::complete(
+        &parameters,
+        &properties,
+        &impact,
+        ended.expect("a response"),
+    );
+    evaluation.expect("a column").range.expect("assessed")
+}
+
+#[test]
+fn it_is_that_of_a_simulation_and_is_awaited_once_the_forecast_is_complete() {
+    let mut bench = Bench::new(&[]);
+    assert!(!bench.twin.awaits_range(), "nothing has happened");
+    hit(&mut bench, "a", 5.0);
+    assert!(!bench.twin.awaits_range(), "there is no forecast yet");
+    bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+    assert!(bench.twin.awaits_range());
+    let first = bench.twin.background_tasks().next().expect("a task");
+    assert!(matches!(first, BackgroundTask::Range(_)), "before all else");
+    let range = computed(&bench);
+    assert_eq!(*range, by_simulation(5.0).ends);
+
+    let given = bench.handle(Command::VerdictRange(Arc::clone(&range)));
+    assert_eq!(given, Ok(Accepted::Applied));
+    assert!(!bench.twin.awaits(&first));
+    let forecast = bench.forecasts()[1].clone();
+    let [again] = ranged(&bench)[..] else {
+        panic!("{:?}", ranged(&bench));
+    };
+    assert!(!again.is_result);
+    assert_eq!(again.report.report, forecast.report);
+    assert_eq!(again.report.error_estimate, forecast.error_estimate);
+    assert_eq!(again.report.range.as_ref(), Some(&range));
+    let status = bench.twin.status(bench.now);
+    assert_eq!(status.range, None, "the column at rest was not hit");
+
+    bench.rest();
+    assert_eq!(bench.reports()[0].range.as_ref(), Some(&range));
+    let status = bench.twin.status(bench.now);
+    assert_eq!(status.range.as_ref(), Some(&range));
+    assert!(!bench.twin.awaits_range());
+}
+
+/// A twin that continues from a checkpoint gives out the same report with the same range.
+#[test]
+fn after_the_response_the_report_is_given_out_once_more() {
+    let mut bench = Bench::new(&[]);
+    hit(&mut bench, "a", 5.0);
+    bench.rest();
+    assert_eq!(bench.reports()[0].range, None);
+    let range = computed(&bench);
+    let checkpoint = bench.twin.checkpoint(bench.now).expect("at rest");
+    let text = serde_json::to_string(&checkpoint).expect("JSON");
+    let read: Checkpoint = serde_json::from_str(&text).expect("a checkpoint");
+    assert_eq!(read, checkpoint);
+    let mut continued = Bench::new(&[]);
+    continued.twin = Twin::from_checkpoint(&read, Box::new(|| 0)).expect("a column");
+    continued.now = bench.now;
+    assert_eq!(computed(&continued), range);
+    let report = bench.reports()[0].clone();
+    for bench in [&mut bench, &mut continued] {
+        let given = bench.handle(Command::VerdictRange(Arc::clone(&range)));
+        assert_eq!(given, Ok(Accepted::Applied));
+        let [again] = ranged(bench)[..] else {
+            panic!("{:?}", ranged(bench));
+        };
+        assert!(again.is_result);
+        assert_eq!(again.report.report, report.report);
+        assert_eq!(again.report.event_id, report.event_id);
+        assert_eq!(again.report.error_estimate, report.error_estimate);
+        assert_eq!(again.report.assessed, report.assessed);
+        assert_eq!(again.report.range.as_ref(), Some(&range));
+        let status = bench.twin.status(bench.now);
+        assert_eq!(status.range.as_ref(), Some(&range));
+        // It is known now, and what comes twice is left aside.
+        let given = bench.handle(Command::VerdictRange(Arc::clone(&range)));
+        assert_eq!(given, Ok(Accepted::Unchanged));
+        assert_eq!(ranged(bench).len(), 1);
+    }
+}
+
+#[test]
+fn another_impact_or_a_reset_withdraws_what_is_not_known_yet() {
+    let reset = |bench: &mut Bench| bench.reset();
+    let second = |bench: &mut Bench| hit(bench, "b", 1.0);
+    let ways: [&dyn Fn(&mut Bench); 2] = [&reset, &second];
+    for during in [true, false] {
+        for way in ways {
+            let mut bench = Bench::new(&[]);
+            hit(&mut bench, "a", 5.0);
+            match during {
+                true => bench.go_on(20 * MS),
+                false => bench.rest(),
+            }
+            let late = computed(&bench);
+            let task = bench.twin.background_tasks().next().expect("a task");
+            way(&mut bench);
+            assert!(!bench.twin.awaits(&task));
+            bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+            assert!(!bench.twin.awaits_range(), "it was damaged or moving");
+            let given = bench.handle(Command::VerdictRange(late));
+            assert_eq!(given, Ok(Accepted::Unchanged));
+            bench.rest();
+            assert!(ranged(&bench).is_empty());
+            assert_eq!(bench.twin.status(bench.now).range, None);
+        }
+    }
+}
+
+#[test]
+fn it_ends_with_a_calibration_or_a_change_of_parameters() {
+    let mut bench = Bench::new(&[]);
+    hit(&mut bench, "a", 5.0);
+    bench.rest();
+    let range = computed(&bench);
+    let _ = bench.handle(Command::VerdictRange(range));
+    assert!(bench.twin.status(bench.now).range.is_some());
+    bench.change(&[("top.load", Value::from(1e5))]);
+    assert_eq!(bench.twin.status(bench.now).range, None);
+    assert!(!bench.twin.awaits_range());
+}
