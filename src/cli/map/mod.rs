@@ -353,26 +353,29 @@ fn assumptions(map: &DamageMap) -> String {
     let mut parts = Vec::new();
     if !axes.contains(&"top.load") {
         let load = 1e-3 * p.top_load;
-        parts.push(format!("load {} kN", column_twin::report::short(load)));
+        parts.push(format!("{} kN", column_twin::report::short(load)));
     }
-    parts.push(format!("base {}, top {}", support(p.base), support(p.top)));
+    parts.push(match p.base == p.top {
+        true => format!("{} at base and top", support(p.base)),
+        false => format!("{} base, {} top", support(p.base), support(p.top)),
+    });
     let strength = 1e-6 * parameters.steel().yield_strength;
     parts.push(format!("f_y {} MPa", column_twin::report::short(strength)));
     parts.push(match p.hardening_ratio {
         0.0 => "no hardening".to_owned(),
-        ratio => format!("hardening {} %", column_twin::report::short(100.0 * ratio)),
+        ratio => format!("{} % hardening", column_twin::report::short(100.0 * ratio)),
     });
     parts.push(match p.rate {
         Some(_) => "strain rate".to_owned(),
         None => "no strain rate".to_owned(),
     });
     parts.push(match p.shear {
-        Some(_) => "the web yields in shear".to_owned(),
-        None => "no shear of the web".to_owned(),
+        Some(_) => "web shear".to_owned(),
+        None => "no web shear".to_owned(),
     });
     parts.push(match p.softening {
-        Some(_) => "local buckling softens".to_owned(),
-        None => "no softening".to_owned(),
+        Some(_) => "local buckling".to_owned(),
+        None => "no local buckling".to_owned(),
     });
     format!("Assumes {}", parts.join(", "))
 }
