@@ -217,3 +217,14 @@ fn the_stateful_set_keeps_the_damage_of_each_shard() {
         assert!(limit < member(probe, "timeoutSeconds").as_integer().unwrap());
     }
 }
+
+/// The memory of a node holds the private keys of its enclave and of its seals.
+#[test]
+fn no_service_leaves_a_core_dump_with_private_keys() {
+    for unit in [
+        "config/column-twin@.service",
+        "config/column-twin-bridge@.service",
+    ] {
+        assert!(read(unit).lines().any(|it| it == "LimitCORE=0"), "{unit}");
+    }
+}

@@ -27,13 +27,17 @@ pub struct InfoArgs {
     json: bool,
 }
 
+/// Maximum width of a column of the table of topics \[characters\].
+const MAX_WIDTH: usize = 80;
+
 const EXAMPLE: &str = "\
 Example: list the impacts of a recording and their outcomes
   column-twin info recordings/column_twin_2026_11_21-07_40_00
 
 Reads recordings of this program and any other MCAP file; impacts are listed if the file contains
 messages of column_twin. The seal is checked, the messages are not: column-twin verify does both.
-Exit codes: 0 the recording is complete, 1 failed, 2 bad input, or the recording is not complete.";
+Exit codes: 0 everything in the file can be read, 1 failed, 2 bad input, or the file is cut off or
+damaged.";
 
 /// Prints the summary of the recording.
 pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
@@ -61,18 +65,13 @@ type EventSummaries = Result<(Vec<EventSummary>, u64), RecordingError>;
 fn print(reader: &Reader, events: &EventSummaries, out: &mut impl Write) -> io::Result<()> {
     print_head(reader, out)?;
     writeln!(out, "\nTopics")?;
-    let width = reader
-        .topics()
-        .iter()
-        .map(|it| it.name.len())
-        .max()
-        .unwrap_or(0);
-    let type_width = reader
-        .topics()
-        .iter()
-        .map(|it| it.type_name.len())
-        .max()
-        .unwrap_or(0);
+    // A longer name moves its own line only. Rust accepts no width above 65 535.
+    let width_of = |text: fn(&RecordedTopic) -> &str| {
+        let widths = reader.topics().iter().map(|it| text(it).chars().count());
+        widths.max().unwrap_or(0).min(MAX_WIDTH)
+    };
+    let width = width_of(|it| &it.name);
+    let type_width = width_of(|it| &it.type_name);
     for topic in reader.topics() {
         let RecordedTopic {
             name,
@@ -136,7 +135,10 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
     line("Messages", reader.message_count().to_string())?;
     line(
         "Complete",
-        if reader.wholeness().is_whole() {
+        if reader.was_cut_off() {
+            "no: its end was cut off before it was repaired, and nobody knows how much that was"
+                .to_owned()
+        } else if reader.wholeness().is_whole() {
             "yes".to_owned()
         } else {
             reader.wholeness().to_string()
@@ -174,8 +176,11 @@ fn losses(reader: &Reader) -> String {
         .map(|reason| format!("; ended: {reason}"))
         .unwrap_or_default();
     match reader.lost_messages() {
+        Some(lost) if reader.was_cut_off() => {
+            format!("at least {lost} messages according to the recorder{ended}")
+        }
         Some(lost) => format!("{lost} messages according to the recorder{ended}"),
-        None => "unknown".to_owned(),
+        None => format!("unknown{ended}"),
     }
 }
 
@@ -247,6 +252,7 @@ fn as_json(reader: &Reader, events: &EventSummaries) -> Json {
         "messages": reader.message_count(),
         "whole": reader.wholeness().is_whole(),
         "not_whole_because": (!reader.wholeness().is_whole()).then(|| reader.wholeness().to_string()),
+        "cut_off_before_repair": reader.was_cut_off(),
         "lost": reader.lost_messages(),
         "ended": reader.ended(),
         "seals": SealFinding::of(reader).json(),

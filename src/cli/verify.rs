@@ -22,7 +22,7 @@ pub struct VerifyArgs {
     /// Public key by which the recording must be sealed, may be repeated: a file in PEM, or 64 hexadecimal digits
     #[arg(long, value_name = "FILE|KEY")]
     trusted_key: Vec<String>,
-    /// Fail if the recording is not sealed, if the seal does not cover every message, or if the file ends in the middle of a record
+    /// Fail if the recording is not sealed up to its end: without a seal, with messages that it does not cover, or cut off
     #[arg(long)]
     require_seal: bool,
 }
@@ -43,7 +43,8 @@ with their last twin_status.
 
 The seal of a recording is checked, too. It proves that nothing was changed since it was recorded,
 and that the index leads other programs to the same messages.
-Only a key that you trust (--trusted-key) proves who recorded it. A recording of version 0.1,
+Only a key that you trust (--trusted-key) proves who recorded it. A recording without a final seal
+was cut off, by a crash or by a person, which is an error only with --require-seal. A recording of version 0.1,
 or one with -p record.seal:=false, is not sealed, which is an error only with --require-seal or
 --trusted-key.
 
@@ -56,8 +57,8 @@ Example: make a key, seal recordings with it, and demand that a recording is sea
   column-twin verify impact --trusted-key seal_key_public.pem
 
 Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording differs,
-more messages are missing than it declares as lost, nothing could be checked, or the seal does not
-hold or is not as demanded, 2 the recording cannot be read or has no journal of this version, or a
+more messages are missing than it declares as lost, nothing or, of a damaged recording, less than half could be checked,
+or the seal does not hold or is not as demanded, 2 the recording cannot be read or has no journal of this version, or a
 key cannot be read.";
 
 /// Verifies the recording and prints the result.
@@ -70,9 +71,12 @@ pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> 
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| bad_input(&error))?;
     let reader = Reader::open(&arguments.bag).map_err(|error| bad_input(&error))?;
-    let mut seal = SealFinding::of(&reader).with_predecessor(&reader);
+    let mut seal = SealFinding::of(&reader).with_neighbours(&reader);
     if arguments.require_seal || !trusted.is_empty() {
         seal = seal.required(trusted);
+    }
+    if arguments.require_seal {
+        seal = seal.to_the_end();
     }
     let bag = arguments.bag.display();
     let seal_fault = seal.fault();
@@ -97,6 +101,12 @@ pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> 
         reasons.push(format!(
             "{bag} differs from the recomputation: {} differences, {} messages missing without a declared loss",
             found.differences, found.undeclared
+        ));
+    } else if found.is_too_little() && !found.is_unchecked() {
+        let (compared, all) = found.extent();
+        reasons.push(format!(
+            "only {compared} of the {all} messages in {bag} could be compared, expected at least {:.0} %; the reasons are above",
+            100.0 * evidence::LEAST_SHARE
         ));
     } else if !found.is_equal() {
         reasons.push(format!(

@@ -13,6 +13,10 @@ use crate::outgoing::{Message, Topic};
 /// Maximum number of reasons kept for what was not checked; all are counted.
 const MAX_REASONS: usize = 20;
 
+/// Least share of the messages of a damaged recording that must be compared for it to count as verified. Below a half, what was not compared
+/// outweighs what was \[A\].
+pub const LEAST_SHARE: f64 = 0.5;
+
 /// Maximum number of columns with findings that the text lists.
 const MAX_COLUMNS: usize = 20;
 
@@ -112,6 +116,10 @@ pub struct Verification {
     pub lines: Option<(u64, u64)>,
     /// How the recording ends, for people.
     pub ending: String,
+    /// Whether records of it are damaged, or were left out by a repair: what is missing then is not held against its counts.
+    pub is_damaged: bool,
+    /// Messages that the recording has according to its own count, and that cannot be read.
+    pub unread: u64,
     /// The column of a fleet that is being verified, to which whatever is noted belongs.
     pub(super) at_column: String,
     pub(super) losses: Losses,
@@ -162,7 +170,7 @@ impl Verification {
     /// declared losses.
     #[must_use]
     pub fn is_equal(&self) -> bool {
-        !self.is_contradicted() && !self.is_unchecked()
+        !self.is_contradicted() && !self.is_unchecked() && !self.is_too_little()
     }
 
     /// Whether the recording differs from the recomputation, or lacks more than it declares as lost.
@@ -175,6 +183,25 @@ impl Verification {
     #[must_use]
     pub fn is_unchecked(&self) -> bool {
         self.compared() == 0 && self.topics.iter().any(|it| it.recorded > 0)
+    }
+
+    /// Whether damage has left so little of the recording that most of its messages could not be compared.
+    #[must_use]
+    pub fn is_too_little(&self) -> bool {
+        let (compared, all) = self.extent();
+        self.is_damaged && (compared as f64) < LEAST_SHARE * all as f64
+    }
+
+    /// How many messages were compared, and how many there were to compare: those in the recording, the missing ones, and those
+    /// that cannot be read.
+    #[must_use]
+    pub fn extent(&self) -> (u64, u64) {
+        let checks = || self.topics.iter().chain(&self.inputs_of);
+        let compared = checks().map(|it| it.compared).sum();
+        let recorded = checks().map(|it| it.recorded).fold(0, u64::saturating_add);
+        // Damage can make messages both missing and unread.
+        let absent = self.noted_missing.max(self.unread);
+        (compared, recorded.saturating_add(absent).max(compared))
     }
 
     /// Missing messages and missing entries of the journal, whether their loss is declared or not.
@@ -329,6 +356,12 @@ impl Verification {
 
 impl fmt::Display for Verification {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (compared, all) = self.extent();
+        let share = 100.0 * compared as f64 / all.max(1) as f64;
+        writeln!(
+            f,
+            "Compared {compared} of {all} messages that can be recomputed ({share:.1} %)"
+        )?;
         if let Some(About {
             program,
             build: recorded,
@@ -442,6 +475,10 @@ impl fmt::Display for Verification {
             None if self.is_unchecked() => {
                 writeln!(f, "Nothing could be checked: no message was compared")
             }
+            None if self.is_too_little() => writeln!(
+                f,
+                "Too little could be checked: {compared} of {all} messages; what was compared is equal"
+            ),
             None => {
                 let all = self.unchecked_reasons == 0 && self.unchecked_messages() == 0;
                 writeln!(

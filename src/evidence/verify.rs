@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::about::About;
 use super::columns::Columns;
 use super::comparison::{Place, seconds};
+use super::definitions::compare_definitions;
 use super::fleet_statuses::FleetStatuses;
 use super::inputs::{self, INPUTS};
 use super::journal_line::{JournalEntry, JournalError, JournalLine};
@@ -130,6 +131,7 @@ fn verify_with(
         .ok_or(VerifyError::NoJournal)?;
     let mut pass = VerifyingPass::new(reader, &journal, only, observe);
     pass.begin(beginning(reader, &journal)?, only)?;
+    compare_definitions(reader, &mut pass.found);
     for message in reader.messages() {
         match message {
             Ok(message) => pass.message(&message)?,
@@ -608,6 +610,8 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             found.missing_entries += 1;
             found.note_missing(1, place.difference("the end of the journal", "absent", end));
         }
+        found.unread = reader.unread_messages();
+        found.is_damaged = is_damaged;
         found.weigh_losses(lost, is_damaged);
         Ok(found)
     }

@@ -1,7 +1,7 @@
 //! What the seal of a recording proves, in words.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rosbag2_mcap::{Predecessor, PublicKey, Reader, RecordingError, Seal};
 use serde_json::{Value as Json, json};
@@ -15,6 +15,10 @@ pub struct SealFinding {
     predecessor: Option<Predecessor>,
     trusted: Vec<PublicKey>,
     is_required: bool,
+    /// Whether each file must end with its final seal.
+    must_be_final: bool,
+    /// The recording in the same folder that continues another one than this.
+    successor: Option<PathBuf>,
     /// Whether a file ends in the middle of a record, of which other readers may read a part.
     ends_in_record: bool,
 }
@@ -43,14 +47,17 @@ impl SealFinding {
             predecessor: None,
             trusted: Vec::new(),
             is_required: false,
+            must_be_final: false,
+            successor: None,
             ends_in_record: reader.wholeness().ends_in_record,
         }
     }
 
-    /// Also looks for the recording before it in the same session, and reads it.
+    /// Also looks for the recording before it in the same session, and reads it, and for one after it that continues another.
     #[must_use]
-    pub fn with_predecessor(mut self, reader: &Reader) -> Self {
+    pub fn with_neighbours(mut self, reader: &Reader) -> Self {
         self.predecessor = Some(reader.predecessor());
+        self.successor = reader.contradicting_successor();
         self
     }
 
@@ -59,6 +66,14 @@ impl SealFinding {
     pub fn required(mut self, trusted: Vec<PublicKey>) -> Self {
         self.is_required = true;
         self.trusted = trusted;
+        self
+    }
+
+    /// Also demands that each file ends with its final seal: one without it was cut off, by a crash or by a forger.
+    #[must_use]
+    pub fn to_the_end(mut self) -> Self {
+        self.is_required = true;
+        self.must_be_final = true;
         self
     }
 
@@ -80,6 +95,7 @@ impl SealFinding {
                     .filter(|it| it.is_fault())
                     .map(predecessor_text)
             })
+            .or_else(|| self.successor.as_deref().map(successor_text))
             .or_else(|| {
                 (self.is_required && self.ends_in_record).then(|| {
                     "it ends in the middle of a record, which no seal covers; repair it first, and verify the repaired recording".to_owned()
@@ -108,10 +124,17 @@ impl SealFinding {
                 key_text(seal)
             ));
         }
-        (self.is_required && seal.uncovered > 0).then(|| {
-            format!(
+        if self.is_required && seal.uncovered > 0 {
+            return Some(format!(
                 "the seal of {} does not cover its last {} messages",
                 file.name, seal.uncovered
+            ));
+        }
+        (self.must_be_final && !seal.is_final).then(|| {
+            format!(
+                "{} has no final seal: a crash or a person has cut off its end, and messages may be missing there; without \
+                 --require-seal, verify accepts that",
+                file.name
             )
         })
     }
@@ -129,7 +152,7 @@ impl SealFinding {
             ),
             (false, false) => format!("sealed by the key {}", key_text(seal)),
         }];
-        lines.push(extent(seal));
+        lines.push(extent(seal, self.is_trusted(seal)));
         if seal.holds() && !seal.is_final {
             lines.push(
                 "it has no final seal: the recording was cut off, and messages may be missing at its end"
@@ -170,6 +193,7 @@ impl SealFinding {
                 .filter(|it| **it != Predecessor::None)
                 .map(predecessor_text),
         );
+        texts.extend(self.successor.as_deref().map(successor_text));
         texts
     }
 
@@ -214,7 +238,7 @@ fn key_text(seal: &Seal) -> String {
 }
 
 /// How far the seal proves what was recorded.
-fn extent(seal: &Seal) -> String {
+fn extent(seal: &Seal, is_trusted: bool) -> String {
     let until = seal
         .covered_until
         .map_or_else(String::new, |it| format!(", up to {},", instant(it)));
@@ -225,8 +249,13 @@ fn extent(seal: &Seal) -> String {
         ),
         (None, 0, 0) => "it holds, and there is no message".to_owned(),
         (None, 0, uncovered) => format!("it covers none of the {uncovered} messages"),
+        // Who does not have the recorder's key can record anything, and seal it.
         (None, covered, 0) => {
-            format!("it holds: all {covered} messages{until} are as they were recorded")
+            let proved = match is_trusted {
+                true => "they were recorded",
+                false => "the owner of that key has sealed them",
+            };
+            format!("it holds: all {covered} messages{until} are as {proved}")
         }
         (None, covered, uncovered) => format!(
             "it holds for the first {covered} messages{until} and does not cover the {uncovered} messages after them"
@@ -252,6 +281,13 @@ fn predecessor_text(predecessor: &Predecessor) -> String {
             name_of(directory)
         ),
     }
+}
+
+fn successor_text(successor: &Path) -> String {
+    format!(
+        "it was changed or put in the place of another recording: {} continues one of this name with another end",
+        name_of(successor)
+    )
 }
 
 fn name_of(directory: &Path) -> String {

@@ -165,7 +165,7 @@ impl ReportDocument {
             span: reader.span(),
             incomplete: (!whole.is_whole()).then(|| whole.to_string()),
             lost: reader.lost_messages(),
-            seal: SealFinding::of(&reader).with_predecessor(&reader),
+            seal: SealFinding::of(&reader).with_neighbours(&reader),
             verification: verification.map_err(|error: VerifyError| error.to_string()),
             events,
             without_section: gathered.without_section + reports - impacts.len(),

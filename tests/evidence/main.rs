@@ -39,4 +39,5 @@ mod signals;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;
 mod tampering;
+mod unsealed;
 mod written;

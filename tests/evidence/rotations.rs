@@ -109,8 +109,8 @@ impl Rotated {
     fn verify(&self, found: &mut Found, what: &dyn Fn() -> String) -> Vec<Verification> {
         let verify = |path: PathBuf| {
             let reader = Reader::open(&path).expect("readable");
-            let seal = SealFinding::of(&reader).with_predecessor(&reader);
-            let seal = seal.required(vec![self.key.public_key()]);
+            let seal = SealFinding::of(&reader).with_neighbours(&reader);
+            let seal = seal.required(vec![self.key.public_key()]).to_the_end();
             assert_eq!(seal.fault(), None, "{}", what());
             let verified = verify_reader(&reader).expect("can be verified");
             assert!(

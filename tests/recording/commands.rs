@@ -321,3 +321,91 @@ fn the_commands_end_well_on_mutated_files() {
         }
     }
 }
+
+/// Rust accepts no width above 65 535, and `info` panicked.
+#[test]
+fn info_shows_a_topic_with_a_name_of_70_000_characters() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.mcap");
+    let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let name = format!("/{}", "x".repeat(70_000));
+    writer
+        .add_channel(0, &name, "cdr", &Default::default())
+        .unwrap();
+    writer.finish().unwrap();
+    fs::write(&path, writer.into_inner().into_inner()).unwrap();
+    let output = run(&["info"], &path);
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    assert!(out(&output).contains(&name));
+}
+
+/// A spreadsheet would take the text for a formula, and a terminal would obey it.
+#[test]
+fn export_writes_texts_that_no_spreadsheet_takes_for_a_formula() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("text.mcap");
+    let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let schema = writer
+        .add_schema(
+            "test_msgs/msg/Pair",
+            "ros2msg",
+            b"string text\nint32 number\nstring[] list\n",
+        )
+        .unwrap();
+    let channel = writer
+        .add_channel(schema, "/text", "cdr", &Default::default())
+        .unwrap();
+    let texts = [
+        "=1+1",
+        "+1",
+        "-1",
+        "@SUM(1)",
+        "\tx",
+        "\rx",
+        "\u{1b}[2J",
+        "plain",
+        "a=b",
+        "a\nb",
+    ];
+    for (number, text) in (0..).zip(texts) {
+        let length = u32::try_from(text.len() + 1).unwrap();
+        let mut data = vec![0, 1, 0, 0];
+        data.extend(length.to_le_bytes());
+        data.extend(text.bytes());
+        data.push(0);
+        while data.len() % 4 != 0 {
+            data.push(0);
+        }
+        data.extend((-7_i32).to_le_bytes());
+        data.extend(0_u32.to_le_bytes());
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence: number,
+            log_time: number.into(),
+            publish_time: number.into(),
+        };
+        writer.write_to_known_channel(&header, &data).unwrap();
+    }
+    writer.finish().unwrap();
+    fs::write(&path, writer.into_inner().into_inner()).unwrap();
+    let output = run(&["export", "--csv"], &path);
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    let mut table = csv::Reader::from_path(folder.path().join("text_csv/text.csv")).unwrap();
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    let found: Vec<_> = rows.iter().map(|row| row[2].to_owned()).collect();
+    let expected = [
+        "'=1+1",
+        "'+1",
+        "'-1",
+        "'@SUM(1)",
+        "'\\tx",
+        "'\\rx",
+        "\\u{1b}[2J",
+        "plain",
+        "a=b",
+        "a\nb",
+    ];
+    assert_eq!(found, expected);
+    // A number stays one.
+    assert!(rows.iter().all(|row| &row[3] == "-7"));
+}

@@ -10,6 +10,7 @@ mod error;
 mod files;
 mod index_check;
 mod names;
+mod notes;
 mod predecessor;
 mod reader;
 mod recorder;

@@ -78,11 +78,41 @@ pub(crate) fn find(file: &Path, seal: &Seal) -> Predecessor {
             changed.get_or_insert(directory);
         }
     }
-    match (changed, earlier) {
+    // A recording of another run has another session, even with the same key, and stands in the place of the one before.
+    let in_its_place = named(folder, &name).filter(|it| beginning_of(it).is_some());
+    match (changed.or(in_its_place), earlier) {
         (Some(directory), _) => Predecessor::Changed(directory),
         (None, Some(earlier)) => Predecessor::Missing { name, earlier },
         (None, None) => Predecessor::Gone { name },
     }
+}
+
+/// Looks in the folder that contains the directory of `file` for a recording by the same key that continues a recording with the
+/// name of this directory, but not the one with this seal: that was replaced.
+pub(crate) fn contradicting_successor(file: &Path, seal: &Seal) -> Option<PathBuf> {
+    let whole = fs::canonicalize(file).ok()?;
+    let own = whole.parent()?;
+    let name = own.file_name()?.to_str()?;
+    let follows_other = |next: &Beginning| {
+        let previous = next.previous.as_ref().filter(|it| it.name == name);
+        previous.is_some_and(|previous| {
+            Some(next.public_key) == seal.public_key
+                && (previous.head != seal.head
+                    || crate::chain::to_hex(&next.session) != seal.session)
+        })
+    };
+    let entries = fs::read_dir(own.parent()?).ok()?.flatten();
+    let directories = entries.take(MAX_ENTRIES).map(|it| it.path());
+    directories
+        .filter(|it| it != own && beginning_of(it).is_some_and(|next| follows_other(&next)))
+        // Only its owner can have sealed it with the key.
+        .find(|it| ends_with(it, |_| true))
+}
+
+/// The directory with this name in a folder, if the name is one.
+fn named(folder: &Path, name: &str) -> Option<PathBuf> {
+    let is_plain = Path::new(name).file_name().is_some_and(|it| it == name);
+    is_plain.then(|| folder.join(name)).filter(|it| it.is_dir())
 }
 
 /// Whether the recording in this directory holds, and its last seal is as expected.

@@ -13,6 +13,7 @@ use crate::compression::ChunkCompression;
 use crate::described::QOS_KEY;
 use crate::error::RecordingError;
 use crate::files::files_of;
+use crate::notes::{Notes, REPAIR, REPEATED_CHECKPOINT, START, UNREAD};
 use crate::predecessor::{self, Predecessor};
 use crate::records::{FileEnd, RecordReader};
 use crate::reordering::{Blocks, MAX_OUT_OF_ORDER, Reordering};
@@ -20,7 +21,6 @@ use crate::seal::SEAL;
 use crate::seal_check::{Seal, SealCheck};
 use crate::topic::OfferedQos;
 use crate::wholeness::Wholeness;
-use crate::writer::{LOSSES, REPAIR, REPEATED_CHECKPOINT, START};
 
 /// Maximum number of topics of a recording; MCAP numbers them with 16 bits.
 const MAX_TOPICS: usize = 65_536;
@@ -72,9 +72,11 @@ struct Contents {
     profile: String,
     library: String,
     topics: Vec<RecordedTopic>,
-    metadata: Vec<(String, BTreeMap<String, String>)>,
+    notes: Notes,
     text: usize,
     messages: u64,
+    /// Messages that the files have according to their statistics, and that were not read.
+    unread: u64,
     span: Option<(u64, u64)>,
     /// Log time of the last message.
     last: u64,
@@ -113,7 +115,9 @@ impl Reader {
             let mut pass = Pass::open(file)?;
             pass.records.check_index();
             let mut check = SealCheck::new();
-            let noted_before = contents.metadata.len();
+            let noted_before = contents.notes.records.len();
+            let mut noted_and_sealed = noted_before;
+            let read_before = contents.messages;
             contents.bytes += pass.records.length();
             loop {
                 match pass.next(&mut contents) {
@@ -123,10 +127,12 @@ impl Reader {
                         contents.count(topic.index, header.log_time);
                     }
                     Ok(Some(Item::Metadata(record))) => {
-                        check.metadata(&record);
+                        if check.metadata(&record) {
+                            noted_and_sealed = contents.notes.records.len();
+                        }
                         // Of the seals there may be many; the check has all that is needed of them.
                         if record.name != SEAL {
-                            contents.metadata.push((record.name, record.metadata));
+                            contents.notes.records.push((record.name, record.metadata));
                         }
                     }
                     Ok(Some(Item::SealAttachment(attachment))) => {
@@ -143,12 +149,20 @@ impl Reader {
                     pass.records.drop_index_check();
                 }
             }
-            let is_repaired = contents.metadata[noted_before..]
+            let is_repaired = contents.notes.records[noted_before..]
                 .iter()
                 .any(|(name, _)| name.ends_with(REPAIR));
             let end = pass.records.end();
             let is_ended = end == Some(FileEnd::Whole) && !is_repaired;
-            seals.push(check.finish(is_ended, pass.records.index_fault()?));
+            let seal = check.finish(is_ended, pass.records.index_fault()?);
+            if seal.is_some() {
+                let noted = contents.notes.records.len();
+                contents.notes.unsealed.push(noted_and_sealed..noted);
+            }
+            seals.push(seal);
+            let read = contents.messages - read_before;
+            let stated = pass.records.stated_messages().unwrap_or(read);
+            contents.unread = contents.unread.saturating_add(stated.saturating_sub(read));
             contents.wholeness.note_end(file, end);
             contents.compression = pass.records.compression().or(contents.compression);
         }
@@ -191,6 +205,14 @@ impl Reader {
         self.contents.messages
     }
 
+    /// Number of messages that could not be read here, or when the recording was repaired, as far as the files tell.
+    #[must_use]
+    pub fn unread_messages(&self) -> u64 {
+        let repaired = self.repair_notes();
+        let left_out = repaired.and_then(|notes| notes.get(UNREAD)?.parse().ok());
+        self.contents.unread.saturating_add(left_out.unwrap_or(0))
+    }
+
     /// First and last time \[ns\]; `None` without messages.
     #[must_use]
     pub fn span(&self) -> Option<(i64, i64)> {
@@ -213,10 +235,14 @@ impl Reader {
             .is_some_and(|notes| notes.contains_key(REPEATED_CHECKPOINT))
     }
 
-    /// Number of damaged records that are left out here, or were left out when the recording was repaired.
+    /// Number of damaged records that are left out here, or were left out when the recording was repaired. What a final seal
+    /// covers was not damaged, whatever a note behind it says.
     #[must_use]
     pub fn damaged_records(&self) -> u64 {
-        let repaired = self.repair_notes();
+        let is_proved = |it: &Option<Seal>| it.as_ref().is_some_and(|it| it.holds() && it.is_final);
+        let repaired = self
+            .repair_notes()
+            .filter(|_| !self.seals.iter().all(is_proved));
         let left_out = repaired.and_then(|notes| notes.get("damaged_records")?.parse().ok());
         self.wholeness()
             .damaged
@@ -244,7 +270,7 @@ impl Reader {
     /// All metadata records, in their order.
     #[must_use]
     pub fn metadata(&self) -> &[(String, BTreeMap<String, String>)] {
-        &self.contents.metadata
+        &self.contents.notes.records
     }
 
     /// Whether everything can be read.
@@ -269,48 +295,55 @@ impl Reader {
         }
     }
 
+    /// A recording in the same folder that continues one with the name of this one, but not this one, which was changed or put
+    /// in its place; `None` without a seal that holds.
+    #[must_use]
+    pub fn contradicting_successor(&self) -> Option<PathBuf> {
+        match (self.files.first(), self.seals.first()) {
+            (Some(file), Some(Some(seal))) if seal.holds() => {
+                predecessor::contradicting_successor(file, seal)
+            }
+            _ => None,
+        }
+    }
+
     /// Name of the program that wrote the recording with this crate; `None` for a recording of another writer.
     #[must_use]
     pub fn application(&self) -> Option<&str> {
-        let names = self.contents.metadata.iter().map(|(name, _)| name);
+        let names = self.contents.notes.records.iter().map(|(name, _)| name);
         names.filter_map(|name| name.strip_suffix(START)).next()
     }
 
     /// The notes that the program wrote at the beginning; `None` for a recording of another writer.
     #[must_use]
     pub fn start_notes(&self) -> Option<&BTreeMap<String, String>> {
-        self.notes(START).next()
+        self.contents.notes.of_kind(START).next()
     }
 
     /// From what the recording was repaired, and why; `None` for one that was not repaired.
     #[must_use]
     pub fn repair_notes(&self) -> Option<&BTreeMap<String, String>> {
-        self.notes(REPAIR).next()
+        self.contents.notes.of_kind(REPAIR).next()
     }
 
     /// The last count of messages that the recorder could not record; `None` if there is none: in a recording of
-    /// another writer, or in one that was cut off before anything was lost.
+    /// another writer, or in one that was cut off before anything was lost. In a sealed file, only what the seal covers counts.
     #[must_use]
     pub fn lost_messages(&self) -> Option<u64> {
-        let counts = self.notes(LOSSES);
-        counts
-            .filter_map(|entries| entries.get("lost_messages")?.parse().ok())
-            .next_back()
+        self.contents.notes.lost_messages()
     }
 
-    /// Why the recorder ended the recording: `stopped`, `rotated`, `no_room` or `repaired`; `None` if it did not end it.
+    /// Why the recorder ended the recording: `stopped`, `rotated`, `no_room` or `repaired`; `None` if it did not end it. Behind
+    /// its last seal, a file can only say that it was repaired.
     #[must_use]
     pub fn ended(&self) -> Option<&str> {
-        let last = self.notes(LOSSES).next_back()?;
-        last.get("ended").map(String::as_str)
+        self.contents.notes.ended()
     }
 
-    /// The metadata records of this kind.
-    fn notes(&self, kind: &str) -> impl DoubleEndedIterator<Item = &BTreeMap<String, String>> {
-        let records = self.contents.metadata.iter();
-        records
-            .filter(move |(name, _)| name.ends_with(kind))
-            .map(|(_, entries)| entries)
+    /// Whether what followed the last message was cut off before the recording was repaired: nobody knows how much that was.
+    #[must_use]
+    pub fn was_cut_off(&self) -> bool {
+        self.contents.notes.was_cut_off()
     }
 
     /// All messages in the order of their log times; messages with equal times in the order in which they were written.

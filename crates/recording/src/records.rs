@@ -58,6 +58,8 @@ pub(crate) struct RecordReader {
     compression: Option<ChunkCompression>,
     /// The end of the data was reached; a summary follows.
     past_data: bool,
+    /// Number of messages according to the statistics at the end of the file.
+    stated_messages: Option<u64>,
     end: Option<FileEnd>,
     /// Compares the index with what it is about.
     index: Option<IndexCheck>,
@@ -81,7 +83,7 @@ impl Found {
     fn new(opcode: u8, data: &[u8]) -> Self {
         match opcode {
             op::CHUNK => Self::Chunk(data.to_vec()),
-            op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA => {
+            op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA | op::STATISTICS => {
                 match mcap::parse_record(opcode, data) {
                     Ok(record) => Self::Record(record.into_owned()),
                     Err(error) => Self::Malformed {
@@ -164,6 +166,7 @@ impl RecordReader {
             position,
             compression: None,
             past_data: false,
+            stated_messages: None,
             end: None,
             index: None,
         })
@@ -177,6 +180,11 @@ impl RecordReader {
     /// Compression of the last chunk.
     pub fn compression(&self) -> Option<ChunkCompression> {
         self.compression
+    }
+
+    /// Number of messages that the file has according to its statistics, once its end is reached.
+    pub fn stated_messages(&self) -> Option<u64> {
+        self.stated_messages
     }
 
     /// How the file ends, once its end is reached.
@@ -281,6 +289,9 @@ impl RecordReader {
                 None => self.next_in_file()?,
             };
             match found {
+                Ok(Some(Found::Record(Record::Statistics(it)))) => {
+                    self.stated_messages = Some(it.message_count);
+                }
                 Ok(Some(Found::Record(record))) if !self.past_data => return Ok(Some(record)),
                 Ok(Some(Found::Malformed {
                     opcode,

@@ -9,12 +9,13 @@ use mcap::records::Metadata;
 
 use crate::described::Described;
 use crate::error::RecordingError;
+use crate::notes::{REPAIR, UNREAD, record, record_name};
 use crate::reader::{Item, Reader};
 use crate::retention::mcap_files;
 use crate::seal::{BEGIN, SEAL};
 use crate::seal_check::Seal;
 use crate::storage::is_being_written;
-use crate::writer::{APPLICATION, EndReason, REPAIR, Writer, WriterOptions, record, record_name};
+use crate::writer::{APPLICATION, EndReason, Writer, WriterOptions};
 
 /// End of the name of a repaired recording.
 const SUFFIX: &str = "_repaired";
@@ -214,7 +215,10 @@ fn write_copy(
     })?;
     // Behind everything that a seal covers.
     writer.copy_metadata(&repair_record(reader, fault))?;
-    writer.add_lost(reader.lost_messages().unwrap_or(0));
+    match reader.lost_messages() {
+        Some(lost) => writer.add_lost(lost),
+        None => writer.forget_losses(),
+    }
     let finished = writer
         .finish_because(EndReason::Repaired)
         .map_err(|(error, _)| error)?;
@@ -260,6 +264,7 @@ fn repair_record(reader: &Reader, fault: &str) -> Metadata {
             ("source", source),
             ("fault", fault.to_owned()),
             ("damaged_records", damaged),
+            (UNREAD, reader.unread_messages().to_string()),
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ],
     )

@@ -78,6 +78,8 @@ struct Following {
     log_time: Option<u64>,
     places: Vec<Place>,
     has_ended: bool,
+    /// A metadata record follows the final seal.
+    note_after_end: bool,
     fault: Option<String>,
 }
 
@@ -89,8 +91,10 @@ impl SealCheck {
         }
     }
 
-    pub fn metadata(&mut self, record: &Metadata) {
+    /// Returns whether the record is a seal that covers everything before it.
+    pub fn metadata(&mut self, record: &Metadata) -> bool {
         match &mut self.state {
+            State::Sealed(following) => return following.metadata(record),
             State::New if record.name == BEGIN => {
                 self.state = State::Sealed(Box::new(Following::new(record)));
             }
@@ -102,8 +106,8 @@ impl SealCheck {
             }
             State::New => self.state = State::Unsealed { fault: None },
             State::Unsealed { .. } => {}
-            State::Sealed(following) => following.metadata(record),
         }
+        false
     }
 
     pub fn message(&mut self, topic: &Hash, header: &MessageHeader, data: &[u8]) {
@@ -166,21 +170,24 @@ impl Following {
             log_time: None,
             places: Vec::new(),
             has_ended: false,
+            note_after_end: false,
         }
     }
 
-    fn metadata(&mut self, record: &Metadata) {
+    fn metadata(&mut self, record: &Metadata) -> bool {
         if record.name == SEAL {
             match SealRecord::parse(&record.metadata) {
-                Ok(seal) => self.seal(seal),
+                Ok(seal) => return self.seal(seal),
                 Err(reason) => self.note(format!(
                     "the seal after message {} cannot be read: {reason}",
                     self.chain.messages()
                 )),
             }
         } else {
+            self.note_after_end |= self.has_ended;
             self.chain.add_metadata(record);
         }
+        false
     }
 
     fn message(&mut self, topic: &Hash, header: &MessageHeader, data: &[u8]) {
@@ -191,7 +198,8 @@ impl Following {
         self.log_time = Some(self.log_time.unwrap_or(0).max(header.log_time));
     }
 
-    fn seal(&mut self, seal: SealRecord) {
+    /// Returns whether the seal fits to everything before it.
+    fn seal(&mut self, seal: SealRecord) -> bool {
         if self.has_ended {
             self.note("a seal follows the one with which the recording ended".to_owned());
         } else if (seal.head, seal.messages) != (self.chain.head(), self.chain.messages()) {
@@ -213,7 +221,9 @@ impl Following {
                 seal,
                 log_time: self.log_time,
             });
+            return true;
         }
+        false
     }
 
     fn attachment(&mut self, content: &[u8]) {
@@ -249,6 +259,9 @@ impl Following {
         }
         if is_whole && !self.has_ended {
             self.note("its last seal is missing, although the recording was ended".to_owned());
+        }
+        if is_whole && self.note_after_end {
+            self.note("a note follows the seal with which the recording ended".to_owned());
         }
         if let Some(reason) = index_fault {
             self.note(format!(

@@ -13,15 +13,14 @@ use crate::chain::Hash;
 use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
 use crate::names::directory_name;
+use crate::notes::REPEATED_CHECKPOINT;
 use crate::report::RecorderReport;
 use crate::retention::{Limits, enforce_limits};
 use crate::seal::{Beginning, PreviousRecording};
 use crate::seal_key::SealKey;
 use crate::syncing::Syncing;
 use crate::topic::TopicInfo;
-use crate::writer::{
-    APPLICATION, EndReason, Entry, REPEATED_CHECKPOINT, Unsaved, Writer, WriterOptions,
-};
+use crate::writer::{APPLICATION, EndReason, Entry, Unsaved, Writer, WriterOptions};
 
 /// How long messages stay in memory. Together with the recorder's nap and the time of a write it is shorter than
 /// [`FLUSH_WITHIN`](crate::FLUSH_WITHIN).

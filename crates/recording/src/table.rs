@@ -104,10 +104,27 @@ fn cell(value: &Decoded) -> String {
         Decoded::Float64(value) if value.is_finite() => format!("{value:?}"),
         Decoded::Float32(value) => not_finite(f64::from(*value)).to_owned(),
         Decoded::Float64(value) => not_finite(*value).to_owned(),
-        Decoded::Text(text) => text.clone(),
+        Decoded::Text(text) => plain_text(text),
         // Serializing plain values does not fail.
         list => serde_json::to_string(list).unwrap_or_default(),
     }
+}
+
+/// A text that a spreadsheet shows as it is: one that it would take for a formula begins with an apostrophe, and control
+/// characters, which a terminal would obey, are escaped, except line feeds.
+fn plain_text(text: &str) -> String {
+    const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+    let mut plain = String::with_capacity(text.len() + 1);
+    if text.starts_with(FORMULA) {
+        plain.push('\'');
+    }
+    for c in text.chars() {
+        match c.is_control() && c != '\n' {
+            true => plain.extend(c.escape_default()),
+            false => plain.push(c),
+        }
+    }
+    plain
 }
 
 #[cfg(test)]

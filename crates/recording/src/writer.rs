@@ -15,6 +15,7 @@ use crate::chain::Hash;
 use crate::compression::ChunkCompression;
 use crate::described::{Described, QOS_KEY, TYPE_HASH_KEY, check_topics};
 use crate::error::RecordingError;
+use crate::notes::{LOSSES, REPAIRED, START, record, record_name};
 use crate::seal::{Beginning, SEAL_AT_END, SEAL_LENGTH, Sealer};
 use crate::seal_key::SealKey;
 use crate::storage::{Storage, Unsynced, sync_directory};
@@ -25,24 +26,6 @@ pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
 
 /// Name of the recording program if none is given.
 pub(crate) const APPLICATION: &str = "recording";
-
-/// Note of a recording that could not wait for a checkpoint and begins with a copy of the last one.
-pub(crate) const REPEATED_CHECKPOINT: &str = "repeated_checkpoint";
-
-/// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
-pub(crate) const START: &str = "_start";
-
-/// End of the name of the metadata records that count lost messages, the last of which is valid: `lost_messages`, and
-/// at the end of a recording `ended`, the reason.
-pub(crate) const LOSSES: &str = "_losses";
-
-/// End of the name of the metadata record that says from what a recording was repaired, and why.
-pub(crate) const REPAIR: &str = "_repair";
-
-/// Name of a metadata record.
-pub(crate) fn record_name(application: &str, kind: &str) -> String {
-    format!("{application}{kind}")
-}
 
 /// Size at which a chunk ends, before compression \[bytes\].
 const CHUNK_SIZE: u64 = 1 << 20;
@@ -150,7 +133,7 @@ impl EndReason {
             Self::Stopped => "stopped",
             Self::Rotated => "rotated",
             Self::NoRoom => "no_room",
-            Self::Repaired => "repaired",
+            Self::Repaired => REPAIRED,
         }
     }
 }
@@ -168,6 +151,8 @@ pub struct Writer {
     span: Option<(u64, u64)>,
     messages: u64,
     lost: u64,
+    /// Whether more may have been lost than is known: the original of a repair was cut off before it told.
+    is_loss_unknown: bool,
     /// Maximum size of the open chunk and its index \[bytes\].
     open_chunk: u64,
     /// The messages of the open chunk.
@@ -288,6 +273,7 @@ impl Writer {
             span: None,
             messages: 0,
             lost: 0,
+            is_loss_unknown: false,
             open_chunk: 0,
             unsaved: Unsaved::default(),
             chunks: 1,
@@ -427,6 +413,11 @@ impl Writer {
         self.lost += messages;
     }
 
+    /// Leaves out the number of lost messages at the end.
+    pub(crate) fn forget_losses(&mut self) {
+        self.is_loss_unknown = true;
+    }
+
     /// Writes the count of lost messages before the end of the recording.
     ///
     /// # Errors
@@ -441,6 +432,9 @@ impl Writer {
     fn losses_record(&self, ended: Option<EndReason>) -> Metadata {
         let name = record_name(&self.application, LOSSES);
         let mut losses = record(name, [("lost_messages", self.lost.to_string())]);
+        if self.is_loss_unknown {
+            losses.metadata.clear();
+        }
         let ended = ended.map(|reason| ("ended".to_owned(), reason.word().to_owned()));
         losses.metadata.extend(ended);
         losses
@@ -675,13 +669,6 @@ fn make_directory(directory: &Path) -> Result<(), RecordingError> {
         Some(_) => Err(RecordingError::Exists {
             path: directory.to_path_buf(),
         }),
-    }
-}
-
-pub(crate) fn record<const N: usize>(name: String, entries: [(&str, String); N]) -> Metadata {
-    Metadata {
-        name,
-        metadata: entries.map(|(key, value)| (key.to_owned(), value)).into(),
     }
 }
 

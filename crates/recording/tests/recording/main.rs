@@ -20,3 +20,4 @@ mod seal_keys;
 mod sealed_repairs;
 mod sealed_sessions;
 mod small_disk;
+mod unsealed_notes;

@@ -14,9 +14,13 @@ use super::seal::{opened, seal_of};
 
 /// Three recordings of one session.
 fn session(folder: &Path) -> Vec<PathBuf> {
+    session_by(folder, SealKey::fresh().unwrap())
+}
+
+fn session_by(folder: &Path, key: SealKey) -> Vec<PathBuf> {
     let mut options = RecorderOptions::new(folder, SystemTime::UNIX_EPOCH);
     options.max_file_size = 100_000;
-    options.seal = Some(SealKey::fresh().unwrap());
+    options.seal = Some(key);
     let recorder = Recorder::start(options, text_topics()).unwrap();
     let text = "x".repeat(10_000);
     for index in 0..30 {
@@ -102,4 +106,27 @@ fn a_recording_that_was_changed_or_replaced_in_a_session_is_noticed() {
     fs::rename(&found[1], &renamed).unwrap();
     let expected = Predecessor::Found(fs::canonicalize(&renamed).unwrap());
     assert_eq!(last.predecessor(), expected);
+}
+
+/// Its session differs, so that it counted as deleted to keep within the limits.
+#[test]
+fn the_oldest_recording_replaced_by_that_of_another_run_with_the_same_key_is_noticed() {
+    let key = SealKey::fresh().unwrap();
+    let [folder, other] = [(); 2].map(|()| TempDir::new().unwrap());
+    let found = session_by(folder.path(), key.clone());
+    let others = session_by(other.path(), key);
+    let next = Reader::open(&found[1]).unwrap();
+    let replaced = || Reader::open(&found[0]).unwrap();
+    assert_eq!(replaced().contradicting_successor(), None);
+
+    fs::remove_dir_all(&found[0]).unwrap();
+    fs::rename(&others[0], &found[0]).unwrap();
+    let changed = Predecessor::Changed(fs::canonicalize(&found[0]).unwrap());
+    assert_eq!(next.predecessor(), changed);
+    // The one in its place says so, too.
+    assert!(seal_of(&replaced()).unwrap().holds());
+    assert_eq!(
+        replaced().contradicting_successor(),
+        Some(fs::canonicalize(&found[1]).unwrap())
+    );
 }
