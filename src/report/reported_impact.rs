@@ -125,6 +125,18 @@ impl ReportedImpact {
         }
     }
 
+    /// Height of the column \[m\].
+    pub(super) fn height(&self) -> f64 {
+        self.model.properties.length_below + self.model.properties.length_above
+    }
+
+    /// The kink that remains at the impact point \[rad\]: the plastic rotation of hinges 1a and 1b, of which only the sum is
+    /// determined.
+    pub(super) fn kink(&self) -> f64 {
+        let [below, above, ..] = &self.report.hinges;
+        (below.plastic_rotation + above.plastic_rotation).abs()
+    }
+
     /// The web that has sheared beyond its ultimate angle, if one has.
     pub(super) fn fractured_web(&self) -> Option<usize> {
         let ultimate = self.model.properties.shear?.ultimate_angle;
