@@ -62,7 +62,7 @@ const NAMES: &[CheckName] = &[
     ),
     named(
         "residual_bow_100",
-        "Residual bow: resistance not reliable",
+        "Residual bow over the height: resistance not reliable",
         "the column stays bent so far that its buckling resistance must not be relied on",
     ),
     named(
@@ -77,7 +77,7 @@ const NAMES: &[CheckName] = &[
     ),
     named(
         "residual_bow_250",
-        "Residual bow: buckling curves do not hold",
+        "Residual bow of the bent part: buckling curves do not hold",
         "the column stays bent further than the buckling curves allow for",
     ),
     named(
@@ -87,7 +87,7 @@ const NAMES: &[CheckName] = &[
     ),
     named(
         "residual_bow_750",
-        "Residual bow: tolerance of erection",
+        "Residual bow of the bent part: tolerance of erection",
         "the column is no longer as straight as it has to be erected",
     ),
     named(
@@ -201,6 +201,13 @@ const NAMES: &[CheckName] = &[
         "the design force of cars in a courtyard exceeds the plastic resistance of the column",
     ),
 ];
+
+impl CheckName {
+    /// What is compared with the limit, without what it means to exceed it.
+    pub fn quantity(&self) -> &'static str {
+        self.name.split(": ").next().unwrap_or(self.name)
+    }
+}
 
 /// The wording of the criterion of this name.
 pub(super) fn check_name(criterion: &'static str) -> CheckName {

@@ -94,7 +94,7 @@ fn table(assessed: &Assessed, rows: &[&Criterion]) -> Markup {
                     @let exceeded = criterion.exceeded == Some(true);
                     tr.exceeded[exceeded].deciding[criterion.name == deciding && !is_none] {
                         th scope="row" { (check_name(criterion.name).name) }
-                        td { (criterion.edition) " [" (criterion.tag) "]" }
+                        td { (clause(criterion)) " [" (criterion.tag) "]" }
                         td.number { (value_in_words(criterion).unwrap_or_else(|| "-".to_owned())) }
                         td.number { (limit_in_words(criterion).unwrap_or_else(|| "-".to_owned())) }
                         td.number { (utilisation_in_words(criterion)) }
@@ -113,6 +113,14 @@ fn table(assessed: &Assessed, rows: &[&Criterion]) -> Markup {
         @if !reasons.is_empty() {
             ol.reasons { @for reason in &reasons { li { (reason) } } }
         }
+    }
+}
+
+/// Document, edition and clause of the limit.
+fn clause(criterion: &Criterion) -> &'static str {
+    match criterion.edition {
+        "column_twin" => "this program",
+        edition => edition,
     }
 }
 
@@ -155,6 +163,7 @@ pub(super) fn limit_in_words(criterion: &Criterion) -> Option<String> {
     Some(match (criterion.name, limit) {
         ("collapse", _) => "kept".to_owned(),
         (_, 0.0) => "none".to_owned(),
+        _ if criterion.unit == "rad" => format!("{} rad", significant(limit, 2)),
         _ => quantity(limit, criterion.unit),
     })
 }

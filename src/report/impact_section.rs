@@ -111,7 +111,6 @@ pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>
     let section = parameters.section();
     let steel = parameters.steel();
     let properties = &impact.model.properties;
-    let given = |name: Option<&str>| name.unwrap_or("given by numbers").to_owned();
     let force = |si: f64| Unit::force(si).show(si);
     html! {
         h2 { "What hit what" }
@@ -121,8 +120,8 @@ pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>
                     tr { th scope="row" { "Event" } td { (shortened(event_id, MAX_NAME)) } }
                     (fact("Time of the event", when_in_words(*stamp)))
                 }
-                (fact("Section, steel", format!("{}, {} (f_y = {} MPa)", given(section.name), given(steel.grade),
-                    significant(steel.yield_strength * 1e-6, 4))))
+                (fact("Section, steel", format!("{}, {}f_y = {} MPa", section.name.unwrap_or("given by numbers"),
+                    steel.grade.map_or(String::new(), |grade| format!("{grade}, ")), significant(steel.yield_strength * 1e-6, 4))))
                 (fact("Height, supports", format!("{} m; base {}, top {}",
                     significant(impact.height(), 4), support(&properties.base), support(&properties.top))))
                 (fact("Axial load", match assessed {

@@ -27,7 +27,7 @@ struct Place {
 }
 
 /// A lowering of the top beside that by the load on the straight column that has to be looked for \[m\].
-const LOWERING: f64 = 5e-4;
+const LOWERING: f64 = 1e-3;
 
 /// The list, the most urgent place first.
 pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {

@@ -4,6 +4,9 @@
 //! It needs no script, no other file and no network, and prints on A4. Every text that comes from outside is escaped. The
 //! same input gives the same bytes: the file contains no date of its own.
 //!
+//! An impact has four pages and an annex. All parameters are in a JSON file beside the report. There is no PDF of its own:
+//! a library would need each table laid out a second time, and Chromium prints the file.
+//!
 //! The first line of every impact is its verdict. It never claims more than the model knows: what a section needs and the
 //! input does not contain is named as missing.
 

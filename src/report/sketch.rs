@@ -13,16 +13,16 @@ use crate::column::{BasePlate, Support, VehicleSample};
 use crate::shape::{Outline, VehicleBody, drawn_section};
 
 /// Size of the drawing.
-const SIZE: (f64, f64) = (720.0, 300.0);
+const SIZE: (f64, f64) = (720.0, 350.0);
 /// The ground of the elevation and how high the column may be drawn.
-const GROUND: f64 = 252.0;
-const HIGHEST: f64 = 200.0;
+const GROUND: f64 = 302.0;
+const HIGHEST: f64 = 246.0;
 /// Axis of the column in the elevation, and its left edge.
 const AXIS: f64 = 262.0;
 const LEFT: f64 = 4.0;
 /// Centre of the plan, and its largest extent.
-const PLAN: Spot = (590.0, 150.0);
-const WIDEST: f64 = 170.0;
+const PLAN: Spot = (586.0, 182.0);
+const WIDEST: f64 = 196.0;
 
 /// Elevation and plan.
 pub(super) fn markup(impact: &ReportedImpact) -> Markup {
@@ -83,7 +83,7 @@ fn elevation(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
         (line(&[(AXIS + half + 2.0, top), (AXIS + 104.0, top)], FAINT, 0.6, "3 2"))
         (height(AXIS + 96.0, GROUND, top, &format!("{} m", short(total))))
         (text((AXIS + half + 16.0, GROUND + 16.0), "start", INK, &format!("base {}", in_words(&properties.base))))
-        (text((AXIS + half + 16.0, top - 3.0), "start", INK, &format!("top {}", in_words(&properties.top))))
+        (text((AXIS + half + 16.0, top - 9.0), "start", INK, &format!("top {}", in_words(&properties.top))))
         (scale_bar((LEFT, SIZE.1 - 8.0), scale * bar, &format!("{} m", short(bar))))
         (text((LEFT, 34.0), "start", RED, &speed(impact)))
         (text((LEFT, 48.0), "start", INK, &format!("{} kg", short(impact.impact.mass))))
@@ -240,7 +240,7 @@ fn plan(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
         (text((432.0, 34.0), "start", INK, &format!("h = {} mm, b = {} mm", short(1e3 * depth), short(1e3 * section.width))))
         (scale_bar((432.0, SIZE.1 - 8.0), 0.1 * scale, "100 mm"))
         @if let Some(plate) = plate {
-            (text((540.0, SIZE.1 - 6.0), "start", INK, &anchors(plate)))
+            (text((556.0, SIZE.1 - 6.0), "start", INK, &anchors(plate)))
         }
     }
 }

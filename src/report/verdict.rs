@@ -149,7 +149,7 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
             if let (Some(value), Some(limit)) =
                 (value_in_words(criterion), limit_in_words(criterion))
             {
-                let name = check_name(criterion.name).name;
+                let name = check_name(criterion.name).quantity();
                 text = format!("{name}: {value}; limit {limit}. ");
             }
         }
@@ -237,11 +237,18 @@ fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
         ),
     };
     let mut condition = condition.to_owned();
-    if let Some(range) = range.filter(|it| it.most > severity && it.most >= Severity::Restrict) {
-        let causes: Vec<_> = range.decided_by.iter().map(|it| it.in_words()).collect();
+    if let Some(range) =
+        range.filter(|it| it.ends.most > severity && it.ends.most >= Severity::Restrict)
+    {
+        let causes: Vec<_> = range
+            .ends
+            .decided_by
+            .iter()
+            .map(|it| it.in_words())
+            .collect();
         condition += &format!(
             " Act as for {} unless this is known well enough to rule it out: {}.",
-            range.most.name().to_uppercase(),
+            range.ends.most.name().to_uppercase(),
             causes.join(", ")
         );
     }

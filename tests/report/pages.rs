@@ -47,7 +47,8 @@ fn sheets(html: &str) -> Vec<&str> {
     body.split("<div class=\"sheet").skip(1).collect()
 }
 
-const DETAILS: &str = "project: Car park North\nsite: Harbour Street 12\nauthor: A. Miller\nrevision: B\n";
+const DETAILS: &str =
+    "project: Car park North\nsite: Harbour Street 12\nauthor: A. Miller\nrevision: B\n";
 
 /// May people stay, and what must be looked at: both are answered before a page is turned, after the action, its cause and the
 /// number with its limit.
@@ -94,14 +95,20 @@ fn the_first_page_answers_both_questions_of_the_engineer() {
     // No abbreviation and no tag of a source stands in the headline.
     let headline = html.split("class=\"headline\">").nth(1).unwrap();
     let headline = &headline[..headline.find('<').unwrap()];
-    assert!(!headline.contains("rad") && !headline.contains('['), "{headline}");
+    assert!(
+        !headline.contains("rad") && !headline.contains('['),
+        "{headline}"
+    );
 }
 
 /// The load has one value and is named once; earlier reports printed 500 kN carried and N_Ed of 271 kN.
 #[test]
 fn a_report_names_one_load_once() {
     let folder = TempDir::new().unwrap();
-    let options = format!("--config {} --vehicle lorry_8t --velocity 8", config("heb220_s355.yaml"));
+    let options = format!(
+        "--config {} --vehicle lorry_8t --velocity 8",
+        config("heb220_s355.yaml")
+    );
     let (_, html) = simulated(folder.path(), "load", &options);
     assert_eq!(html.matches("N_Ed of ").count(), 1);
     assert!(!html.contains("Axial load carried"));
@@ -127,8 +134,14 @@ fn the_title_block_has_lines_to_be_filled_in() {
         let (code, _, stderr) = typed(folder.path(), line);
         assert_eq!(code, 2, "{line}: {stderr}");
     }
-    let (_, _, stderr) = typed(folder.path(), "simulate --report x.html --report-details bad.yaml");
-    assert!(stderr.contains("line 2") && stderr.contains("authr"), "{stderr}");
+    let (_, _, stderr) = typed(
+        folder.path(),
+        "simulate --report x.html --report-details bad.yaml",
+    );
+    assert!(
+        stderr.contains("line 2") && stderr.contains("authr"),
+        "{stderr}"
+    );
     // All parameters are beside the report, and those of the node are nowhere in it.
     let beside = std::fs::read_to_string(path.with_extension("parameters.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&beside).unwrap();
@@ -151,7 +164,11 @@ fn a_report_about_several_impacts_has_a_cover_and_four_pages_for_each() {
     assert_eq!(html.matches("class=\"cover\"").count(), 1);
     assert_eq!(html.matches("class=\"title-block\"").count(), 1);
     for anchor in ["impact-1", "impact-2", "annex-1", "annex-2"] {
-        assert_eq!(html.matches(&format!("id=\"{anchor}\"")).count(), 1, "{anchor}");
+        assert_eq!(
+            html.matches(&format!("id=\"{anchor}\"")).count(),
+            1,
+            "{anchor}"
+        );
     }
 }
 
@@ -159,20 +176,36 @@ fn a_report_about_several_impacts_has_a_cover_and_four_pages_for_each() {
 fn printed(folder: &Path, html: &Path) -> PathBuf {
     let pdf = html.with_extension("pdf");
     let output = Command::new("chromium")
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--no-first-run",
+        ])
         .args(["--disable-background-networking", "--no-pdf-header-footer"])
-        .arg(format!("--user-data-dir={}", folder.join("chromium").display()))
+        .arg(format!(
+            "--user-data-dir={}",
+            folder.join("chromium").display()
+        ))
         .arg(format!("--print-to-pdf={}", pdf.display()))
         .arg(html)
         .output()
         .expect("chromium");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     pdf
 }
 
 /// The text of every page.
 fn pages(pdf: &Path) -> Vec<String> {
-    let output = Command::new("pdftotext").arg("-layout").arg(pdf).arg("-").output();
+    let output = Command::new("pdftotext")
+        .arg("-layout")
+        .arg(pdf)
+        .arg("-")
+        .output();
     let text = String::from_utf8(output.expect("pdftotext of poppler-utils").stdout).unwrap();
     let pages = text.split('\u{c}').map(str::to_owned);
     pages.filter(|page| !page.trim().is_empty()).collect()
@@ -185,7 +218,17 @@ fn the_body_of_a_printed_report_is_four_pages() {
     let folder = TempDir::new().unwrap();
     let [paper, real] = ["heb220_paper.yaml", "heb220_s355.yaml"].map(config);
     let long = folder.path().join("long.yaml");
-    let names = ["project", "site", "client", "document", "revision", "date", "author", "checker", "hit_direction"];
+    let names = [
+        "project",
+        "site",
+        "client",
+        "document",
+        "revision",
+        "date",
+        "author",
+        "checker",
+        "hit_direction",
+    ];
     let text: String = names
         .iter()
         .map(|name| format!("{name}: {}\n", "Harbour street ".repeat(5).trim()))
@@ -195,22 +238,49 @@ fn the_body_of_a_printed_report_is_four_pages() {
     let all = column_twin::parameters::CRITERION_NAMES.join("','");
     for (name, options, headline) in [
         ("car", format!("--config {real}"), ""),
-        ("lorry", format!("--config {real} --vehicle lorry_8t --velocity 8"), "PROP: "),
-        ("elastic", format!("--config {real} --mass 100 --velocity 1"), "NONE: "),
-        ("collapse", format!("--config {real} --mass 20000 --velocity 20"), "EVACUATE: "),
-        ("paper", format!("--config {paper} --mass 1500 --velocity 10"), "AT LEAST "),
+        (
+            "lorry",
+            format!("--config {real} --vehicle lorry_8t --velocity 8"),
+            "PROP: ",
+        ),
+        (
+            "elastic",
+            format!("--config {real} --mass 100 --velocity 1"),
+            "NONE: ",
+        ),
+        (
+            "collapse",
+            format!("--config {real} --mass 20000 --velocity 20"),
+            "EVACUATE: ",
+        ),
+        (
+            "paper",
+            format!("--config {paper} --mass 1500 --velocity 10"),
+            "AT LEAST ",
+        ),
         (
             "long",
-            format!("--config {real} --velocity 14 --report-details {long} -p column_id:=<b>{}</b>", "x".repeat(200)),
+            format!(
+                "--config {real} --velocity 14 --report-details {long} -p column_id:=<b>{}</b>",
+                "x".repeat(200)
+            ),
             "",
         ),
-        ("every_check", format!("--config {paper} -p assessment.criteria:=['{all}']"), ""),
+        (
+            "every_check",
+            format!("--config {paper} -p assessment.criteria:=['{all}']"),
+            "",
+        ),
     ] {
         let (html, _) = simulated(folder.path(), name, &options);
         let pages = pages(&printed(folder.path(), &html));
         let begins = |page: usize, text: &str| {
             let body = pages.get(page).map_or("", String::as_str);
-            assert!(body.contains(text), "{name}, page {}: no {text:?} in {body}", page + 1);
+            assert!(
+                body.contains(text),
+                "{name}, page {}: no {text:?} in {body}",
+                page + 1
+            );
         };
         begins(0, headline);
         begins(0, "May people stay?");
@@ -223,7 +293,9 @@ fn the_body_of_a_printed_report_is_four_pages() {
         begins(3, "How sure this is");
         begins(3, "Limits of the model");
         begins(3, "Neighbouring members");
-        let annex = pages.iter().position(|page| page.trim_start().starts_with("Annex"));
+        let annex = pages
+            .iter()
+            .position(|page| page.trim_start().starts_with("Annex"));
         assert_eq!(annex, Some(4), "{name}: the annex does not begin on page 5");
     }
 }
