@@ -5,8 +5,8 @@
 #
 # viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments,
 # viewer_car.png a column that a real car hits, at the peak.
-# report.png shows the first page of the report about the default impact of config/heb220_s355.yaml.
-# The script needs Rust, Python, Chromium with the DejaVu fonts, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
+# report.png is the first page of the report about the default impact of config/heb220_s355.yaml, as printed.
+# The script needs Rust, Python, Chromium with the DejaVu fonts, poppler-utils, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
 # graphics card, Debian's mesa-vulkan-drivers is sufficient.
 set -euo pipefail
 
@@ -42,8 +42,9 @@ done
 
 cargo run --quiet --release -- simulate --config config/heb220_s355.yaml --report "$work/report.html" >"$work/log"
 # Chromium's sandbox does not run as root; the file is our own.
-chromium --headless --no-sandbox --hide-scrollbars --window-size=1200,900 --user-data-dir="$work/chromium" \
-  --screenshot="$folder/report.png" "file://$work/report.html" >"$work/log" 2>&1 || {
+chromium --headless --no-sandbox --user-data-dir="$work/chromium" --no-pdf-header-footer \
+  --print-to-pdf="$work/report.pdf" "file://$work/report.html" >"$work/log" 2>&1 &&
+  pdftoppm -f 1 -l 1 -r 100 -singlefile -png "$work/report.pdf" "$folder/report" 2>"$work/log" || {
   cat "$work/log" >&2
   printf 'pictures: no picture of the report\n' >&2
   exit 1

@@ -80,6 +80,10 @@ const COMMANDS: &[(&str, How)] = &[
         "\"$venv/bin/python\" tests/interop/check_messages.py",
         Elsewhere(".ci/run", "tests/interop/check_messages.py"),
     ),
+    (
+        "chromium --headless",
+        Elsewhere("tests/report/pages.rs", "--no-pdf-header-footer"),
+    ),
     ("idlc -l c", Elsewhere("tests/interop/check_idl.sh", "idlc")),
     (
         "rerun analytics disable",

@@ -90,7 +90,7 @@ const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin of th
 const BOW: &str = "residual bow over the height L";
 const BENT: &str = "residual bow over the height L, or of the bent part over its length";
 /// Unit of a bow over the length to which it belongs.
-pub(super) const PART_OF_LENGTH: &str = "L";
+pub(crate) const PART_OF_LENGTH: &str = "L";
 const SUPPORT: &str = "largest rotation of a bar at its support";
 const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
 const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";

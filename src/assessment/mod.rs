@@ -36,6 +36,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) use action_range::range_in_words;
 pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
+#[cfg(feature = "cli")]
+pub(crate) use criteria::PART_OF_LENGTH as UNIT_OF_BOW;
 use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
 pub use evaluation::{
     HARDENING_BAND, ImpactEvaluation, band_properties, observe_and_rest, respond_and_rest,

@@ -16,7 +16,7 @@ use column_twin::assessment::Severity;
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
 use column_twin::printable::Printable;
-use column_twin::report::EstimateDocument;
+use column_twin::report::{EstimateDocument, parameters_path};
 use column_twin::senses::{
     CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
     RecordedImpact, Sensor, estimate_recorded,
@@ -187,10 +187,13 @@ fn write_files(
             seed: arguments.seed,
         };
         let html = document.html().map_err(failed)?;
-        whole_file::write(path, html.as_bytes()).map_err(|reason| {
-            let path = path.clone();
-            EstimateCommandError::Report { path, reason }
-        })?;
+        let beside = parameters_path(path);
+        for (path, text) in [(path, html), (&beside, document.parameters_json())] {
+            whole_file::write(path, text.as_bytes()).map_err(|reason| {
+                let path = path.clone();
+                EstimateCommandError::Report { path, reason }
+            })?;
+        }
     }
     Ok(())
 }

@@ -1,12 +1,14 @@
 //! `column-twin report`: a report about the impacts of a recording, for people.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
-use column_twin::report::{Origin, RecordedReportError, ReportDocument};
+use column_twin::report::{
+    Origin, RecordedReportError, ReportDetails, ReportDocument, parameters_path,
+};
 use column_twin::whole_file;
 
 /// Arguments of `column-twin report`.
@@ -19,6 +21,9 @@ pub struct ReportArgs {
     /// HTML file to write; an existing file is replaced
     #[arg(long, short, value_name = "FILE", default_value = "report.html")]
     output: PathBuf,
+    /// File with project, site, author and other details for the title block
+    #[arg(long, value_name = "FILE")]
+    report_details: Option<PathBuf>,
     /// Report about this column of a fleet
     #[arg(long, value_name = "ID")]
     column: Option<String>,
@@ -28,8 +33,12 @@ pub struct ReportArgs {
 }
 
 const EXAMPLE: &str = "\
-Writes one HTML file that any browser opens without a network and prints on A4: the verdict first, then what hit what,
-figures, energy, uncertainty, the limits of the model, and the result of the verification by recomputation.
+Writes one HTML file that any browser opens without a network and prints on A4. Each impact has four pages: what has to be
+done and looked at, with sketch and title block; the checks; the column after the hit; how sure that is. An annex holds the
+figures, and the result of the verification by recomputation. All parameters go to a JSON file beside it.
+
+The file of --report-details has lines such as project: Car park North. What it does not give is left to be filled in by
+hand: project, site, client, document, revision, date, author, checker, hit_direction.
 
 Example: record a simulated impact, and report about it
   column-twin simulate --record impact && column-twin report impact -o impact.html
@@ -40,7 +49,13 @@ verified or is not complete.";
 
 /// Writes the report and prints where it is.
 pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let document = ReportDocument::of_recording(
+    let details = match &arguments.report_details {
+        Some(path) => {
+            ReportDetails::read(path).map_err(|fault| Failure::new(Exit::BadInput, fault))?
+        }
+        None => ReportDetails::default(),
+    };
+    let mut document = ReportDocument::of_recording(
         &arguments.bag,
         arguments.column.as_deref(),
         arguments.event.as_deref(),
@@ -49,15 +64,23 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
         RecordedReportError::Recording(error) => error.into(),
         other => Failure::plain(Exit::BadInput, other),
     })?;
+    document.details = details;
     let html = document
         .html()
         .map_err(|error| Failure::new(Exit::Failed, error))?;
-    let path = arguments.output.display();
-    whole_file::write(&arguments.output, html.as_bytes()).map_err(|reason| {
-        let reason = format!("cannot write the report to {path}: {reason}; name a file in an existing, writable folder");
-        Failure::plain(Exit::Failed, reason)
-    })?;
-    printed(writeln!(out, "{path}"))?;
+    let written = |path: &Path, text: &str| {
+        whole_file::write(path, text.as_bytes()).map_err(|reason| {
+            let path = path.display();
+            let reason = format!("cannot write the report to {path}: {reason}; name a file in an existing, writable folder");
+            Failure::plain(Exit::Failed, reason)
+        })
+    };
+    written(&arguments.output, &html)?;
+    written(
+        &parameters_path(&arguments.output),
+        &document.parameters_json(),
+    )?;
+    printed(writeln!(out, "{}", arguments.output.display()))?;
     let Origin::Recording(recorded) = &document.origin else {
         return Ok(());
     };

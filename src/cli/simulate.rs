@@ -28,7 +28,10 @@ use column_twin::parameters::{
 };
 #[cfg(feature = "record")]
 use column_twin::recording::{RecordingError, SealKey, WriterOptions};
-use column_twin::report::{Origin, ReportDocument, ReportedImpact, title};
+use column_twin::report::{
+    Origin, ReportDetails, ReportDetailsError, ReportDocument, ReportedImpact, parameters_path,
+    title,
+};
 use column_twin::senses::simulate_sensors;
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
@@ -62,9 +65,12 @@ pub struct SimulateArgs {
     /// Draw the figures into this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Write a report for people: one HTML file with verdict, figures and provenance, which prints on A4
+    /// Write a report for people: one HTML file with the verdict on four pages of A4, and an annex; all parameters go to a JSON file beside it
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// File with project, site, author and other details for the title block of the report
+    #[arg(long, value_name = "FILE", requires = "report")]
+    report_details: Option<PathBuf>,
     /// Record what a node would publish to this new folder, as an MCAP recording that ROS tools can read
     #[cfg(feature = "record")]
     #[arg(long, value_name = "DIR")]
@@ -124,6 +130,9 @@ enum SimulateError {
     Recording(SimulatedRecordingError),
     #[error(transparent)]
     #[diagnostic(transparent)]
+    Details(#[from] ReportDetailsError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Figures(#[from] FigureError),
     #[cfg(feature = "viewer")]
     #[error(transparent)]
@@ -134,9 +143,10 @@ enum SimulateError {
 impl From<SimulateError> for Failure {
     fn from(fault: SimulateError) -> Self {
         let exit = match &fault {
-            SimulateError::Height { .. } | SimulateError::OneOutput | SimulateError::NoSensors => {
-                Exit::BadInput
-            }
+            SimulateError::Height { .. }
+            | SimulateError::OneOutput
+            | SimulateError::NoSensors
+            | SimulateError::Details(_) => Exit::BadInput,
             SimulateError::Simulation(SimulationError::Model(_) | SimulationError::Impact(_)) => {
                 Exit::BadInput
             }
@@ -170,6 +180,10 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         return Err(SimulateError::OneOutput.into());
     }
     let case = Case::from_arguments(arguments)?;
+    let details = match &arguments.report_details {
+        Some(path) => ReportDetails::read(path).map_err(SimulateError::from)?,
+        None => ReportDetails::default(),
+    };
     // The first run is timed and writes nothing; histories come from further runs, which are equal bit for bit. Their length
     // is known by then, so that a history of any length fits in a bounded memory.
     let start = Instant::now();
@@ -209,7 +223,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         files += &format!("Figures    {count} files in {}\n", folder.display());
     }
     if let Some(path) = &arguments.report {
-        case.write_report(path)?;
+        case.write_report(path, details)?;
         files += &format!("Report     {}\n", path.display());
     }
     #[cfg(feature = "viewer")]
@@ -390,16 +404,21 @@ impl Case {
         Ok(figures::draw_all(folder, &impact.history())?)
     }
 
-    fn write_report(&self, path: &Path) -> Result<(), SimulateError> {
+    fn write_report(&self, path: &Path, details: ReportDetails) -> Result<(), SimulateError> {
         let document = ReportDocument {
             origin: Origin::Simulation,
             impacts: vec![ReportedImpact::simulated(&self.parameters)?],
+            details,
         };
         let html = document.html()?;
-        whole_file::write(path, html.as_bytes()).map_err(|reason| SimulateError::Report {
-            path: path.to_path_buf(),
-            reason,
-        })
+        let written = |path: &Path, text: &str| {
+            whole_file::write(path, text.as_bytes()).map_err(|reason| SimulateError::Report {
+                path: path.to_path_buf(),
+                reason,
+            })
+        };
+        written(&parameters_path(path), &document.parameters_json())?;
+        written(path, &html)
     }
 }
 

@@ -29,6 +29,7 @@ mod criterion_names;
 mod draft;
 mod fault;
 mod file;
+mod flat_file;
 mod fleet;
 mod fleet_selection;
 mod given;
@@ -63,6 +64,7 @@ pub use catalogue::{CatalogueSection, catalogue};
 pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
+pub use flat_file::{NamedText, named_texts};
 pub use fleet::{
     FleetColumn, FleetColumns, FleetSources, MAX_COLUMNS, MAX_TABLE_BYTES, MAX_WILDCARD_SECTIONS,
     is_of_the_fleet,

@@ -2,7 +2,7 @@
 
 use super::reported_impact::ReportedImpact;
 use crate::assessment::{
-    ActionRange, Assessment, AssessmentInput, Criterion, RemainingCapacity, Severity, assess,
+    ActionRange, Assessment, AssessmentInput, ConnectedBase, Criterion, RemainingCapacity, assess,
     imperfection,
 };
 use crate::column::{Outcome, PerBar, PushDownPoint, State, push_down};
@@ -18,6 +18,8 @@ pub(super) struct Assessed {
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
     pub front_force: Option<f64>,
+    /// The connection of the base, given or assumed.
+    pub base: Option<ConnectedBase>,
     /// Push-down curve of the virgin column.
     pub virgin: Vec<PushDownPoint>,
     /// Push-down curve of the column as it is; empty if it is virgin or carries nothing.
@@ -68,6 +70,7 @@ impl Assessed {
             assessment,
             plateau: input.plateau,
             front_force: input.impact.and_then(|impact| impact.front_force),
+            base: input.base,
             virgin,
             now,
         })
@@ -96,21 +99,4 @@ fn range(impact: &ReportedImpact, verdict: &Assessment) -> Result<ActionRange, &
         &impact.impact,
         verdict,
     ))
-}
-
-/// What has to be done, as a sentence.
-pub(super) fn action(severity: Severity) -> &'static str {
-    match severity {
-        Severity::None => {
-            "None of the criteria that decide is exceeded. This is the answer of a model and replaces no inspection."
-        }
-        Severity::Inspect => "An engineer has to examine the column.",
-        Severity::Restrict => {
-            "Keep people and additional loads away from the column until an engineer has examined it."
-        }
-        Severity::Prop => "Take the load off the column at once.",
-        Severity::Evacuate => {
-            "Everybody has to leave the part of the building that the column carries."
-        }
-    }
 }

@@ -1,101 +1,12 @@
-//! Criteria and remaining capacity as tables.
+//! The remaining capacity as a table.
 
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
 use super::document::fact;
 use super::words::short;
-use crate::assessment::Criterion;
 use crate::column::{BucklingResistance, Capacity, CapacityEnd};
 use crate::figures::units::{Unit, significant};
-use crate::parameters::Provenance;
-
-/// Every criterion with value, limit, margin and tag: first those that decide.
-pub(super) fn criteria(assessed: &Assessed) -> Markup {
-    let deciding = assessed.assessment.deciding_criterion;
-    let of = |decides: bool| {
-        let criteria = assessed.assessment.criteria.iter();
-        criteria.filter(move |criterion| criterion.decides == decides)
-    };
-    html! {
-        h3 { "Criteria" }
-        table {
-            caption { "Criteria that decide the severity. The margin is relative to the limit; a negative one is exceeded." }
-            (head())
-            tbody { @for criterion in of(true) { (row(criterion, criterion.name == deciding)) } }
-        }
-        table {
-            caption { "Other criteria, for information; the parameter " code { "assessment.criteria" } " chooses those that decide." }
-            (head())
-            tbody { @for criterion in of(false) { (row(criterion, false)) } }
-        }
-        p.note {
-            "Tags: "
-            @for (index, tag) in Provenance::ALL.into_iter().enumerate() {
-                @if index > 0 { "; " }
-                "[" (tag) "] " (tag.meaning())
-            }
-            "."
-        }
-    }
-}
-
-fn head() -> Markup {
-    html! {
-        thead {
-            tr {
-                th { "criterion, edition" } th.number { "value" } th.number { "limit" } th.number { "margin" }
-                th { "tag" } th { "if exceeded" }
-            }
-        }
-    }
-}
-
-fn row(criterion: &Criterion, is_deciding: bool) -> Markup {
-    let exceeded = criterion.exceeded == Some(true);
-    let number =
-        |value: Option<f64>| value.map_or("-".to_owned(), |value| quantity(value, criterion.unit));
-    html! {
-        tr.exceeded[exceeded].deciding[is_deciding] {
-            th scope="row" {
-                (criterion.name.replace('_', " "))
-                @if is_deciding { " (decides)" }
-                br;
-                small { (criterion.edition) }
-                @if criterion.exceeded.is_none() { br; small { (criterion.statement) } }
-            }
-            td.number { (number(criterion.value)) }
-            td.number { (number(criterion.limit)) }
-            td.number {
-                @match (criterion.margin, criterion.limit) {
-                    (Some(_), Some(limit)) if limit == 0.0 => { @if exceeded { "exceeded" } @else { "met" } }
-                    (Some(margin), _) => { (margin_in_words(margin)) }
-                    (None, _) => { "not evaluated" }
-                }
-            }
-            td { "[" (criterion.tag) "]" }
-            td { (criterion.severity) }
-        }
-    }
-}
-
-/// A margin in per cent, with a decimal where it is small.
-fn margin_in_words(margin: f64) -> String {
-    let percent = 100.0 * margin;
-    match percent.abs() < 10.0 {
-        true => format!("{percent:+.1} %"),
-        false => format!("{percent:+.0} %"),
-    }
-}
-
-/// A number of a criterion with its unit.
-fn quantity(value: f64, unit: &str) -> String {
-    match unit {
-        "N" => Unit::force(value).show(value),
-        "" => significant(value, 3),
-        unit => format!("{} {unit}", significant(value, 3)),
-    }
-}
 
 /// The remaining capacity, virgin against now.
 pub(super) fn capacity(assessed: &Assessed) -> Markup {
@@ -108,7 +19,6 @@ pub(super) fn capacity(assessed: &Assessed) -> Markup {
     html! {
         table.facts {
             tbody {
-                (fact("Load, N_Ed", &assessed.assessment.load))
                 (fact("Push-down of the virgin column", capacity_in_words(&remaining.virgin)))
                 (fact("Push-down of the column as it is", capacity_in_words(&remaining.now)))
                 (fact("Ratio, damage index", format!("{} of the virgin column; D = {}", significant(remaining.ratio, 3), significant(remaining.damage, 3))))

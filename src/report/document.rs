@@ -1,17 +1,23 @@
 //! The HTML file.
 
+use std::path::{Path, PathBuf};
+
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::assessed::Assessed;
+use super::details::ReportDetails;
 #[cfg(feature = "record")]
 use super::felt_section;
 use super::impact_section;
-use super::limits::LIMITS;
+use super::limits;
+use super::pages;
 use super::provenance;
 #[cfg(feature = "record")]
 use super::recorded::ReportedRecording;
 #[cfg(feature = "record")]
 use super::recording_section;
 use super::reported_impact::ReportedImpact;
+use super::title_block;
 use crate::figures::FigureError;
 use crate::parameters::{DefaultValue, Parameter, Parameters, Value};
 
@@ -32,6 +38,8 @@ pub struct ReportDocument {
     pub origin: Origin,
     /// The impacts, in their order.
     pub impacts: Vec<ReportedImpact>,
+    /// What the office writes into it.
+    pub details: ReportDetails,
 }
 
 impl Origin {
@@ -64,10 +72,12 @@ impl ReportDocument {
     /// A figure cannot be drawn.
     pub fn html(&self) -> Result<String, FigureError> {
         let several = self.impacts.len() > 1;
-        let mut sections = Vec::new();
+        let (mut bodies, mut annexes) = (Vec::new(), Vec::new());
         for (index, impact) in self.impacts.iter().enumerate() {
             let number = several.then_some(index + 1);
-            sections.push(impact_section::markup(impact, number)?);
+            let assessed = Assessed::of(impact);
+            bodies.push(pages::markup(impact, &assessed, &self.details, number));
+            annexes.push(impact_section::annex(impact, &assessed, number)?);
         }
         let column = self.impacts.first().map(|impact| {
             let parameters = &impact.parameters;
@@ -79,14 +89,28 @@ impl ReportDocument {
         };
         let felt = self.felt()?;
         let body = html! {
-            (self.overview())
-            @for section in &sections { (section) }
+            (self.cover())
+            @for body in &bodies { (body) }
             (felt)
-            (limits())
+            @for annex in &annexes { (annex) }
+            @if bodies.is_empty() { (limits()) }
             (self.provenance())
-            (self.appendix())
         };
         Ok(page(&title, &body))
+    }
+
+    /// A page before the first impact, where there is more to say than about one impact.
+    fn cover(&self) -> Markup {
+        let overview = self.overview();
+        let is_one = self.impacts.len() == 1;
+        html! {
+            @if !overview.0.trim().is_empty() {
+                div.cover {
+                    (overview)
+                    @if !is_one { (title_block::markup(&self.details, None)) }
+                }
+            }
+        }
     }
 
     fn overview(&self) -> Markup {
@@ -108,8 +132,8 @@ impl ReportDocument {
 
     fn provenance(&self) -> Markup {
         html! {
-            section id="provenance" {
-                h2 { "Provenance" }
+            section.annex id="provenance" {
+                h1 { "Annex: provenance and verification" }
                 table.facts {
                     tbody {
                         (program_facts())
@@ -141,12 +165,15 @@ impl ReportDocument {
         sets
     }
 
-    fn appendix(&self) -> Markup {
-        html! {
-            @for (number, parameters) in self.parameter_sets() {
-                (all_parameters(parameters, number))
-            }
-        }
+    /// Every parameter of every impact, for the JSON file beside the report.
+    #[must_use]
+    pub fn parameters_json(&self) -> String {
+        let sets = self.parameter_sets();
+        let sets: Vec<_> = sets
+            .iter()
+            .map(|(number, set)| (number.unwrap_or(1), *set))
+            .collect();
+        parameters_json(&sets)
     }
 }
 
@@ -180,29 +207,65 @@ pub(super) fn program_facts() -> Markup {
     }
 }
 
-/// The appendix with all parameters; `number` of the first impact for which they held, where there are several sets.
-pub(super) fn all_parameters(parameters: &Parameters, number: Option<usize>) -> Markup {
-    html! {
-        section.appendix {
-            h2 { "Appendix: all parameters" (of_impacts(number)) }
-            table.parameters {
-                thead {
-                    tr { th { "parameter" } th { "value" } th { "unit" } th { "meaning" } }
-                }
-                tbody {
-                    @for (parameter, value) in parameters.iter() {
-                        tr {
-                            th scope="row" { code { (parameter.name) } }
-                            td { (shown(&value)) }
-                            td { (parameter.row.unit) }
-                            td { (parameter.row.meaning) }
-                        }
-                    }
-                }
-            }
-        }
-    }
+/// Every parameter of these sets as JSON, each with the number of the first impact for which it held.
+pub(super) fn parameters_json(sets: &[(usize, &Parameters)]) -> String {
+    let sets: Vec<_> = sets
+        .iter()
+        .map(|(number, parameters)| {
+            let all: Vec<_> = parameters
+                .iter()
+                .map(|(parameter, value)| {
+                    serde_json::json!({
+                        "name": parameter.name,
+                        "value": value,
+                        "unit": parameter.row.unit,
+                        "meaning": parameter.row.meaning,
+                    })
+                })
+                .collect();
+            serde_json::json!({ "from_impact": number, "parameters": all })
+        })
+        .collect();
+    let document = serde_json::json!({
+        "program": provenance::program(),
+        "build": provenance::build(),
+        "parameter_sets": sets,
+    });
+    format!("{document:#}\n")
 }
+
+/// The file of the parameters beside a report.
+#[must_use]
+pub fn parameters_path(report: &Path) -> PathBuf {
+    report.with_extension("parameters.json")
+}
+
+/// First parts of the names of parameters that describe the column, the impact and the judgement; all others configure the
+/// program.
+const ABOUT_THE_COLUMN: [&str; 22] = [
+    "geometry",
+    "section",
+    "steel",
+    "resistance",
+    "yield_surface",
+    "hinge",
+    "support",
+    "base",
+    "top",
+    "impact",
+    "vehicle",
+    "rate",
+    "hardening",
+    "softening",
+    "shear",
+    "solver",
+    "damping",
+    "response",
+    "capacity",
+    "assessment",
+    "sensors",
+    "estimation",
+];
 
 fn of_impacts(number: Option<usize>) -> Markup {
     html! { @if let Some(number) = number { ", from impact " (number) " on" } }
@@ -232,10 +295,15 @@ fn default_of(row: &Parameter) -> String {
 /// A table of the parameters that differ from their defaults.
 pub(super) fn changed_parameters(parameters: &Parameters) -> Markup {
     let defaults = Parameters::default();
-    let changed = parameters.changed_from(&defaults);
+    let mut changed = parameters.changed_from(&defaults);
+    changed.retain(|it| {
+        let first = it.name.split('.').next().unwrap_or_default();
+        ABOUT_THE_COLUMN.contains(&first)
+    });
     html! {
+        p { "Of the column, the impact and the judgement. All parameters are in the JSON file beside this report." }
         @if changed.is_empty() {
-            p { "None: every parameter has its default." }
+            p { "None: each of them has its default." }
         } @else {
             table {
                 thead { tr { th { "parameter" } th { "value" } th { "default" } th { "unit" } } }
@@ -257,14 +325,14 @@ pub(super) fn changed_parameters(parameters: &Parameters) -> Markup {
 /// What the model does not know.
 pub(super) fn limits() -> Markup {
     html! {
-        section id="limits" {
-            h2 { "What this report cannot know" }
+        section.model-limits {
+            h2 { "Limits of the model" }
             p {
-                "The numbers above are the answers of a model. It is validated against a reference solution of the same \
-                 equations and against a fibre beam model of other authorship, not against a crash test of a column."
+                "The numbers are the answers of a model. It is validated against a reference solution of the same equations and \
+                 against a fibre beam model that was written independently, not against a crash test of a column."
             }
             dl.limits {
-                @for (limit, consequence) in LIMITS {
+                @for (limit, consequence) in &limits::limits() {
                     dt { (limit) }
                     dd { (consequence) }
                 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::document::{all_parameters, changed_parameters, fact, limits, page, program_facts};
+use super::document::{changed_parameters, fact, limits, page, parameters_json, program_facts};
 use super::estimate_section;
 use super::words::short;
 use crate::figures::units::significant;
@@ -50,9 +50,14 @@ impl EstimateDocument<'_> {
             (self.figures(&drawings))
             (limits())
             (self.provenance())
-            (all_parameters(self.parameters, None))
         };
         Ok(page(&title, &body))
+    }
+
+    /// Every parameter, for the JSON file beside the report.
+    #[must_use]
+    pub fn parameters_json(&self) -> String {
+        parameters_json(&[(1, self.parameters)])
     }
 
     fn figures(&self, drawings: &[(String, String)]) -> Markup {

@@ -2,8 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::assessed::action;
-use super::verdict::class_of;
+use super::verdict::{action, class_of};
 use super::words::capitalised;
 use crate::assessment::Severity;
 use crate::figures::TimedEstimate;

@@ -1,25 +1,26 @@
-//! The section about one impact.
+//! What one impact was, and the annex with its computation.
 
 use maud::{Markup, PreEscaped, html};
 
 use super::assessed::Assessed;
 use super::assessment_section;
+use super::checks;
 use super::document::fact;
 use super::energy_balance::EnergyBalance;
 use super::reported_impact::ReportedImpact;
 use super::uncertainty;
-use super::verdict::Verdict;
-use super::words::{base_rows, end_in_words, in_kilo};
+use super::words::{end_in_words, part_of, shortened};
 use crate::column::{HINGE_NAMES, HINGES, Support, WEB_NAMES, WEBS};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
-use crate::parameters::{CatalogueVehicle, split_crush};
+use crate::parameters::{CatalogueVehicle, plate_in_words, split_crush};
 use crate::shape::{HINGE_PLACES, WEB_PLACES};
 use crate::twin::Nanos;
 
-/// The section; `number` among several impacts.
-pub(super) fn markup(
+/// The annex about one impact; `number` among several impacts.
+pub(super) fn annex(
     impact: &ReportedImpact,
+    assessed: &Result<Assessed, String>,
     number: Option<usize>,
 ) -> Result<Markup, FigureError> {
     let drawings = draw_svg(&impact.history())?;
@@ -28,8 +29,7 @@ pub(super) fn markup(
         impact_number: number,
         count: 0,
     };
-    let assessed = Assessed::of(impact);
-    if let Ok(assessed) = &assessed {
+    if let Ok(assessed) = assessed {
         let curves = PushDownCurves {
             title: &impact.title,
             virgin: &assessed.virgin,
@@ -40,30 +40,30 @@ pub(super) fn markup(
             .drawings
             .push(("push_down".to_owned(), push_down_svg(&curves)?));
     }
-    let verdict = Verdict::of(impact, &assessed);
-    let anchor = number.map_or("impact".to_owned(), |number| format!("impact-{number}"));
+    let anchor = number.map_or("annex".to_owned(), |number| format!("annex-{number}"));
     Ok(html! {
-        section.impact id=(anchor) {
-            @if let Some(number) = number { h1 { "Impact " (number) ": " (impact.title) } }
-            (verdict.markup(""))
-            @if number.is_none() { h1 { "Impact report: " (impact.title) } }
+        section.annex id=(anchor) {
+            h1 {
+                @match number {
+                    Some(number) => { "Annex to impact " (number) ": the computation" }
+                    None => { "Annex: the computation" }
+                }
+            }
             @for remark in &impact.remarks { p.note { (remark) } }
-            (what_hit_what(impact, &assessed))
-            @if let Ok(assessed) = &assessed { (assessment_section::criteria(assessed)) }
-            (capacity(&assessed, &mut figures))
-            (response(impact))
-            (figures.markup("deformed_shape", "Shape of the column before the impact, at its largest displacement and at rest."))
+            (plateau(impact, assessed))
+            @if let Ok(assessed) = assessed { (checks::others(assessed)) }
+            (capacity(assessed, &mut figures))
+            h3 { "Response" }
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
             (hinges(impact))
             (webs(impact))
-            (base(impact))
             (figures.markup("fig8_bending_moments", "Bending moments of the hinges over time; rings mark the first yield."))
             (figures.yield_path(impact.governing_hinge()))
             h3 { "Contact" }
             (figures.markup("contact_force", "Force between vehicle and column over time."))
             (vehicle(impact, &mut figures))
             (energy(impact, &mut figures))
-            (uncertainty::markup(impact, &assessed))
+            (uncertainty::band(assessed))
             h3 { "Axial response" }
             (figures.markup("fig6_vertical_displacement", "Vertical displacement of the impact point and of the top over time."))
             (figures.markup("fig7_normal_forces", "Normal forces of both bars over time."))
@@ -105,29 +105,50 @@ impl Figures {
     }
 }
 
-fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
+/// What hit what, with the one load with which the column is judged.
+pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
     let parameters = &impact.parameters;
-    let settings = parameters.settings();
     let section = parameters.section();
     let steel = parameters.steel();
     let properties = &impact.model.properties;
-    let given = |name: Option<&str>| name.unwrap_or("given by numbers").to_owned();
     let force = |si: f64| Unit::force(si).show(si);
     html! {
         h2 { "What hit what" }
         table.facts {
             tbody {
                 @if let Some((event_id, stamp)) = &impact.event {
-                    (fact("Event", event_id))
+                    tr { th scope="row" { "Event" } td { (shortened(event_id, MAX_NAME)) } }
                     (fact("Time of the event", when_in_words(*stamp)))
                 }
-                (fact("Column", &settings.column_id))
-                (fact("Section, steel", format!("{}, {} (f_y = {} MPa)", given(section.name), given(steel.grade),
-                    significant(steel.yield_strength * 1e-6, 4))))
+                (fact("Section, steel", format!("{}, {}f_y = {} MPa", section.name.unwrap_or("given by numbers"),
+                    steel.grade.map_or(String::new(), |grade| format!("{grade}, ")), significant(steel.yield_strength * 1e-6, 4))))
                 (fact("Height, supports", format!("{} m; base {}, top {}",
-                    significant(properties.length_below + properties.length_above, 4),
-                    support(&properties.base), support(&properties.top))))
-                (fact("Axial load carried", force(properties.top_load)))
+                    significant(impact.height(), 4), support(&properties.base), support(&properties.top))))
+                (fact("Axial load", match assessed {
+                    Ok(assessed) => assessed.assessment.load.clone(),
+                    Err(_) => force(properties.top_load),
+                }))
+                (fact("Vehicle", vehicle_in_words(impact)))
+                (fact("Speed", format!("{} km/h ({} m/s)", significant(3.6 * impact.impact.velocity, 4),
+                    significant(impact.impact.velocity, 4))))
+                (fact("Height of the impact", format!("{} m above the base", significant(properties.length_below, 4))))
+            }
+        }
+    }
+}
+
+/// Most characters of the name of an event on the page of the checks.
+const MAX_NAME: usize = 80;
+
+/// Names in full, the plateau, and where the numbers of the vehicle come from.
+fn plateau(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
+    let force = |si: f64| Unit::force(si).show(si);
+    html! {
+        table.facts {
+            tbody {
+                (fact("Column", &impact.parameters.settings().column_id))
+                (fact("Impact", &impact.title))
+                @if let Some((event_id, _)) = &impact.event { (fact("Event", event_id)) }
                 @if let Ok(assessed) = assessed {
                     (fact("Plastic plateau of the column", format!("F0 = {}: the force at the impact point at which its hinges \
                         form a mechanism", force(assessed.plateau))))
@@ -135,14 +156,13 @@ fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -
                         (fact("Plateau over crush force", format!("{}, with {} as the largest force of the vehicle's front: above 1 \
                             the front crushes first, below 1 the column bends first", significant(assessed.plateau / front, 3), force(front))))
                     }
+                    @if let Some(base) = &assessed.base {
+                        (fact("Base plate", format!("{}{}", plate_in_words(&base.plate), if base.is_assumed { "; assumed [A]" } else { "" })))
+                    }
                 }
-                (fact("Vehicle", vehicle_in_words(impact)))
                 @if let Some(sources) = vehicle_sources(&impact.vehicle) {
                     (fact("Sources of the vehicle", sources))
                 }
-                (fact("Speed", format!("{} m/s ({} km/h)", significant(impact.impact.velocity, 4),
-                    significant(3.6 * impact.impact.velocity, 4))))
-                (fact("Height of the impact", format!("{} m above the base", significant(properties.length_below, 4))))
                 (fact("Distance at the event", format!("{} m", significant(impact.impact.gap, 4))))
             }
         }
@@ -150,12 +170,12 @@ fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -
 }
 
 #[cfg(feature = "record")]
-fn when_in_words(stamp: Nanos) -> String {
+pub(super) fn when_in_words(stamp: Nanos) -> String {
     crate::recording::instant(stamp)
 }
 
 #[cfg(not(feature = "record"))]
-fn when_in_words(stamp: Nanos) -> String {
+pub(super) fn when_in_words(stamp: Nanos) -> String {
     format!("{stamp} ns after 1970")
 }
 
@@ -223,37 +243,97 @@ fn capacity(assessed: &Result<Assessed, String>, figures: &mut Figures) -> Marku
     }
 }
 
-fn response(impact: &ReportedImpact) -> Markup {
+/// A row of the table of results.
+pub(super) struct ResultRow {
+    pub name: &'static str,
+    pub value: String,
+    /// As a part of the height; empty where that says nothing.
+    pub part: String,
+    pub time: String,
+}
+
+/// What the response comes to.
+pub(super) fn result_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
     let report = &impact.report;
-    let time = |secs: f64| Unit::time(report.end_time).show(secs);
-    let when = |secs: Option<f64>| secs.map_or("-".to_owned(), time);
+    let at = |secs: f64| Unit::time(report.end_time).show(secs);
+    let when = |secs: Option<f64>| secs.map_or("-".to_owned(), at);
     let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
     let force = Unit::force(report.peak_contact_force);
     let residual = |value: Option<f64>, unit: Unit| {
         value.map_or("none: no equilibrium".to_owned(), |value| unit.show(value))
     };
-    let row = |name: &str, value: String, at: String| {
-        html! { tr { th scope="row" { (name) } td.number { (value) } td.number { (at) } } }
+    let part = |value: f64| part_of(value, impact.height());
+    let row = |name, value: String, part: String, time: String| ResultRow {
+        name,
+        value,
+        part,
+        time,
     };
-    html! {
-        h3 { "Response" }
-        table.compact {
-            caption { "Times count from the event. The response ended at " (time(report.end_time)) " (" (end_in_words(report.end)) ")." }
-            thead { tr { th { "quantity" } th.number { "value" } th.number { "time" } } }
-            tbody {
-                (row("largest displacement of the impact point, v1", v1.show(report.max_v1), time(report.max_v1_time)))
-                (row("residual displacement of the impact point", residual(report.residual_v1, v1), String::new()))
-                (row("largest lowering of the top, u2", u2.show(report.max_u2), String::new()))
-                (row("residual lowering of the top", residual(report.residual_u2, u2), String::new()))
-                (row("first contact", String::new(), when(report.first_contact_time)))
-                (row("last separation", String::new(), when(report.release_time)))
-                (row("peak contact force, without percussions", force.show(report.peak_contact_force),
-                    when(report.peak_contact_force_time)))
-                (row("impulse, including percussions", format!("{} N s", significant(report.impulse, 4)), String::new()))
-                (row("final velocity of the vehicle", format!("{} m/s", significant(report.impactor_velocity, 4)), String::new()))
-            }
-        }
-    }
+    let none = String::new;
+    let mut rows = vec![
+        row(
+            "largest displacement of the impact point",
+            v1.show(report.max_v1),
+            part(report.max_v1),
+            at(report.max_v1_time),
+        ),
+        row(
+            "residual displacement of the impact point (bow)",
+            residual(report.residual_v1, v1),
+            report.residual_v1.map_or_else(none, part),
+            none(),
+        ),
+        row(
+            "kink that remains at the impact point",
+            format!("{:.2}°", impact.kink().to_degrees()),
+            none(),
+            none(),
+        ),
+        row(
+            "largest lowering of the top, with the elastic one",
+            u2.show(report.max_u2),
+            none(),
+            none(),
+        ),
+        row(
+            "lowering of the top at rest, with the elastic one",
+            residual(report.residual_u2, u2),
+            none(),
+            none(),
+        ),
+        row(
+            "first contact",
+            none(),
+            none(),
+            when(report.first_contact_time),
+        ),
+        row("last separation", none(), none(), when(report.release_time)),
+        row(
+            "peak contact force, without percussions",
+            force.show(report.peak_contact_force),
+            none(),
+            when(report.peak_contact_force_time),
+        ),
+        row(
+            "impulse, including percussions",
+            format!("{} N s", significant(report.impulse, 4)),
+            none(),
+            none(),
+        ),
+        row(
+            "final velocity of the vehicle",
+            format!("{} m/s", significant(report.impactor_velocity, 4)),
+            none(),
+            none(),
+        ),
+    ];
+    rows.push(row(
+        "end of the response",
+        end_in_words(report.end).to_owned(),
+        none(),
+        at(report.end_time),
+    ));
+    rows
 }
 
 fn hinges(impact: &ReportedImpact) -> Markup {
@@ -316,27 +396,6 @@ fn webs(impact: &ReportedImpact) -> Markup {
                                 td.number { (format!("{:.3}", web.max_utilisation)) }
                             }
                         }
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn base(impact: &ReportedImpact) -> Markup {
-    html! {
-        h3 { "Base" }
-        table.compact {
-            caption {
-                "Reactions of the base, means over 1 ms except for the plateau; the normal force is positive in tension. What is larger \
-                 than the resistance of the connection stands among the criteria."
-            }
-            thead { tr { th { "at" } th.number { "shear force, kN" } th.number { "moment, kNm" } th.number { "normal force, kN" } } }
-            tbody {
-                @for (name, forces) in base_rows(&impact.report.base) {
-                    tr {
-                        th scope="row" { (name) }
-                        @for number in in_kilo(forces) { td.number { (number) } }
                     }
                 }
             }

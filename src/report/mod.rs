@@ -4,12 +4,18 @@
 //! It needs no script, no other file and no network, and prints on A4. Every text that comes from outside is escaped. The
 //! same input gives the same bytes: the file contains no date of its own.
 //!
+//! An impact has four pages and an annex. All parameters are in a JSON file beside the report. There is no PDF of its own:
+//! a library would need each table laid out a second time, and Chromium prints the file.
+//!
 //! The first line of every impact is its verdict. It never claims more than the model knows: what a section needs and the
 //! input does not contain is named as missing.
 
 mod assessed;
 mod assessment_section;
+mod check_names;
+mod checks;
 mod course;
+mod details;
 mod document;
 mod energy_balance;
 mod estimate_document;
@@ -19,23 +25,32 @@ mod felt_impact;
 #[cfg(feature = "record")]
 mod felt_section;
 mod impact_section;
+mod inspection;
 mod limits;
+mod pages;
 mod provenance;
 #[cfg(feature = "record")]
 mod recorded;
 #[cfg(feature = "record")]
 mod recording_section;
 mod reported_impact;
+mod shape_drawing;
+mod sketch;
+mod svg;
+mod title_block;
 mod uncertainty;
 mod verdict;
 mod words;
 
 pub use course::Struck;
-pub use document::{Origin, ReportDocument};
+pub use details::{MAX_DETAIL_CHARS, ReportDetails, ReportDetailsError};
+pub use document::{Origin, ReportDocument, parameters_path};
 pub use energy_balance::{EnergyBalance, EnergyEntry};
 pub use estimate_document::EstimateDocument;
 #[cfg(feature = "record")]
 pub use felt_impact::{FeltDecision, FeltImpact};
+#[cfg(test)]
+pub(crate) use limits::{FIBRE_AGREEMENT, FibreAgreement};
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedFile, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::course::Struck;
+use super::details::ReportDetails;
 use super::document::{Origin, ReportDocument};
 use super::felt_impact::FeltImpact;
 use super::reported_impact::ReportedImpact;
@@ -175,6 +176,7 @@ impl ReportDocument {
         Ok(Self {
             origin: Origin::Recording(Box::new(recorded)),
             impacts,
+            details: ReportDetails::default(),
         })
     }
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
-    Impact, Model, Report, Response, Sample, SimulationError, State, StepError, error_estimate,
-    with_half_the_step,
+    Impact, Model, Report, Response, Sample, SimulationError, State, StepError, Support,
+    error_estimate, with_half_the_step,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
@@ -122,6 +122,26 @@ impl ReportedImpact {
             resistance_axial: properties.resistance_axial,
             lengths: Lengths::from(properties),
             vehicle: self.impact.vehicle,
+        }
+    }
+
+    /// Height of the column \[m\].
+    pub(super) fn height(&self) -> f64 {
+        self.model.properties.length_below + self.model.properties.length_above
+    }
+
+    /// The kink that remains at the impact point \[rad\], as it can be measured between both bars; where no equilibrium remains
+    /// or the top is free, the plastic rotation of hinges 1a and 1b, of which only the sum is determined.
+    pub(super) fn kink(&self) -> f64 {
+        let properties = &self.model.properties;
+        match self.report.residual_v1 {
+            Some(v1) if properties.top != Support::Free => {
+                (v1 / properties.length_below + v1 / properties.length_above).abs()
+            }
+            _ => {
+                let [below, above, ..] = &self.report.hinges;
+                (below.plastic_rotation + above.plastic_rotation).abs()
+            }
         }
     }
 

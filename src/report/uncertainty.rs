@@ -18,7 +18,7 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
         Err(_) => Err("there is no assessment"),
     };
     html! {
-        h3 { "Uncertainty" }
+        h2 { "How sure this is" }
         table.facts {
             tbody {
                 (fact("Time step", match impact.error_estimate() {
@@ -29,15 +29,25 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
                     None => "not estimated".to_owned(),
                 }))
                 (fact("Energy balance", format!("largest residual {:.1e} of the energy of the vehicle", impact.report.ledger_residual)))
-                (fact("Model", "see \"What this report cannot know\""))
+                (fact("Model", "see the limits below"))
             }
         }
         @match range {
             Ok(range) => {
                 (range_table(range))
-                (band_table(range))
             }
-            Err(reason) => { p.note { "The range of the verdict and the band of the steel were not computed: " (reason) "." } }
+            Err(reason) => { p.note { "The range of the verdict was not computed: " (reason) "." } }
+        }
+    }
+}
+
+/// The band of the steel, for the annex.
+pub(super) fn band(assessed: &Result<Assessed, String>) -> Markup {
+    let range = assessed.as_ref().ok().and_then(|it| it.range.as_ref().ok());
+    html! {
+        @if let Some(range) = range {
+            h3 { "Band of the steel" }
+            (band_table(range))
         }
     }
 }

@@ -1,29 +1,33 @@
-//! The first line of the report: the severity, and the criterion that decides with its margin.
+//! The first lines of the report: what has to be done, then the cause in plain words, then the number and its limit.
 
 use maud::{Markup, html};
 
-use super::assessed::{Assessed, action};
+use super::assessed::Assessed;
+use super::check_names::check_name;
+use super::checks::{limit_in_words, value_in_words};
 use super::reported_impact::ReportedImpact;
-use super::words::capitalised;
-use crate::assessment::{Assessment, Criterion, Severity};
-use crate::column::{End, HINGE_NAMES, Outcome};
-use crate::figures::units::{Unit, significant};
-use crate::shape::{HINGE_PLACES, WEB_PLACES};
+use super::words::{capitalised, part_of};
+use crate::assessment::{ActionRange, Assessment, Criterion, Severity, Utilisation};
+use crate::column::{End, Outcome};
+use crate::figures::units::Unit;
+use crate::shape::WEB_PLACES;
 
 /// The verdict on one impact.
 pub(super) struct Verdict {
     /// Class of the style.
     class: &'static str,
-    /// The severity and the deciding criterion with its margin.
+    /// The severity and what has to be done, in the imperative.
     headline: String,
-    /// What has to be done.
-    action: String,
+    /// Why, in plain words.
+    cause: String,
+    /// The number that decides and its limit; empty where there is none.
+    numbers: String,
     /// Between which actions the verdict lies; empty where it is not known.
     range: String,
-    /// The outcome in numbers.
-    outcome: String,
     /// What the verdict leaves open.
     reservations: Vec<String>,
+    /// Whether people may stay, and under which condition.
+    people: [String; 2],
 }
 
 impl Verdict {
@@ -38,78 +42,217 @@ impl Verdict {
                 Unit::time(report.end_time).show(report.end_time),
             ));
         }
-        let range = match assessed {
-            Ok(Assessed {
-                range: Ok(range), ..
-            }) => format!("Range of the verdict: {range}."),
-            _ => String::new(),
-        };
-        let (class, headline, action) = match assessed {
-            Ok(assessed) => {
-                let assessment = &assessed.assessment;
-                reservations.push(assessment.reservations().trim().to_owned());
-                let class = match assessment.at_least {
-                    // The calm colours would say that no more can be the matter.
-                    true if assessment.severity < Severity::Restrict => {
-                        class_of(Severity::Restrict)
-                    }
-                    _ => class_of(assessment.severity),
+        let assessed = match assessed {
+            Ok(assessed) => assessed,
+            Err(reason) => {
+                return Self {
+                    class: "warning",
+                    headline:
+                        "NO ASSESSMENT: keep people away and have an engineer examine the column."
+                            .to_owned(),
+                    cause: format!("There is no assessment, because {reason}."),
+                    numbers: outcome(impact),
+                    range: String::new(),
+                    reservations,
+                    people: [
+                        "Not known: keep people away.".to_owned(),
+                        "Until an engineer has examined the column.".to_owned(),
+                    ],
                 };
-                (
-                    class,
-                    headline(assessment, assessed.deciding()),
-                    action(assessment.severity).to_owned(),
-                )
             }
-            Err(reason) => (
-                "warning",
-                format!("No assessment: {reason}"),
-                "An engineer has to examine the column.".to_owned(),
-            ),
         };
+        let assessment = &assessed.assessment;
+        if assessment.at_least {
+            reservations.push(missing(assessment));
+        }
+        let range = assessed.range.as_ref().ok();
         Self {
-            class,
-            headline,
-            action,
-            range,
-            outcome: outcome(impact),
+            class: match assessment.at_least {
+                // The calm colours would say that no more can be the matter.
+                true if assessment.severity < Severity::Restrict => class_of(Severity::Restrict),
+                _ => class_of(assessment.severity),
+            },
+            headline: headline(assessment),
+            cause: cause(impact, assessment, assessed.deciding()),
+            numbers: numbers(impact, assessed),
+            range: range.map_or(String::new(), |range| {
+                format!("Range of the verdict: {range}.")
+            }),
             reservations,
+            people: people(assessment, range),
         }
     }
 
-    /// The box, with a text before the severity where there are several impacts.
+    /// The box, with a text before the action where there are several impacts.
     pub fn markup(&self, before: &str) -> Markup {
         html! {
             div.verdict.(self.class) {
                 p.headline { (before) (self.headline) }
-                p { strong { (self.action) } }
+                p { strong { (self.cause) } }
+                @if !self.numbers.is_empty() { p { (self.numbers) } }
                 @if !self.range.is_empty() { p { (self.range) } }
-                p { (self.outcome) }
-                @for reservation in self.reservations.iter().filter(|it| !it.is_empty()) { p.reservation { (reservation) } }
+                @for reservation in &self.reservations { p.reservation { (reservation) } }
+            }
+        }
+    }
+
+    /// The answer to the question whether people may stay.
+    pub fn people(&self) -> Markup {
+        let [answer, condition] = &self.people;
+        html! {
+            div.answer {
+                h2 { "May people stay?" }
+                p { strong { (answer) } " " (condition) }
             }
         }
     }
 }
 
-/// The severity and what decides it, in one or two sentences.
-fn headline(assessment: &Assessment, deciding: Option<&Criterion>) -> String {
-    let mut words = capitalised(&assessment.severity_in_words());
-    if assessment.at_least {
-        let missing: Vec<_> = assessment
-            .not_evaluated
-            .iter()
-            .filter(|it| it.severity > assessment.severity)
-            .map(|it| it.criterion.replace('_', " "))
-            .collect();
-        words += &format!(", because {} could not be evaluated", missing.join(", "));
+/// What has to be done, in the imperative.
+fn order(severity: Severity) -> &'static str {
+    match severity {
+        Severity::None => "no action follows from these checks.",
+        Severity::Inspect => "have an engineer examine the column.",
+        Severity::Restrict => "keep people and additional loads away from the column.",
+        Severity::Prop => "take the load off the column at once.",
+        Severity::Evacuate => "clear the part of the building that the column carries.",
     }
-    match assessment.severity {
-        Severity::None => words + ": no criterion that decides is exceeded.",
-        _ => format!(
-            "{words}. {}",
-            deciding.map_or("", |criterion| &criterion.statement)
+}
+
+fn headline(assessment: &Assessment) -> String {
+    let severity = assessment.severity.name().to_uppercase();
+    let at_least = if assessment.at_least { "AT LEAST " } else { "" };
+    format!("{at_least}{severity}: {}", order(assessment.severity))
+}
+
+fn cause(impact: &ReportedImpact, assessment: &Assessment, deciding: Option<&Criterion>) -> String {
+    match (assessment.severity, deciding) {
+        (Severity::None, _) | (_, None) => {
+            "No limit of the checks that decide is exceeded.".to_owned()
+        }
+        (_, Some(criterion)) if criterion.name == "collapse" => match impact.report.outcome {
+            Outcome::Severed => {
+                "Cause: the column tears during the hit and carries nothing.".to_owned()
+            }
+            _ => "Cause: the column collapses during the hit and carries nothing.".to_owned(),
+        },
+        (_, Some(criterion)) => format!("Cause: {}.", check_name(criterion.name).cause),
+    }
+}
+
+/// The number that decides with its limit, and the shape that the hit leaves.
+fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
+    let assessment = &assessed.assessment;
+    let mut text = String::new();
+    match assessed.deciding() {
+        Some(criterion) if assessment.severity > Severity::None && criterion.name != "collapse" => {
+            if let (Some(value), Some(limit)) =
+                (value_in_words(criterion), limit_in_words(criterion))
+            {
+                let name = check_name(criterion.name).quantity();
+                text = format!("{name}: {value}; limit {limit}. ");
+            }
+        }
+        Some(_) if assessment.severity == Severity::None => {
+            let utilisation = Utilisation::of_report(&impact.report);
+            text = format!("Largest utilisation of the column: {utilisation}. ");
+        }
+        _ => (),
+    }
+    text + &outcome(impact)
+}
+
+/// What the model predicts, in one sentence.
+fn outcome(impact: &ReportedImpact) -> String {
+    let report = &impact.report;
+    let height = impact.height();
+    let bow = |v1: f64| format!("{} = {}", Unit::length(v1).show(v1), part_of(v1, height));
+    let end = Unit::time(report.end_time).show(report.end_time);
+    match (report.outcome, report.residual_v1) {
+        (Outcome::Elastic, _) => format!(
+            "The column stays elastic; it moves {} at the impact point at most.",
+            Unit::length(report.max_v1).show(report.max_v1)
         ),
+        (Outcome::Plastic, Some(residual)) => format!(
+            "Bow that remains: {}; kink at the impact point {:.1}°.",
+            bow(residual),
+            impact.kink().to_degrees()
+        ),
+        (Outcome::Plastic, None) => format!(
+            "The impact point moves {} at most; the bow that remains is not known.",
+            bow(report.max_v1)
+        ),
+        (Outcome::Collapsed, _) => {
+            format!("It loses its shape or its equilibrium {end} after the event.")
+        }
+        (Outcome::Severed, _) => match impact.fractured_web() {
+            Some(web) => format!(
+                "The web {} fractures in shear {end} after the event.",
+                WEB_PLACES[web]
+            ),
+            None => format!("A hinge tears {end} after the event."),
+        },
     }
+}
+
+/// The checks that are missing and could ask for more.
+fn missing(assessment: &Assessment) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for it in &assessment.not_evaluated {
+        let name = check_name(it.criterion).name;
+        if it.severity > assessment.severity && !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    format!(
+        "More may have to be done, because data are missing for: {}. The table of checks says what to give.",
+        names.join("; ")
+    )
+}
+
+/// Whether people may stay, and under which condition.
+fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
+    let severity = assessment.severity;
+    let (answer, condition) = match severity {
+        Severity::None | Severity::Inspect if assessment.at_least => (
+            "Not answered by these checks.",
+            "Keep people away from the column until an engineer has made the checks that are missing.",
+        ),
+        Severity::None => ("Yes.", "No check gives a reason to keep people away."),
+        Severity::Inspect => (
+            "Yes.",
+            "Bring no additional load onto the part that the column carries until an engineer has examined it.",
+        ),
+        Severity::Restrict => (
+            "Not near the column.",
+            "Keep people and additional loads away from it and from what it carries until an engineer has examined it.",
+        ),
+        Severity::Prop => (
+            "Not where the column carries the building.",
+            "Only those stay who take the load off it, under the direction of an engineer.",
+        ),
+        Severity::Evacuate => (
+            "No.",
+            "Everybody leaves the part of the building that the column carries, and nobody goes back before an engineer allows it.",
+        ),
+    };
+    let mut condition = condition.to_owned();
+    if let Some(range) =
+        range.filter(|it| it.ends.most > severity && it.ends.most >= Severity::Restrict)
+    {
+        let causes: Vec<_> = range
+            .ends
+            .decided_by
+            .iter()
+            .map(|it| it.in_words())
+            .collect();
+        condition += &format!(
+            " Act as for {} unless this is known well enough to rule it out: {}.",
+            range.ends.most.name().to_uppercase(),
+            causes.join(", ")
+        );
+    }
+    [answer.to_owned(), condition]
 }
 
 /// The style of the box of a severity.
@@ -122,74 +265,7 @@ pub(super) fn class_of(severity: Severity) -> &'static str {
     }
 }
 
-/// What the model predicts, with its numbers.
-fn outcome(impact: &ReportedImpact) -> String {
-    let report = &impact.report;
-    let hinge = impact.governing_hinge();
-    let named = format!("hinge {} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
-    let length = Unit::length(report.max_v1);
-    let end = Unit::time(report.end_time).show(report.end_time);
-    let rotation = report.hinges[hinge].plastic_rotation;
-    let angle = format!(
-        "{} rad ({:.1}°)",
-        significant(rotation, 3),
-        rotation.to_degrees()
-    );
-    let yielded = report
-        .hinges
-        .iter()
-        .filter(|it| it.first_yield.is_some())
-        .count();
-    let sheared: String = report
-        .webs
-        .iter()
-        .zip(WEB_PLACES)
-        .filter(|(web, _)| web.first_yield.is_some())
-        .map(|(web, place)| {
-            let angle = significant(web.plastic_angle, 3);
-            format!(" The web {place} shears by {angle} rad.")
-        })
-        .collect();
-    let hinges = match yielded {
-        0 => "No hinge yields.".to_owned(),
-        _ => format!(
-            "{yielded} of 4 hinges yield; the largest plastic rotation is {angle}, at {named}."
-        ),
-    };
-    match report.outcome {
-        Outcome::Elastic => format!(
-            "The model predicts no plastic deformation by this impact: {named} comes closest to yielding, with a utilisation of \
-             {:.3}. The impact point moves {} at most.",
-            report.hinges[hinge].max_utilisation,
-            length.show(report.max_v1),
-        ),
-        Outcome::Plastic => format!(
-            "The model predicts a displacement of the impact point of {} at most, of which {}. {hinges}{sheared}",
-            length.show(report.max_v1),
-            report
-                .residual_v1
-                .map_or("the rest is not known".to_owned(), |it| format!(
-                    "{} remain",
-                    length.show(it)
-                )),
-        ),
-        Outcome::Collapsed => format!(
-            "The model predicts that the column loses its shape or its equilibrium {end} after the event."
-        ),
-        Outcome::Severed if impact.fractured_web().is_some() => format!(
-            "The model predicts that the web {} fractures in shear {end} after the event, at a plastic shear angle of {} rad; a \
-             fractured column carries nothing.",
-            impact.fractured_web().map_or("", |web| WEB_PLACES[web]),
-            significant(
-                impact
-                    .fractured_web()
-                    .map_or(f64::NAN, |web| report.webs[web].plastic_angle),
-                3
-            ),
-        ),
-        Outcome::Severed => format!(
-            "The model predicts that {named} tears {end} after the event, at a plastic rotation of {angle}; a torn hinge or web carries \
-             nothing."
-        ),
-    }
+/// What has to be done, for the box of an estimate.
+pub(super) fn action(severity: Severity) -> String {
+    capitalised(order(severity))
 }

@@ -59,6 +59,26 @@ pub fn short(value: f64) -> String {
         .map_or(text, |rounded| rounded.to_string())
 }
 
+/// At most this many characters of a text, the last of them dots where it is longer.
+pub(super) fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(most.saturating_sub(3)).collect();
+    kept + "..."
+}
+
+/// A length as a part of another one, such as `L/36`.
+pub(super) fn part_of(length: f64, whole: f64) -> String {
+    let part = whole / length.abs();
+    match part {
+        part if part.is_nan() => "not a number".to_owned(),
+        part if part >= 1e4 => "less than L/10000".to_owned(),
+        part if part >= 9.5 => format!("L/{part:.0}"),
+        part => format!("L/{part:.1}"),
+    }
+}
+
 /// The text with a capital letter at its beginning.
 pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();

@@ -16,7 +16,7 @@ const { chromium } = require("playwright-core");
 const [folder, ...reports] = process.argv.slice(2);
 // A4 less the margins of the style, in CSS pixels of 1/96 inch.
 const MM = 96 / 25.4;
-const PAGE = { width: Math.floor((210 - 2 * 15) * MM), height: Math.floor((297 - 16 - 18) * MM) };
+const PAGE = { width: Math.floor((210 - 2 * 15) * MM), height: Math.floor((297 - 12 - 15) * MM) };
 const SCREENS = [
   { name: "desktop", width: 1280, height: 800 },
   { name: "phone", width: 412, height: 900 },
@@ -47,7 +47,9 @@ function faultsOfLayout({ pageHeight }) {
     const svg = figure.querySelector("svg");
     const box = svg.getBoundingClientRect();
     const caption = figure.querySelector("figcaption").textContent;
-    if (box.width < 0.9 * figure.clientWidth || box.height < 0.5 * box.width) {
+    // The sketch takes the room that the first page has.
+    const least = figure.matches(".sketch, .shape") ? 0.2 : 0.5;
+    if (box.width < 0.9 * figure.clientWidth || box.height < least * box.width) {
       faults.push(`"${caption}" is shown with ${box.width} x ${box.height} px`);
     }
     if (getComputedStyle(figure).breakInside !== "avoid") {
@@ -68,6 +70,11 @@ function faultsOfLayout({ pageHeight }) {
       ) {
         faults.push(`"${text.textContent}" leaves the figure "${caption}"`);
       }
+    }
+  }
+  for (const sheet of document.querySelectorAll(".sheet")) {
+    if (pageHeight && sheet.scrollHeight > pageHeight) {
+      faults.push(`a sheet is ${sheet.scrollHeight} px high, the page ${pageHeight} px: ${named(sheet)}`);
     }
   }
   return faults;

@@ -9,6 +9,7 @@ mod browser;
 #[path = "../evidence/copies.rs"]
 mod copies;
 mod estimates;
+mod pages;
 #[allow(dead_code)] // the tests of the evidence use more of it
 #[path = "../evidence/recorded_twin.rs"]
 mod recorded_twin;
