@@ -1,25 +1,21 @@
 //! The figures of a damage map: the classes over its plane, and the boundaries of several columns in comparison.
 
-use plotters::element::{PathElement, Polygon, Rectangle};
-use plotters::style::text_anchor::{HPos, VPos};
-use plotters::style::{Color, RGBColor, WHITE};
+use plotters::style::RGBColor;
 
 use super::axis::PlotAxis;
-use super::chart::{PlotArea, axes};
+use super::chart::axes;
 use super::iso_lines::iso_lines;
-use super::map_marks::{METRES_PER_SECOND, marks};
-use super::page::{self, Area, CANVAS, Drawn, LegendKey, SMALL, Stroke, colour};
+use super::map_marks::{METRES_PER_SECOND, Mark, marks};
+use super::map_picture::{Level, NOT_COMPUTED, Picture, rgb};
+use super::page::{self, CANVAS, Drawn, LegendKey, Stroke};
 use super::units::Unit;
 use crate::assessment::Severity;
-use crate::shape::severity_colour;
 use crate::study::{DamageMap, MapAxis, MapGrid, MapQuantity, RefinedMap, SEVERITIES};
 
 /// Places along the axis of the rows at which a boundary is drawn.
 const BOUNDARY_POINTS: usize = 240;
 /// Most iso-lines of a figure.
 const MAX_LEVELS: usize = 5;
-/// Height and least distance of the labels on lines.
-const LABEL: i32 = 88;
 
 /// What the figures of a map show.
 #[derive(Debug, Clone, Copy)]
@@ -108,6 +104,15 @@ impl<'a> ShownAxis<'a> {
         }
     }
 
+    /// What is marked along the axis, in the unit of the figure.
+    fn marks(&self) -> Vec<Mark> {
+        let shown = |mark: Mark| Mark {
+            value: self.of_si(mark.value),
+            ..mark
+        };
+        marks(self.axis).into_iter().map(shown).collect()
+    }
+
     /// The edges of the cells at these places of the axis: midway between them; the first and the last one reach to the ends of the
     /// figure.
     fn edges(&self, places: &[u64], plot: &PlotAxis) -> Vec<f64> {
@@ -121,16 +126,8 @@ impl<'a> ShownAxis<'a> {
     }
 }
 
-fn rgb(severity: Severity) -> RGBColor {
-    let [red, green, blue] = severity_colour(severity);
-    RGBColor(red, green, blue)
-}
-
 /// The colour of a boundary on the areas on both sides of it.
 const BOUNDARY: RGBColor = RGBColor(30, 30, 30);
-const NOT_COMPUTED: RGBColor = RGBColor(235, 235, 235);
-/// The colour of iso-lines.
-const ISO_LINE: RGBColor = RGBColor(20, 60, 110);
 
 impl MapFigures<'_> {
     /// The figures as SVG, by their names.
@@ -203,7 +200,7 @@ impl MapFigures<'_> {
                 self.boundary(&picture, variant, severity, Stroke::solid(BOUNDARY, 12))?;
             }
             picture.iso_lines(&lines)?;
-            picture.marks(&rows, &columns)?;
+            picture.mark(&rows.marks(), &columns.marks())?;
             picture.frame()
         })
     }
@@ -502,9 +499,6 @@ fn file_name(label: &str) -> String {
         .collect()
 }
 
-/// A level in words, and its lines in the units of the figure.
-type Level = (String, Vec<Vec<(f64, f64)>>);
-
 /// A rectangle over the areas of the classes: its extent in both directions, and its class.
 type Island = ((f64, f64), (f64, f64), Option<Severity>);
 
@@ -549,169 +543,5 @@ impl Areas {
             }
         }
         Ok(())
-    }
-}
-
-/// A plot on the page.
-struct Picture<'p, 'a, 'b> {
-    page: &'p Area<'a>,
-    plot: &'p PlotArea<'a, 'b>,
-    x: &'p PlotAxis,
-    y: &'p PlotAxis,
-}
-
-impl Picture<'_, '_, '_> {
-    /// Fills the whole plot.
-    fn background(&self, severity: Severity) -> Drawn<()> {
-        self.patch(
-            (self.x.from, self.x.to),
-            (self.y.from, self.y.to),
-            Some(severity),
-        )
-    }
-
-    /// Fills a rectangle; grey, where nothing was computed.
-    fn patch(&self, x: (f64, f64), y: (f64, f64), severity: Option<Severity>) -> Drawn<()> {
-        let lower = self.plot.backend_coord(&(x.0, y.0));
-        let upper = self.plot.backend_coord(&(x.1, y.1));
-        let colour = severity.map_or(NOT_COMPUTED, rgb);
-        self.page
-            .draw(&Rectangle::new([lower, upper], colour.filled()))
-    }
-
-    /// Fills what lies above a line.
-    fn above(&self, line: &[(f64, f64)], severity: Severity) -> Drawn<()> {
-        let (Some(first), Some(last)) = (line.first(), line.last()) else {
-            return Ok(());
-        };
-        let corners = [(last.0, self.y.to), (first.0, self.y.to)];
-        let points = line.iter().chain(&corners).map(|(x, y)| {
-            let y = y.clamp(self.y.from, self.y.to);
-            self.plot.backend_coord(&(*x, y))
-        });
-        self.page.draw(&Polygon::new(
-            points.collect::<Vec<_>>(),
-            rgb(severity).filled(),
-        ))
-    }
-
-    /// Draws a line through points in the units of the figure.
-    fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Drawn<()> {
-        let mut line: Vec<_> = points
-            .iter()
-            .map(|point| self.plot.backend_coord(point))
-            .collect();
-        line.dedup();
-        match line.len() {
-            0 | 1 => Ok(()),
-            _ => stroke.draw(self.page, line),
-        }
-    }
-
-    /// Draws lines with labels where there is room for them.
-    fn iso_lines(&self, levels: &[Level]) -> Drawn<()> {
-        for (_, lines) in levels {
-            for line in lines {
-                self.line(line, Stroke::solid(ISO_LINE, 7))?;
-            }
-        }
-        let style = page::text_style(SMALL, ISO_LINE, HPos::Center, VPos::Center);
-        let mut taken: Vec<[i32; 4]> = Vec::new();
-        let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
-        for (text, lines) in levels {
-            let width = page::width(self.page, text, &style)?;
-            let longest = lines.iter().max_by_key(|line| line.len());
-            let Some(line) = longest.filter(|line| line.len() > 4) else {
-                continue;
-            };
-            for part in [0.5, 0.35, 0.65, 0.25, 0.75, 0.15, 0.85] {
-                let place = line[((line.len() - 1) as f64 * part) as usize];
-                let (x, y) = self.plot.backend_coord(&place);
-                let (half_width, half_height) = (width / 2 + 24, LABEL / 2);
-                let label = [
-                    x - half_width,
-                    y - half_height,
-                    x + half_width,
-                    y + half_height,
-                ];
-                let fits = label[0] >= horizontal.start
-                    && label[2] <= horizontal.end
-                    && label[1] >= vertical.start
-                    && label[3] <= vertical.end;
-                let overlaps = taken.iter().any(|other| {
-                    label[0] < other[2] + 40
-                        && label[2] + 40 > other[0]
-                        && label[1] < other[3] + 20
-                        && label[3] + 20 > other[1]
-                });
-                if fits && !overlaps {
-                    let [left, top, right, bottom] = label;
-                    self.page.draw(&Rectangle::new(
-                        [(left, top), (right, bottom)],
-                        WHITE.mix(0.8).filled(),
-                    ))?;
-                    self.page.draw_text(text, &style, (x, y))?;
-                    taken.push(label);
-                    break;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Draws speed limits and vehicles of the catalogue across the plot, with their names.
-    fn marks(&self, rows: &ShownAxis<'_>, columns: &ShownAxis<'_>) -> Drawn<()> {
-        let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
-        let stroke = Stroke::dashed(colour::FAINT, 5);
-        for mark in marks(columns.axis) {
-            let value = columns.of_si(mark.value);
-            self.line(&[(self.x.from, value), (self.x.to, value)], stroke)?;
-            let (_, y) = self.plot.backend_coord(&(self.x.to, value));
-            page::label(
-                self.page,
-                &mark.name,
-                (horizontal.end, y),
-                (horizontal.start, horizontal.end),
-                colour::FAINT,
-            )?;
-        }
-        for mark in marks(rows.axis) {
-            let value = rows.of_si(mark.value);
-            self.line(&[(value, self.y.from), (value, self.y.to)], stroke)?;
-            let (x, _) = self.plot.backend_coord(&(value, self.y.from));
-            page::label(
-                self.page,
-                &mark.name,
-                (x, vertical.end - 20),
-                (horizontal.start, horizontal.end),
-                colour::FAINT,
-            )?;
-        }
-        Ok(())
-    }
-
-    /// Writes a name into the upper left corner of the plot.
-    fn name(&self, text: &str) -> Drawn<()> {
-        let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
-        let place = (horizontal.start + 200, vertical.start + 130);
-        page::label(
-            self.page,
-            text,
-            place,
-            (horizontal.start, horizontal.end),
-            colour::INK,
-        )
-    }
-
-    /// Draws the frame of the plot over what was filled.
-    fn frame(&self) -> Drawn<()> {
-        let (from, to) = ((self.x.from, self.y.from), (self.x.to, self.y.to));
-        let corners = [from, (to.0, from.1), to, (from.0, to.1), from];
-        let corners: Vec<_> = corners
-            .iter()
-            .map(|it| self.plot.backend_coord(it))
-            .collect();
-        self.page
-            .draw(&PathElement::new(corners, colour::INK.stroke_width(6)))
     }
 }

@@ -16,6 +16,7 @@ mod force_crush;
 mod histories;
 mod iso_lines;
 mod map_marks;
+mod map_picture;
 mod page;
 mod path_chart;
 mod push_down;
