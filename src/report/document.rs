@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 #[cfg(feature = "record")]
+use super::facts::fact;
 use super::felt_section;
 use super::impact_section;
 use super::limits::LIMITS;
@@ -206,11 +207,6 @@ pub(super) fn all_parameters(parameters: &Parameters, number: Option<usize>) -> 
 
 fn of_impacts(number: Option<usize>) -> Markup {
     html! { @if let Some(number) = number { ", from impact " (number) " on" } }
-}
-
-/// A row of a table of facts.
-pub(super) fn fact(name: &str, text: impl AsRef<str>) -> Markup {
-    html! { tr { th scope="row" { (name) } td { (text.as_ref()) } } }
 }
 
 fn shown(value: &Value) -> String {

@@ -15,6 +15,7 @@ mod energy_balance;
 mod estimate_document;
 mod estimate_section;
 #[cfg(feature = "record")]
+mod facts;
 mod felt_impact;
 #[cfg(feature = "record")]
 mod felt_section;
