@@ -4,7 +4,8 @@
 //! The work runs in one thread. Its processor time is the clock by which the data arrive, so that other load on the machine
 //! falsifies the figures little.
 
-use column_twin::senses::{Sensing, StandingColumn, Work};
+use column_twin::senses::{Sensing, Work};
+use column_twin::standing::StandingColumn;
 use rustix::time::{ClockId, clock_gettime};
 use signals::{NAMES, START, Signal, batches, with_sensors};
 

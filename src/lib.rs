@@ -32,6 +32,8 @@ pub mod incoming;
 pub mod keystore;
 pub mod live;
 pub mod messages;
+#[cfg(feature = "study")]
+mod numerics;
 pub mod outgoing;
 pub mod parameters;
 pub mod printable;
@@ -43,8 +45,11 @@ pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod senses;
+pub mod sensors;
 pub mod shape;
+pub mod standing;
 pub mod study;
+pub mod time;
 pub mod twin;
 #[cfg(feature = "viewer")]
 pub mod viewer;

@@ -12,10 +12,10 @@ use column_twin::live::{
     Receiver, SOLVER_THREAD, SimClock, SystemClock, WhenFull,
 };
 use column_twin::parameters::{Parameters, Value};
+use column_twin::time::Nanos;
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{
-    Accepted, Command, ImpactCommand, Nanos, NoticeLevel, Output, Refusal, RefusalCode,
-    StateOutput, Twin,
+    Accepted, Command, ImpactCommand, NoticeLevel, Output, Refusal, RefusalCode, StateOutput, Twin,
 };
 
 const START: Nanos = 1_800_000_000_000_000_000;

@@ -9,7 +9,7 @@ use column_twin::parameters::{
     Source, Value, catalogue, markdown, parse_override, vehicle_names,
 };
 use column_twin::printable::is_printable;
-use column_twin::senses::{Quantity, Sensor};
+use column_twin::sensors::{Quantity, Sensor};
 use proptest::prelude::*;
 
 fn in_repository(path: &str) -> PathBuf {

@@ -3,6 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "tidy/imports.rs"]
+mod imports;
+#[path = "tidy/walls.rs"]
+mod walls;
+
 /// Most lines of a source file, its unit tests not counted.
 const MAX_FILE: usize = 700;
 

@@ -19,8 +19,9 @@ use column_twin::printable::Printable;
 use column_twin::report::{EstimateDocument, parameters_path};
 use column_twin::senses::{
     CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
-    RecordedImpact, Sensor, estimate_recorded,
+    RecordedImpact, estimate_recorded,
 };
+use column_twin::sensors::Sensor;
 use column_twin::whole_file;
 
 /// Arguments of `column-twin estimate`.

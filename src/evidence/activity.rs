@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::twin::{CHECKPOINT_PERIOD, Nanos};
+use crate::time::Nanos;
+use crate::twin::CHECKPOINT_PERIOD;
 
 /// Time without an entry after which a column counts as idle \[ns\]: its last status was lost, or there was none.
 const FORGOTTEN_AFTER: Nanos = CHECKPOINT_PERIOD;

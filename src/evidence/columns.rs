@@ -17,7 +17,8 @@ use crate::messages::column_twin::Measurement;
 use crate::outgoing::Topic;
 use crate::recording::Message;
 use crate::senses::SharedPreparations;
-use crate::twin::{Journal, Nanos};
+use crate::time::Nanos;
+use crate::twin::Journal;
 
 /// What verification knows of one column.
 pub(super) struct Column {

@@ -9,7 +9,8 @@ use crate::endpoints::{self, Endpoint};
 use crate::messages::cdr;
 use crate::messages::column_twin::{FleetStatus, TwinStatus};
 use crate::parameters::RecordSettings;
-use crate::twin::{CHECKPOINT_PERIOD, Command, CommandRecord, Journal, Nanos};
+use crate::time::Nanos;
+use crate::twin::{CHECKPOINT_PERIOD, Command, CommandRecord, Journal};
 
 /// Time after which the columns are listed again \[ns\], so that another recording can begin there.
 const LIST_PERIOD: Nanos = CHECKPOINT_PERIOD;

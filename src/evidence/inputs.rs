@@ -6,15 +6,14 @@ use std::collections::VecDeque;
 use super::about::sha256_of;
 use super::comparison::{Difference, Place, seconds};
 use super::journal_line::JournalEntry;
+use super::topics::INPUTS;
 use super::verification::Verification;
-use crate::endpoints::{self, Endpoint};
+use crate::endpoints;
 use crate::incoming::{column_command, impact_command};
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::column_twin::{ColumnParameters, ImpactEvent};
-use crate::twin::{Command, Nanos, RefusalCode};
-
-/// The topics whose messages become commands.
-pub(super) const INPUTS: [&Endpoint; 2] = [&endpoints::IMPACT_EVENT, &endpoints::COLUMN_PARAMETERS];
+use crate::time::Nanos;
+use crate::twin::{Command, RefusalCode};
 
 /// Maximum time from a message to its command in the journal \[ns\]. Without a command by then, and if the journal goes on, it
 /// did not reach the twin.

@@ -9,8 +9,10 @@ use super::about::About;
 use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
-use crate::senses::{IntakeState, Sensor};
-use crate::twin::{Journal, Nanos, RefusalCode};
+use crate::senses::IntakeState;
+use crate::sensors::Sensor;
+use crate::time::Nanos;
+use crate::twin::{Journal, RefusalCode};
 
 /// Format name in every line.
 pub const JOURNAL_FORMAT: &str = "column_twin journal";

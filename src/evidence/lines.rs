@@ -3,7 +3,8 @@
 use super::comparison::{Place, seconds};
 use super::journal_line::{Counting, JournalEntry, JournalLine, Tally};
 use super::verification::Verification;
-use crate::twin::{Journal, Nanos};
+use crate::time::Nanos;
+use crate::twin::Journal;
 
 /// Maximum time between what an entry of the journal describes and its recording \[ns\], which the fastest entry of every
 /// recording keeps: one that keeps it in no entry was moved in time.

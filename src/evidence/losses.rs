@@ -1,7 +1,7 @@
 //! Weighs what is missing in a recording against the losses that it declares.
 
 use crate::messages::column_twin::TwinStatus;
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// Time after a status within which the loss that it declares shows in the recording \[ns\]: a queue to the node counts what
 /// it drops at once, and the gap shows when the node has sent what was queued before.

@@ -7,8 +7,9 @@ use super::verification::Verification;
 use crate::incoming::raw_batch;
 use crate::messages::cdr::CdrError;
 use crate::messages::column_twin::Measurement;
-use crate::senses::{Batch, Intake, IntakeState, Sensor};
-use crate::twin::Nanos;
+use crate::senses::{Batch, Intake, IntakeState};
+use crate::sensors::Sensor;
+use crate::time::Nanos;
 
 /// Most batches that are kept. An estimate rests on those of half a second, and of the second before the impact was detected;
 /// the queue of the node holds 8192 that it has not taken yet.

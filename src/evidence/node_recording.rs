@@ -20,7 +20,8 @@ use crate::recording::{
     self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
 use crate::senses::{Intake, IntakeState};
-use crate::twin::{Journal, Nanos, RefusalCode};
+use crate::time::Nanos;
+use crate::twin::{Journal, RefusalCode};
 
 /// Records everything that a node receives and sends; a separate thread writes it.
 ///

@@ -11,8 +11,9 @@ use crate::live::monotonic_nanos;
 use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
 use crate::senses::MAX_EVENTS;
+use crate::time::Nanos;
 use crate::twin::{
-    Checkpoint, Command, CommandRecord, Journal, MergedEvent, Nanos, Output, StateOutput, Twin,
+    Checkpoint, Command, CommandRecord, Journal, MergedEvent, Output, StateOutput, Twin,
 };
 
 /// A twin that follows the recorded one.

@@ -11,9 +11,9 @@ use crate::messages::cdr::CdrError;
 use crate::messages::column_twin::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
+use crate::time::Nanos;
 use crate::twin::{
-    BackgroundTask, Checkpoint, Command, CommandRecord, Journal, Nanos, Output, Position,
-    StatusRecord,
+    BackgroundTask, Checkpoint, Command, CommandRecord, Journal, Output, Position, StatusRecord,
 };
 
 /// A recorded message of the twin.

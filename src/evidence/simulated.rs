@@ -16,7 +16,8 @@ use crate::messages::std_msgs::Header;
 use crate::outgoing::Outgoing;
 use crate::parameters::Parameters;
 use crate::recording::{Finished, RecordingError, Writer, WriterOptions};
-use crate::twin::{Command, ImpactCommand, Nanos, Output, Refusal, Twin};
+use crate::time::Nanos;
+use crate::twin::{Command, ImpactCommand, Output, Refusal, Twin};
 
 /// Identifier of the event.
 const SIMULATED_EVENT: &str = "simulated";

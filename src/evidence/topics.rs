@@ -6,6 +6,9 @@ use crate::endpoints::{self, Endpoint};
 use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
+/// The topics whose messages become commands.
+pub(super) const INPUTS: [&Endpoint; 2] = [&endpoints::IMPACT_EVENT, &endpoints::COLUMN_PARAMETERS];
+
 /// The endpoints that are recorded of a single twin.
 pub const RECORDED: [&Endpoint; 15] = [
     &endpoints::JOURNAL,

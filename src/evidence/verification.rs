@@ -5,8 +5,8 @@ use std::fmt;
 
 use super::about::{About, build};
 use super::comparison::Difference;
-use super::inputs::INPUTS;
 use super::losses::Losses;
+use super::topics::INPUTS;
 use crate::endpoints;
 use crate::outgoing::{Message, Topic};
 

@@ -10,8 +10,9 @@ use super::page::{Drawn, LegendKey, Stroke, colour};
 use super::units::{Unit, significant};
 use super::{FigureError, drawn, write_all};
 use crate::senses::{
-    ComparedMean, CredibleInterval, ImpactEstimate, RecordedImpact, Sensor, SensorComparison,
+    ComparedMean, CredibleInterval, ImpactEstimate, RecordedImpact, SensorComparison,
 };
+use crate::sensors::Sensor;
 
 /// The band of the largest displacement.
 const PEAK_BAND: RGBColor = RGBColor(190, 218, 238);

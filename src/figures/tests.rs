@@ -353,9 +353,10 @@ fn the_figures_of_a_risk_study() {
 mod estimates {
     use super::*;
     use crate::senses::{
-        ComparedMean, CredibleInterval, Detection, ImpactEstimate, Onset, Quantity, RecordedImpact,
-        Sensor, SensorComparison,
+        ComparedMean, CredibleInterval, Detection, ImpactEstimate, Onset, RecordedImpact,
+        SensorComparison,
     };
+    use crate::sensors::{Quantity, Sensor};
 
     fn interval(mean: f64, half: f64) -> CredibleInterval {
         CredibleInterval {

@@ -1,6 +1,6 @@
 //! Units for numbers that people read.
 
-use crate::senses::Quantity;
+use crate::sensors::Quantity;
 
 /// A unit.
 #[derive(Debug, Clone, Copy, PartialEq)]

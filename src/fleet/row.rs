@@ -7,7 +7,8 @@ use crate::messages::column_twin::{ImpactEvent, RowImpactEvent};
 use crate::messages::std_msgs::Header;
 use crate::parameters::{crushed_name, split_crush};
 use crate::printable::Printable;
-use crate::twin::{ForecastEnd, Nanos, NoticeLevel, Output, ReportOutput, Striking};
+use crate::time::Nanos;
+use crate::twin::{ForecastEnd, NoticeLevel, Output, ReportOutput, Striking};
 
 /// Most columns of one event.
 pub const MAX_ROW_COLUMNS: usize = 100;

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use crate::column::ModelError;
 use crate::parameters::FleetColumn;
-use crate::twin::{Nanos, SavedState, Twin};
+use crate::time::Nanos;
+use crate::twin::{SavedState, Twin};
 
 /// Most columns that an error lists.
 const MAX_LISTED: usize = 20;

@@ -8,9 +8,8 @@ use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
 use super::notifier::Notifier;
-use crate::twin::Nanos;
-
-const NANOS_PER_SECOND: i64 = 1_000_000_000;
+use crate::time::NANOS_PER_SECOND;
+use crate::time::Nanos;
 
 /// A longer wait uses the notifier, so that a command can end it \[ns\].
 const MAX_SLEEP: Nanos = 2_000_000;

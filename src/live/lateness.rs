@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// The lateness of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -18,7 +18,8 @@ use rustix::thread::CpuSet;
 use super::notifier::Notifier;
 use super::real_time::lower_priority;
 use crate::parameters::Parameters;
-use crate::senses::{EstimatorError, Library, StandingColumn};
+use crate::senses::{EstimatorError, Library};
+use crate::standing::StandingColumn;
 
 /// The thread's name.
 pub const LIBRARY_THREAD: &str = "column_twin/library"; // the system shows the first 15 characters

@@ -9,7 +9,7 @@ use thread_priority::{
 };
 
 use crate::parameters::{Parameters, processors};
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// The stack of each thread of a twin and its node \[B\]: a response needs a few kilobytes, messages and their text some tens. Where
 /// the memory is locked, the whole stack takes room.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::senses::Batch;
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// Time for which batches are kept \[ns\]: the final estimate of an impact comes some seconds after it.
 const KEPT: Nanos = 5_000_000_000;

@@ -20,7 +20,8 @@ use super::queue::OutputQueues;
 use super::real_time::yield_to_others;
 use super::sensing_news::SensingNews;
 use crate::senses::{EstimateRecord, EstimatorError, MAX_EVENTS, Sensing, Work};
-use crate::twin::{ColumnSnapshot, Condition, Nanos, Notice, NoticeLevel, Output, Refusal};
+use crate::time::Nanos;
+use crate::twin::{ColumnSnapshot, Condition, Notice, NoticeLevel, Output, Refusal};
 
 /// The thread's name.
 pub const SENSING_THREAD: &str = "column_twin/sense"; // the system shows the first 15 characters
@@ -543,7 +544,8 @@ mod tests {
     use super::*;
     use crate::column::Impact;
     use crate::parameters::{Parameters, Value};
-    use crate::senses::{Batch, StandingColumn, simulate_sensors};
+    use crate::senses::{Batch, simulate_sensors};
+    use crate::standing::StandingColumn;
     use crate::twin::{Accepted, ParametersChanged, Twin};
 
     /// Longest wait for what another thread has to do.

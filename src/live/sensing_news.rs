@@ -7,7 +7,8 @@ use crossbeam_queue::ArrayQueue;
 
 use super::measurements::MeasurementQueue;
 use crate::senses::MAX_EVENTS;
-use crate::twin::{MergedEvent, Nanos, Notice, NoticeLevel, Output};
+use crate::time::Nanos;
+use crate::twin::{MergedEvent, Notice, NoticeLevel, Output};
 
 /// Most events that wait to become evidence for an estimate.
 const MAX_MERGED_EVENTS: usize = MAX_EVENTS;

@@ -13,7 +13,8 @@ use super::real_time::{Patience, URGENT_BEFORE_DEADLINE, Urgency};
 use super::sensing_news::SensingNews;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::twin::{ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
+use crate::time::Nanos;
+use crate::twin::{ColumnSnapshot, Command, NoticeLevel, Output, Outputs, Refusal, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters

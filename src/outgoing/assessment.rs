@@ -6,6 +6,7 @@ use crate::assessment::{
 use crate::column::Impact;
 use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;
+use crate::time::seconds;
 use crate::twin::{Assessed, Prediction, ReportOutput, Status};
 
 impl From<&ReportOutput> for ImpactReport {
@@ -232,8 +233,4 @@ impl Ends {
                 .unwrap_or_default(),
         }
     }
-}
-
-fn seconds(nanos: u64) -> f64 {
-    nanos as f64 / 1e9
 }

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 use crate::endpoints::Endpoint;
 use crate::live::QueueStats;
 use crate::senses::Intake;
-use crate::twin::{Journal, Nanos, RefusalCode};
+use crate::time::Nanos;
+use crate::twin::{Journal, RefusalCode};
 
 /// Receives a copy of everything that the node receives and sends. Called from the node's threads; must not block.
 ///

@@ -103,7 +103,7 @@ use crate::column::{
     RateLaw, RateProperties, RolledSection, SectionBackbone, SofteningProperties, Support, Vehicle,
     YieldExponents,
 };
-use crate::senses::Sensor;
+use crate::sensors::Sensor;
 use draft::Draft;
 use given::Assignment;
 use steel::{CEB_STRENGTH_PER_LOG_RATE, rate_factor_cap};

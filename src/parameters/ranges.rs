@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::parameter::Admissible;
-use crate::senses::MAX_SENSORS;
+use crate::sensors::MAX_SENSORS;
 
 /// Most columns of a fleet that the viewer always shows in full: each has some thirty views and curves of its own.
 pub const MAX_SELECTED_COLUMNS: usize = 8;

@@ -5,7 +5,7 @@ use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::settings::{SensorAxis, SensorMessage, SensorSettings, Settings};
 use super::value::{Kind, Value, readable};
 use super::{or_else, section_of};
-use crate::senses::{Quantity, Sensor};
+use crate::sensors::{Quantity, Sensor};
 
 /// The parameters of each sensor, which continue [`PARAMETERS`](super::PARAMETERS): each exists once for every element of
 /// `sensors.names`, with the element in the place of `<name>`.

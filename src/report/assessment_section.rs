@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
-use super::document::fact;
+use super::facts::fact;
 use super::words::short;
 use crate::column::{BucklingResistance, Capacity, CapacityEnd};
 use crate::figures::units::{Unit, significant};

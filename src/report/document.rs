@@ -7,6 +7,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::assessed::Assessed;
 use super::details::ReportDetails;
 #[cfg(feature = "record")]
+use super::facts::fact;
 use super::felt_section;
 use super::impact_section;
 use super::limits;
@@ -269,11 +270,6 @@ const ABOUT_THE_COLUMN: [&str; 22] = [
 
 fn of_impacts(number: Option<usize>) -> Markup {
     html! { @if let Some(number) = number { ", from impact " (number) " on" } }
-}
-
-/// A row of a table of facts.
-pub(super) fn fact(name: &str, text: impl AsRef<str>) -> Markup {
-    html! { tr { th scope="row" { (name) } td { (text.as_ref()) } } }
 }
 
 fn shown(value: &Value) -> String {

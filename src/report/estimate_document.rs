@@ -2,13 +2,15 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::document::{changed_parameters, fact, limits, page, parameters_json, program_facts};
+use super::document::{changed_parameters, limits, page, parameters_json, program_facts};
 use super::estimate_section;
+use super::facts::fact;
 use super::words::short;
 use crate::figures::units::significant;
 use crate::figures::{EstimateFigures, FigureError, TimedEstimate, estimate_svg};
 use crate::parameters::Parameters;
-use crate::senses::{RecordedImpact, Sensor};
+use crate::senses::RecordedImpact;
+use crate::sensors::Sensor;
 
 /// A report about an impact that was estimated.
 #[derive(Debug, Clone, Copy)]

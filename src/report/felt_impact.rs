@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::senses::{EstimateRecord, Sensor, SensorComparison};
+use crate::senses::{EstimateRecord, SensorComparison};
+use crate::sensors::Sensor;
 use crate::twin::{Decision, EstimateOutput};
 
 /// An impact that the sensors have felt.

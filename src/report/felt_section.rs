@@ -2,8 +2,8 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::document::fact;
 use super::estimate_section;
+use super::facts::fact;
 use super::felt_impact::{FeltDecision, FeltImpact};
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};

@@ -5,8 +5,8 @@ use maud::{Markup, PreEscaped, html};
 use super::assessed::Assessed;
 use super::assessment_section;
 use super::checks;
-use super::document::fact;
 use super::energy_balance::EnergyBalance;
+use super::facts::fact;
 use super::reported_impact::ReportedImpact;
 use super::uncertainty;
 use super::words::{end_in_words, part_of, shortened};
@@ -15,7 +15,7 @@ use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
 use crate::parameters::{CatalogueVehicle, plate_in_words, split_crush};
 use crate::shape::{HINGE_PLACES, WEB_PLACES};
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// The annex about one impact; `number` among several impacts.
 pub(super) fn annex(

@@ -21,6 +21,7 @@ mod energy_balance;
 mod estimate_document;
 mod estimate_section;
 #[cfg(feature = "record")]
+mod facts;
 mod felt_impact;
 #[cfg(feature = "record")]
 mod felt_section;

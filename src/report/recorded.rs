@@ -19,9 +19,10 @@ use crate::parameters::Parameters;
 use crate::recording::{self, EventSummary, Reader, RecordingError, SealFinding};
 use crate::senses::EstimateRecord;
 use crate::study::VehicleLimits;
+use crate::time::Nanos;
 use crate::twin::{
-    ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Nanos, Output,
-    ReportOutput, StateOutput, Twin, vehicle_name,
+    ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Output, ReportOutput,
+    StateOutput, Twin, vehicle_name,
 };
 
 /// Maximum number of impacts with a section of their own; of more impacts, the last ones have one.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
-use super::document::fact;
+use super::facts::fact;
 use super::recorded::{RecordedFile, ReportedRecording};
 use super::reported_impact::ReportedImpact;
 use super::verdict::Verdict;

@@ -10,7 +10,8 @@ use crate::column::{
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
-use crate::twin::{Lengths, Nanos};
+use crate::time::Nanos;
+use crate::twin::Lengths;
 
 /// One impact with everything that the report needs of it.
 #[derive(Debug, Clone)]

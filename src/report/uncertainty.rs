@@ -4,7 +4,7 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
-use super::document::fact;
+use super::facts::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{capitalised, outcome_in_words, short};
 use crate::assessment::{ActionRange, Variation};

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use futures::join;
 
-use super::client::ClientError;
+use super::client_error::ClientError;
 use super::environment::Environment;
 use super::lines::Seen;
 use super::names::Names;

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::Measurement;
 use crate::messages::std_msgs::Header;
-use crate::senses::{Readings, Sensor};
+use crate::senses::Readings;
+use crate::sensors::Sensor;
 
-use super::client::ClientError;
+use super::client_error::ClientError;
 use super::environment::Environment;
 use super::names::{Names, RemapRule};
 use super::node::Node;
@@ -198,7 +199,7 @@ fn batches(options: &MeasureOptions) -> Vec<Due> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::senses::Quantity;
+    use crate::sensors::Quantity;
 
     fn sensor(name: &str, rate: f64) -> Sensor {
         Sensor {

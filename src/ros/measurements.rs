@@ -21,7 +21,7 @@ use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{Parameters, SensorAxis, SensorMessage};
 use crate::senses::{Batch, Collector, Intake, Rejection, SensorHealth};
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 use super::diagnostics::NodeCounters;
 use super::inputs::{each_on, tell};

@@ -9,6 +9,7 @@
 
 mod arguments;
 mod client;
+mod client_error;
 mod clock_watch;
 mod dds_threads;
 mod diagnostics;
@@ -55,9 +56,9 @@ mod utc;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
-    ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, Shown, follow_impact, send_impact,
-    watch,
+    ImpactOptions, ImpactOutcome, ImpactRequest, Shown, follow_impact, send_impact, watch,
 };
+pub use client_error::ClientError;
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use felt::follow_sensors;
 pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};

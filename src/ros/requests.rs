@@ -3,7 +3,7 @@
 use crate::messages::column_twin::{
     CalibrateRequest, CalibrateResponse, ConfirmEstimateRequest, ConfirmEstimateResponse,
 };
-use crate::senses::Quantity;
+use crate::sensors::Quantity;
 use crate::twin::{Accepted, Command, EstimateDecision, Refusal, RefusalCode, ResidualMeasurement};
 
 use super::qos;

@@ -9,7 +9,8 @@ use futures::join;
 use crate::fleet::MAX_ROW_OFFSET;
 use crate::messages::column_twin::{ImpactEvent, ImpactReport, RowImpactEvent};
 
-use super::client::{ClientError, ImpactRequest};
+use super::client::ImpactRequest;
+use super::client_error::ClientError;
 use super::environment::Environment;
 use super::lines::Seen;
 use super::names::{Names, RemapRule};

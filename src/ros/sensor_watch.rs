@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
 use crate::senses::{Rejection, SensorCondition, SensorCounts, SensorHealth, Strays};
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 use super::log_limit::LogLimit;
 

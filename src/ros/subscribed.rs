@@ -11,7 +11,7 @@ use crate::messages::column_twin::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 
-use super::client::ClientError;
+use super::client_error::ClientError;
 use super::environment::Environment;
 use super::lines::Seen;
 use super::missed::Missed;

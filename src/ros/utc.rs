@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-const NANOS_PER_SECOND: i64 = 1_000_000_000;
+use crate::time::NANOS_PER_SECOND;
+
 const SECONDS_PER_DAY: i64 = 86_400;
 
 /// Nanoseconds since 1970, shown as `2026-11-22 09:05:31 UTC`.

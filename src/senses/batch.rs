@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// Consecutive samples of one sensor, with corrected times.
 #[derive(Debug, Clone, PartialEq)]

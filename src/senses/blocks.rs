@@ -3,7 +3,7 @@
 //! Vibrations whose phase the model cannot predict for long average out, and the number of blocks grows with the logarithm
 //! of the time only.
 
-use super::sensor::{Quantity, Sensor};
+use crate::sensors::{Quantity, Sensor};
 
 /// Before contact, from which the blocks begin \[s\].
 const LEAD: f64 = 2e-3;

@@ -1,6 +1,6 @@
 //! Collects the samples of a sensor that sends each in a message of its own.
 
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// Duration of the batches that are collected \[s\]: every impact needs longer to be confirmed, and a message for each sample of a fast
 /// sensor would cost more than its content.

@@ -5,8 +5,8 @@ use super::estimate::CredibleInterval;
 use super::member::Member;
 use super::model_error::ModelError;
 use super::prediction::TimeGrid;
-use super::sensor::Sensor;
 use super::weighing::Observed;
+use crate::sensors::Sensor;
 
 /// What one sensor has read after an impact, and what the responses say that it reads.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,8 @@
 
 use super::member::{Fit, Member};
 use super::model_error::ModelError;
-use super::sensor::Sensor;
 use super::weighing::Observed;
+use crate::sensors::Sensor;
 
 /// Blocks that a sensor needs before it may contradict the others.
 const LEAST_BLOCKS: usize = 5;

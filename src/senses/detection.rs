@@ -9,8 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::sensor::{Quantity, Sensor};
 use crate::exact_number;
+use crate::sensors::{Quantity, Sensor};
 
 /// Standard deviations of the noise beyond which a reading opens a candidate.
 const OPENING: f64 = 8.0;

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::detection::Detection;
 use super::estimate::ImpactEstimate;
 use super::event_evidence::EventEvidence;
-use super::standing_column::StandingColumn;
 use crate::column::{Impact, Vehicle};
 use crate::exact_number;
-use crate::twin::Nanos;
+use crate::standing::StandingColumn;
+use crate::time::Nanos;
 
 /// One estimate of an impact, with what is needed to compute it again from recorded measurements, bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,14 +8,14 @@ use super::hypothesis::{Front, Hypothesis};
 use super::member::Member;
 use super::population::{EXPLORATION, Population, Round};
 use super::prediction::HORIZON;
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
 use super::virgin_capacities::VirginCapacities;
 use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess, imperfection};
 use crate::column::{
     Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
 };
 use crate::parameters::Parameters;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
 
 /// Instants after contact at which estimates are worth it \[s\].
 pub const UPDATE_INSTANTS: [f64; 13] = [

@@ -1,10 +1,10 @@
 //! What one impact lets the sensors read, to be seen beside what they have read.
 
+use super::library::corrected_sensors;
 use super::prediction::{HORIZON, Prediction, TimeGrid};
-use super::sensing::corrected_sensors;
-use super::standing_column::StandingColumn;
 use crate::column::Impact;
 use crate::parameters::Parameters;
+use crate::standing::StandingColumn;
 
 /// Readings are averaged over this time before they are compared by eye \[s\]: the vibrations of the first milliseconds, whose phase
 /// no simple model knows, would hide everything else.

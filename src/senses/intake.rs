@@ -15,10 +15,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::batch::Batch;
-use super::sensor::Sensor;
 use super::sensor_clock::SensorClock;
 use super::stillness::Stillness;
-use crate::twin::Nanos;
+use crate::sensors::Sensor;
+use crate::time::Nanos;
 
 /// Most samples of one batch.
 pub const MAX_BATCH_SAMPLES: usize = 65_536;

@@ -1,7 +1,8 @@
 //! Every fault that a sensor, its clock or its connection can have.
 
 use super::*;
-use crate::senses::{Quantity, TOLERATED_OFFSET};
+use crate::senses::TOLERATED_OFFSET;
+use crate::sensors::Quantity;
 
 const MILLISECOND: Nanos = 1_000_000;
 const EPOCH: Nanos = 1_700_000_000_000_000_000;

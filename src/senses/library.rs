@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use super::estimator::{Estimator, EstimatorError};
-use super::sensing::{corrected_sensors, estimator_of};
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
+use super::hypothesis::hypotheses;
 use crate::parameters::Parameters;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
+
+/// Seed of the random numbers, the same for every impact.
+pub(super) const SEED: u64 = 1;
 
 /// Prepared responses. A copy shares them until one of the two is carried on.
 #[derive(Debug, Clone)]
@@ -58,4 +61,23 @@ impl Library {
     pub(super) fn estimator(&self) -> &Arc<Estimator> {
         &self.estimator
     }
+}
+
+/// The sensors of the parameters, as they are in batches: with corrected signs.
+pub(super) fn corrected_sensors(parameters: &Parameters) -> Vec<Sensor> {
+    let correct = |sensor| Sensor {
+        reversed: false,
+        ..sensor
+    };
+    parameters.sensors().into_iter().map(correct).collect()
+}
+
+/// The estimator of live measurements.
+pub(super) fn estimator_of(
+    parameters: &Parameters,
+    column: &StandingColumn,
+    sensors: &[Sensor],
+) -> Result<Estimator, EstimatorError> {
+    let hypotheses = hypotheses(parameters);
+    Estimator::new(parameters, column, sensors.to_vec(), hypotheses, SEED)
 }

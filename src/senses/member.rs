@@ -6,9 +6,9 @@ use super::hypothesis::UNKNOWNS;
 use super::lanes::{Lanes, WIDTH, ZERO, lanes};
 use super::model_error::ModelError;
 use super::prediction::{Place, Prediction};
-use super::sensor::{Quantity, Sensor};
 use super::weighing::{SCREENED_SHIFTS, SHIFTS, WeighedBlock, Weighing};
 use crate::assessment::Severity;
+use crate::sensors::{Quantity, Sensor};
 
 /// Factor between the column's displacements and the model's, with its standard deviation, before any data.
 pub(super) const NO_SCALE: [f64; 2] = [1.0, ModelError::of(Quantity::Displacement).scale];

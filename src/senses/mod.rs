@@ -41,8 +41,6 @@ mod population;
 mod prediction;
 mod probe;
 #[cfg(feature = "study")]
-mod random;
-#[cfg(feature = "study")]
 mod readings;
 #[cfg(feature = "study")]
 mod recomputation;
@@ -50,11 +48,9 @@ mod recomputation;
 mod recorded;
 #[cfg(feature = "study")]
 mod sensing;
-mod sensor;
 mod sensor_clock;
 #[cfg(feature = "study")]
 mod simulated;
-mod standing_column;
 mod stillness;
 #[cfg(feature = "study")]
 mod update;
@@ -93,8 +89,6 @@ pub use recomputation::{NotRecomputed, Recomputation, SharedPreparations};
 pub use recorded::{RecordedImpact, estimate_recorded};
 #[cfg(feature = "study")]
 pub use sensing::{Sensing, Work};
-pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 pub use sensor_clock::TOLERATED_OFFSET;
 #[cfg(feature = "study")]
 pub use simulated::{simulate_sensors, with_sensor_errors};
-pub use standing_column::{Damage, StandingColumn};

@@ -4,7 +4,7 @@
 //! of other authorship (`tests/data/signals/`) and are assumptions \[A\] of this project, rounded up.
 
 use super::blocks::{Block, BlockMean};
-use super::sensor::Quantity;
+use crate::sensors::Quantity;
 
 /// Times after contact within which flexural waves, which the model does not have, cross the column \[s\].
 const WAVES: f64 = 3e-3;

@@ -14,12 +14,12 @@ use super::hypothesis::{Hypothesis, UNKNOWNS};
 use super::lanes::lanes;
 use super::member::{Member, log_sum};
 use super::prediction::{Prediction, TimeGrid};
-use super::random::Random;
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
 use super::weighing::{Observed, Weighing};
 use crate::column::{ColumnProperties, Impact, ShearProperties};
-use crate::study::cholesky::cholesky;
+use crate::numerics::Random;
+use crate::numerics::cholesky;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
 
 /// Effective number of members to which weights are tempered before a distribution is fitted to them.
 const LEAST_EFFECTIVE: f64 = 12.0;

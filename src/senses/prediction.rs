@@ -2,12 +2,12 @@
 
 use super::lanes::{Lanes, WIDTH, ZERO, lanes};
 use super::probe::SteppedProbe;
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
 use crate::column::{
     ColumnProperties, End, Impact, Model, Progress, Report, Response, State,
     residual_without_bumper,
 };
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
 
 /// Time after contact that a prediction covers \[s\].
 pub(super) const HORIZON: f64 = 0.5;

@@ -14,8 +14,8 @@
 //! The bars have no mass of their own between their ends: the flexural waves of the first milliseconds are not in these
 //! readings.
 
-use super::sensor::{Quantity, Sensor};
 use crate::column::{Model, State};
+use crate::sensors::{Quantity, Sensor};
 
 /// Reads one sensor in a state of the column.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 
-use super::sensor::Sensor;
+use crate::sensors::Sensor;
 
 /// Most rows of a table: ten minutes at 10 kHz.
 const MAX_ROWS: usize = 6_000_000;

@@ -9,11 +9,12 @@ use super::comparison::SensorComparison;
 use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
 use super::event_evidence::MAX_EVENTS;
-use super::sensing::{corrected_sensors, estimator_of, feed};
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
+use super::library::{corrected_sensors, estimator_of};
+use super::sensing::feed;
 use super::update::{Refinement, Update};
 use crate::parameters::Parameters;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
 
 /// Why an estimate cannot be computed again.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -7,9 +7,9 @@ use super::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 use super::hypothesis::hypotheses;
 use super::prediction::HORIZON;
 use super::readings::Readings;
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
 use crate::parameters::Parameters;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
 
 /// Rounds of refinement for each update of recorded readings, for which there is time.
 const ROUNDS: usize = 20;

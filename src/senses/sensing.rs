@@ -14,22 +14,19 @@ use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
 use super::event_evidence::{EventEvidence, MAX_EVENTS};
 use super::hypothesis::hypotheses;
-use super::library::Library;
+use super::library::{Library, corrected_sensors, estimator_of};
 use super::prediction::HORIZON;
-use super::sensor::Sensor;
-use super::standing_column::StandingColumn;
 use super::update::{Refinement, Update, assessed};
 use crate::parameters::Parameters;
-use crate::twin::Nanos;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
+use crate::time::Nanos;
 
 /// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`].
 const INSTANTS: [f64; 6] = [0.005, 0.010, 0.015, 0.020, 0.030, 0.050];
 
 /// Time between two estimates \[s\]: 20 Hz.
 const PERIOD: f64 = 0.05;
-
-/// Seed of the random numbers, the same for every impact.
-pub(super) const SEED: u64 = 1;
 
 /// Most responses drawn for an estimate after its data have arrived; none for the first one, which is due most urgently.
 const DRAWN_PER_UPDATE: u32 = 8;
@@ -618,23 +615,4 @@ pub(super) fn feed(estimator: &mut Estimator, origin: Nanos, batch: &Batch) {
         let since = time.saturating_sub(origin) as f64 / NANOS;
         estimator.push(usize::from(batch.sensor), since, f64::from(value));
     }
-}
-
-/// The sensors of the parameters, as they are in batches: with corrected signs.
-pub(super) fn corrected_sensors(parameters: &Parameters) -> Vec<Sensor> {
-    let correct = |sensor| Sensor {
-        reversed: false,
-        ..sensor
-    };
-    parameters.sensors().into_iter().map(correct).collect()
-}
-
-/// The estimator of live measurements.
-pub(super) fn estimator_of(
-    parameters: &Parameters,
-    column: &StandingColumn,
-    sensors: &[Sensor],
-) -> Result<Estimator, EstimatorError> {
-    let hypotheses = hypotheses(parameters);
-    Estimator::new(parameters, column, sensors.to_vec(), hypotheses, SEED)
 }

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// Differences between the clocks up to this are left as they are \[ns\]: synchronised clocks differ by less, and most of such a
 /// difference is transport, which no correction can tell from it.

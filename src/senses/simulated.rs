@@ -1,10 +1,10 @@
 //! What sensors read in a simulated impact, with their errors.
 
 use super::probe::SteppedProbe;
-use super::random::Random;
 use super::readings::Readings;
-use super::sensor::Sensor;
 use crate::column::{ColumnProperties, Impact, Model, Progress, Response, SimulationError, State};
+use crate::numerics::Random;
+use crate::sensors::Sensor;
 
 /// Time before the event during which the sensors read the column at rest \[s\].
 const LEAD: f64 = 0.1;

@@ -5,7 +5,7 @@ use super::blocks::{Block, BlockMean};
 use super::lanes::{Lanes, WIDTH, ZERO, lanes};
 use super::model_error::ModelError;
 use super::prediction::{Place, TimeGrid};
-use super::sensor::{Quantity, Sensor};
+use crate::sensors::{Quantity, Sensor};
 
 /// Instants of contact that are considered, about the detected one.
 pub(super) const SHIFTS: usize = 13;

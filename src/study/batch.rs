@@ -39,6 +39,12 @@ impl Batch {
         }
     }
 
+    /// A batch for this number of threads; `None`: as many as there are processors.
+    #[must_use]
+    pub(crate) fn of_threads(threads: Option<NonZeroUsize>) -> Self {
+        threads.map_or_else(Self::default, Self::on_threads)
+    }
+
     /// Ends the batch soon, from any thread.
     pub fn interrupt(&self) {
         self.interrupted.store(true, Ordering::Relaxed);

@@ -22,8 +22,6 @@
 mod axis;
 #[cfg(feature = "study")]
 mod batch;
-#[cfg(feature = "study")]
-pub(crate) mod cholesky;
 mod critical;
 #[cfg(feature = "study")]
 mod fleet_kinds;

@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use super::assessed::{Assessed, LastImpact};
-use super::command::Nanos;
 use super::forecast::Forecast;
 use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
 use super::plant::Plant;
-use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
 use super::what_if::Striking;
 use crate::assessment::{BaseDemand, VerdictRange};
 use crate::column::Report;
 use crate::parameters::Parameters;
+use crate::time::Nanos;
+use crate::time::seconds;
 
 /// An impact whose response has begun.
 #[derive(Debug, Clone)]

@@ -5,12 +5,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::command::{Accepted, Nanos, ResidualMeasurement};
+use super::command::{Accepted, ResidualMeasurement};
 use super::lifecycle::Twin;
 use super::output::{NoticeLevel, Output, Outputs};
 use super::plant::Plant;
 use super::refusal::{Refusal, RefusalCode};
-use crate::senses::{Probe, Quantity};
+use crate::senses::Probe;
+use crate::sensors::Quantity;
+use crate::time::Nanos;
 
 /// Factors by which the plastic deformation may be corrected \[A\]: a measurement that asks for more contradicts the model, which
 /// then has another mechanism than the column.

@@ -10,11 +10,10 @@ use crate::assessment::VerdictRange;
 use crate::column::ImpactSpecification;
 use crate::exact_number;
 use crate::parameters::Value;
-use crate::senses::{EstimateRecord, Quantity};
+use crate::senses::EstimateRecord;
+use crate::sensors::Quantity;
 use crate::study::VehicleLimits;
-
-/// Nanoseconds since the epoch of the clock that drives the twin: that of ROS, or simulated time.
-pub type Nanos = i64;
+use crate::time::Nanos;
 
 /// A request that may change the twin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

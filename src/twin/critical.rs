@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::command::Accepted;
 use super::lifecycle::Twin;
-use super::plant::{Plant, is_same_height, with_impact_height};
+use super::plant::Plant;
 use crate::assessment::Severity;
 use crate::column::ColumnProperties;
 use crate::parameters::Parameters;
+use crate::standing::{is_same_height, with_impact_height};
 use crate::study::{StudyColumn, VehicleLimits, vehicle_limits_on};
 
 /// All on which the critical velocities of the column at rest depend, as plain data for another thread.

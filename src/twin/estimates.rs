@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::command::Nanos;
 use crate::parameters::EstimationSettings;
 use crate::senses::{CredibleInterval, EstimateRecord, FEWEST_RESPONSES};
+use crate::time::{Nanos, seconds};
 
 /// Events whose instants of contact are remembered, because an estimate of the same impact may follow.
 const MAX_CONTACTS: usize = 16;
@@ -172,5 +172,5 @@ impl Estimates {
 }
 
 fn is_within(one: Nanos, other: Nanos, window: f64) -> bool {
-    super::seconds(one.abs_diff(other)) <= window
+    seconds(one.abs_diff(other)) <= window
 }

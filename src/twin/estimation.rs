@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::active_response::ActiveResponse;
-use super::command::{Accepted, EstimateDecision, Nanos};
+use super::command::{Accepted, EstimateDecision};
 use super::estimates::{Decision, Sequence, contact, is_sure_enough};
 use super::lifecycle::Twin;
 use super::output::{EstimateOutput, MergedEvent, NoticeLevel, Output, Outputs};
@@ -14,6 +14,7 @@ use super::what_if::Striking;
 use crate::column::Phase;
 use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
 use crate::senses::{EstimateRecord, EventEvidence};
+use crate::time::Nanos;
 
 impl Twin {
     fn estimation(&self) -> &EstimationSettings {

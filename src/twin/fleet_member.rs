@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::command::Nanos;
 use super::critical::CriticalVelocityTask;
 use super::estimates::Estimates;
 use super::forecast::SupersededForecasts;
@@ -12,6 +11,7 @@ use super::parameter_set::ParameterSet;
 use super::plant::Condition;
 use super::registry::Registry;
 use super::status::StatusClock;
+use crate::time::Nanos;
 
 impl Twin {
     /// The twin of another virgin column that differs from this virgin one by its names only, without computing its equilibrium

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use super::active_response::BegunImpact;
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
-use super::command::Nanos;
 use super::output::{
     ForecastEnd, NoticeLevel, Output, Outputs, ReportOutput, Verdicts, WithdrawnForecast,
     WithdrawnImpact,
@@ -14,6 +13,7 @@ use super::output::{
 use super::plant::Plant;
 use super::timeline::{LookAhead, Outlook};
 use crate::column::Report;
+use crate::time::Nanos;
 
 /// Most forecasts of responses that have ended early which are still being computed. When more impacts follow one another
 /// faster than forecasts can be computed, the oldest one is abandoned.

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
-use super::command::Nanos;
 use super::forecast::{Completed, Forecast};
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, Output, Outputs};
+use crate::time::Nanos;
 
 /// Most steps with which the forecasts of responses that have ended before their time are completed when the column comes to
 /// rest: some 0.1 s of computing.

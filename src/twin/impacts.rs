@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
-use super::command::{Accepted, ImpactCommand, Nanos};
+use super::command::{Accepted, ImpactCommand};
 use super::forecast::Forecast;
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs};
 use super::plant::{Plant, Struck};
 use super::refusal::{Refusal, RefusalCode};
 use super::registry::{PendingImpact, check_column_id, check_stamp};
-use super::seconds;
 use super::timeline::{History, LookAhead, Timeline};
 use super::what_if::Striking;
 use crate::assessment::imperfection;
+use crate::time::Nanos;
+use crate::time::seconds;
 
 /// What becomes of the report of an impact whose response another impact ends.
 pub(super) const NO_REPORT: &str = "for which no report will follow";

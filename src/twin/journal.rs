@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::command::{Command, Nanos};
+use super::command::Command;
 use super::estimates::Estimates;
 use super::plant::Condition;
 use super::range::JudgedImpact;
@@ -20,6 +20,7 @@ use super::registry::{Counts, LastRefusal, Life};
 use crate::column::{Impact, State};
 use crate::parameters::Parameters;
 use crate::study::VehicleLimits;
+use crate::time::Nanos;
 
 /// A twin at rest gives out a checkpoint at least this often \[ns\].
 pub const CHECKPOINT_PERIOD: Nanos = 60_000_000_000;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::active_response::{ActiveResponse, BeforeResponse, LastResponse};
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once};
-use super::command::{Accepted, Command, Nanos};
+use super::command::{Accepted, Command};
 use super::critical::KnownCriticalVelocities;
 use super::estimates::Estimates;
 use super::forecast::{Foreseen, SupersededForecasts};
@@ -20,9 +20,11 @@ use super::saved_state::SavedState;
 use super::status::{Judgement, Status, StatusClock, TwinPhase};
 use super::timeline::Advanced;
 use super::what_if::ColumnSnapshot;
-use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
+use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD};
 use crate::column::{End, ModelError, StepError};
 use crate::parameters::Parameters;
+use crate::time::Nanos;
+use crate::time::seconds;
 
 /// Gives monotonic nanoseconds; used only to measure compute times.
 pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;

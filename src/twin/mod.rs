@@ -100,7 +100,7 @@ mod what_if;
 pub use assessed::{Assessed, LastImpact};
 pub use background::{BackgroundKind, BackgroundTask};
 pub use calibration::{CALIBRATION_FACTORS, Calibration};
-pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, Nanos, ResidualMeasurement};
+pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, ResidualMeasurement};
 pub use critical::CriticalVelocityTask;
 pub use estimates::{Decision, Estimates};
 #[cfg(feature = "record")]
@@ -115,11 +115,9 @@ pub use output::{
     ParametersChanged, RangedReport, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
     WithdrawnImpact,
 };
+pub use plant::Condition;
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;
-#[cfg(feature = "study")]
-pub(crate) use plant::with_impact_height;
-pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use range::{JudgedImpact, RangeTask};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{
@@ -131,15 +129,11 @@ pub use status::{RestingColumn, Status, TwinPhase};
 pub use timeline::MAX_LOOK_AHEAD_STEPS;
 pub use what_if::{ColumnSnapshot, MAX_VEHICLE_NAME_CHARS, Prediction, Striking};
 
+use crate::time::{NANOS_PER_SECOND, Nanos};
+
 /// A status is reported at least this often \[ns\].
 pub const STATUS_PERIOD: Nanos = NANOS_PER_SECOND;
 
 /// Most steps of one call of [`Twin::advance_to`]: some milliseconds of computing, so that a twin that catches up still
 /// takes commands.
 pub const MAX_STEPS_PER_CALL: u32 = 2_000;
-
-const NANOS_PER_SECOND: i64 = 1_000_000_000;
-
-fn seconds(nanos: u64) -> f64 {
-    nanos as f64 / NANOS_PER_SECOND as f64
-}

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::assessed::Assessed;
 use super::calibration::Calibration;
-use super::command::{Accepted, Nanos};
+use super::command::Accepted;
 use super::estimates::Decision;
 use super::journal::Journal;
 use super::registry::Refused;
@@ -15,6 +15,7 @@ use crate::assessment::{self, VerdictRange};
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
 use crate::senses::{EstimateRecord, EventEvidence};
+use crate::time::Nanos;
 
 /// One thing that leaves the twin. All of them are about the twin's one column.
 #[derive(Debug, Clone)]

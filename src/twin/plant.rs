@@ -6,13 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::refusal::{Refusal, RefusalCode};
 use crate::column::{
-    ColumnProperties, Displacement, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow,
-    Progress, Report, Response, Scheme, ShearProperties, State, StepError, WebState, carried_over,
-    residual_state, residual_without_bumper, with_half_the_step,
+    ColumnProperties, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow, Progress, Report,
+    Response, Scheme, ShearProperties, State, StepError, carried_over, residual_state,
+    residual_without_bumper, with_half_the_step,
 };
-
-/// Heights that differ by less than this are the same hinges \[m\].
-pub const HEIGHT_TOLERANCE: f64 = 1e-3;
+use crate::standing::{StandingColumn, is_same_height, with_impact_height};
 
 /// Whether the column can take an impact.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,27 +62,17 @@ impl Plant {
         }
     }
 
-    /// The column with a damage that was saved (`None`: the accumulated rotations \[rad\] are the absolute ones, and the webs have sheared at once); under another load than then it is in its new equilibrium.
+    /// The column with a damage that was saved; under another load than then it is in its new equilibrium.
     ///
     /// # Errors
     /// The column is impossible.
     pub fn restored(
         properties: &ColumnProperties,
-        impact_height: f64,
-        displacement: Displacement,
-        plastic: PerBar<PlasticFlow>,
-        accumulated_rotation: Option<PerBar<[f64; 2]>>,
-        webs: Option<PerBar<WebState>>,
+        standing: &StandingColumn,
         condition: Condition,
     ) -> Result<Self, ModelError> {
-        let model = Model::new(&with_impact_height(properties, impact_height))?;
-        let mut state = State::settled(&model, displacement, plastic);
-        if let Some(accumulated) = accumulated_rotation {
-            state.set_accumulated_rotation(&model, &accumulated);
-        }
-        if let Some(webs) = webs {
-            state.set_webs(&model, &webs);
-        }
+        let model = Model::new(&with_impact_height(properties, standing.impact_height))?;
+        let state = standing.settled(&model);
         let mut restored = Self {
             model,
             state,
@@ -421,22 +409,6 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         }),
         ..with_bumper(properties, 0.0)
     }
-}
-
-/// The same column with hinges 1a and 1b at another height \[m\].
-pub(crate) fn with_impact_height(properties: &ColumnProperties, height: f64) -> ColumnProperties {
-    let mut moved = *properties;
-    if !is_same_height(height, properties.length_below) {
-        let whole = properties.length_below + properties.length_above;
-        moved.length_below = height;
-        moved.length_above = whole - height;
-    }
-    moved
-}
-
-/// Whether two heights mean the same hinges; false where one of them is NaN.
-pub(super) fn is_same_height(a: f64, b: f64) -> bool {
-    (a - b).abs() < HEIGHT_TOLERANCE
 }
 
 fn is_impact_point_damaged(state: &State) -> bool {

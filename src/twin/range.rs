@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::active_response::{ActiveResponse, BegunImpact};
 use super::assessed::Assessed;
-use super::command::{Accepted, Nanos};
+use super::command::Accepted;
 use super::lifecycle::Twin;
 use super::output::{NoticeLevel, Output, Outputs, RangedReport, ReportOutput};
 use super::plant::{Condition, Plant};
@@ -20,6 +20,7 @@ use super::what_if::Striking;
 use crate::assessment::{ActionRange, Severity, VerdictRange};
 use crate::column::{ColumnProperties, Impact, Report};
 use crate::parameters::Parameters;
+use crate::time::Nanos;
 
 /// All on which the range of a verdict depends, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::command::{Accepted, Nanos};
+use super::command::Accepted;
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
 use super::refusal::Refusal;
-use super::seconds;
 use crate::parameters::{Parameters, Value};
+use crate::time::Nanos;
+use crate::time::seconds;
 
 /// Maximum length of a response \[steps\] whose end is computed in order to judge a change that waits for it: at most about a
 /// second, which the sender of the change has to wait.

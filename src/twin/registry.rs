@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
 use super::calibration::Calibration;
-use super::command::Nanos;
 use super::output::WithdrawnImpact;
 use super::refusal::{Refusal, RefusalCode, truncated};
-use super::seconds;
 use super::seen_ids::SeenIds;
 use super::what_if::Striking;
 use crate::assessment::BaseDemand;
 use crate::parameters::Parameters;
 use crate::printable::{Printable, is_printable};
+use crate::time::Nanos;
+use crate::time::seconds;
 
 /// Longest identifier of an event in characters.
 pub const MAX_EVENT_ID_CHARS: usize = 255;

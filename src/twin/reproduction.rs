@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::MAX_STEPS_PER_CALL;
-use super::command::Nanos;
 use super::journal::{Checkpoint, JournalClock, NotReached, Position};
 use super::lifecycle::{Stopwatch, Twin};
 use super::output::{Output, Outputs};
@@ -11,6 +10,7 @@ use super::plant::Plant;
 use super::range::Judged;
 use crate::column::{Model, ModelError};
 use crate::parameters::Parameters;
+use crate::time::Nanos;
 
 impl Twin {
     /// The twin as it was at a checkpoint, without the course of the response before it.

@@ -8,12 +8,13 @@ use thiserror::Error;
 
 use super::assessed::LastImpact;
 use super::calibration::Calibration;
-use super::command::Nanos;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
 use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
+use crate::standing::{Damage, StandingColumn};
+use crate::time::Nanos;
 
 /// Format name in every state file.
 const FORMAT: &str = "column_twin state";
@@ -177,15 +178,24 @@ impl SavedState {
     /// # Errors
     /// The column is impossible.
     pub(super) fn plant(&self, properties: &ColumnProperties) -> Result<Plant, ModelError> {
-        Plant::restored(
-            properties,
-            self.impact_height,
-            self.displacement,
-            self.plastic,
-            self.accumulated_rotation,
-            self.webs,
-            self.condition.clone(),
-        )
+        Plant::restored(properties, &self.standing(), self.condition.clone())
+    }
+
+    /// The column at rest that was saved.
+    fn standing(&self) -> StandingColumn {
+        let absolute = || PerBar {
+            below: self.plastic.below.rotation.map(f64::abs),
+            above: self.plastic.above.rotation.map(f64::abs),
+        };
+        StandingColumn {
+            impact_height: self.impact_height,
+            damage: Some(Damage {
+                displacement: self.displacement,
+                plastic: self.plastic,
+                accumulated_rotation: self.accumulated_rotation.unwrap_or_else(absolute),
+                webs: self.webs,
+            }),
+        }
     }
 
     /// The text of a state file.

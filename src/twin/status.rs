@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::STATUS_PERIOD;
 use super::assessed::Assessed;
 use super::calibration::Calibration;
-use super::command::Nanos;
 use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
@@ -13,6 +12,7 @@ use super::registry::{Counts, LastRefusal, Registry};
 use crate::assessment::VerdictRange;
 use crate::column::{HINGES, Phase, Sample, VehicleReport, WEBS};
 use crate::study::VehicleLimits;
+use crate::time::Nanos;
 
 /// Where column and twin are in the course of an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

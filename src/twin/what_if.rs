@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
-use super::plant::{Condition, Plant, Struck, is_same_height, with_impact_height};
+use super::plant::{Condition, Plant, Struck};
 use super::refusal::{Refusal, RefusalCode};
 use super::registry::check_column_id;
-use super::seconds;
 use super::timeline::{LookAhead, Outlook};
 use crate::assessment::{BaseDemand, imperfection};
 use crate::column::{
@@ -16,7 +15,9 @@ use crate::parameters::{
     CRUSHED_BY, CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable, split_crush,
 };
 use crate::printable::is_printable;
-use crate::senses::StandingColumn;
+use crate::standing::StandingColumn;
+use crate::standing::{is_same_height, with_impact_height};
+use crate::time::seconds;
 
 /// Longest name of a vehicle in characters.
 pub const MAX_VEHICLE_NAME_CHARS: usize = 64;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::scene::Point3;
+use super::point::Point3;
 
 /// Vertical angle of view of Rerun's camera \[rad\].
 const ANGLE_OF_VIEW: f64 = 55.0 * PI / 180.0;

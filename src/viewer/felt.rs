@@ -7,8 +7,10 @@ use super::timeline::nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::ImpactEstimate;
 use crate::parameters::Parameters;
-use crate::senses::{AVERAGED_OVER, Batch, EstimateRecord, StandingColumn, predicted_means};
-use crate::twin::{EstimateOutput, Nanos};
+use crate::senses::{AVERAGED_OVER, Batch, EstimateRecord, predicted_means};
+use crate::standing::StandingColumn;
+use crate::time::Nanos;
+use crate::twin::EstimateOutput;
 
 /// Time before contact from which on readings are shown \[ms\].
 const BEFORE: i64 = 5;

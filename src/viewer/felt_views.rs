@@ -11,7 +11,7 @@ use super::timeline::Moment;
 use crate::assessment::Severity;
 use crate::messages::column_twin::{CredibleInterval, ImpactReport};
 use crate::parameters::Parameters;
-use crate::senses::Quantity;
+use crate::sensors::Quantity;
 use crate::shape::severity_colour;
 
 /// Most sensors that have a view of their own; more would not be readable. The data of all sensors are there.

@@ -3,7 +3,7 @@
 //! The viewer draws a label at a size of its own, centred below its point, however far the point is away. Here the labels
 //! of one column are moved apart vertically by as much as they need in the camera's picture.
 
-use super::scene::Point3;
+use super::point::Point3;
 
 /// Width of a character and of both margins of a label \[points\].
 const CHARACTER: f64 = 6.3;

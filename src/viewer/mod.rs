@@ -38,6 +38,7 @@ mod map_blueprint;
 mod panel;
 mod picture;
 pub mod plots;
+mod point;
 mod recorded_message;
 mod rerun_types;
 mod scene;

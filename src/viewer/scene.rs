@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use super::camera::Camera;
 use super::colour::{self, Rgb};
 use super::labels::{self, Label, moved_apart};
+use super::point::Point3;
 use crate::column::{
     HINGE_NAMES, HINGES, HingeState, MAX_MASSES, Model, Phase, Sample, State, Vehicle,
 };
@@ -16,9 +17,6 @@ use crate::shape::{
     BentAxis, CrushedVehicle, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody,
     drawn_section, round_number,
 };
-
-/// A point or a vector in space \[m\].
-pub type Point3 = [f32; 3];
 
 /// Angle of a moment's arc at the plastic moment \[rad\].
 pub const FULL_ARC: f64 = 1.5 * PI;

@@ -7,8 +7,9 @@ use rerun::{
 
 use super::branch::Branch;
 use super::colour;
+use super::point::Point3;
 use super::rerun_types::color;
-use super::scene::{Drawing, Point3, in_space};
+use super::scene::{Drawing, in_space};
 use crate::column::{HINGE_NAMES, YieldExponents};
 use crate::parameters::SupportKind;
 use crate::shape::{PlanePoint, yield_curve};

@@ -9,10 +9,10 @@ use column_twin::messages::column_twin::{ImpactEstimate as EstimateMessage, Twin
 use column_twin::messages::{Message, cdr, std_msgs};
 use column_twin::outgoing::Topic;
 use column_twin::parameters::Value;
-use column_twin::senses::{
-    CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset, Quantity,
-};
-use column_twin::twin::{Command, EstimateDecision, Journal, Nanos, ResidualMeasurement};
+use column_twin::senses::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
+use column_twin::sensors::Quantity;
+use column_twin::time::Nanos;
+use column_twin::twin::{Command, EstimateDecision, Journal, ResidualMeasurement};
 
 use crate::copies::forged;
 use crate::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};

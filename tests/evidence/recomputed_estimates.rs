@@ -10,8 +10,10 @@ use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::report::ReportDocument;
-use column_twin::senses::{EstimateRecord, EventEvidence, Readings, Sensing, StandingColumn, Work};
-use column_twin::twin::{Command, Nanos};
+use column_twin::senses::{EstimateRecord, EventEvidence, Readings, Sensing, Work};
+use column_twin::standing::StandingColumn;
+use column_twin::time::Nanos;
+use column_twin::twin::Command;
 
 use super::copies::{messages, written};
 use super::estimates::{changed_estimate, first_field};

@@ -18,9 +18,8 @@ use column_twin::outgoing::{Message as TwinMessage, Outgoing, RecordingTap as _}
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::senses::{Batch, Intake};
-use column_twin::twin::{
-    Command, ImpactCommand, Nanos, Output, ParametersChanged, RefusalCode, Twin,
-};
+use column_twin::time::Nanos;
+use column_twin::twin::{Command, ImpactCommand, Output, ParametersChanged, RefusalCode, Twin};
 use tempfile::TempDir;
 
 pub const START: Nanos = 1_800_000_000_000_000_000;

@@ -11,7 +11,8 @@ use column_twin::parameters::{Parameters, RecordMode, Value};
 use column_twin::recording::{
     Entry, Message, Reader, RecorderOptions, SealFinding, SealKey, Session,
 };
-use column_twin::twin::{Command, ImpactCommand, Nanos, RefusalCode};
+use column_twin::time::Nanos;
+use column_twin::twin::{Command, ImpactCommand, RefusalCode};
 use tempfile::TempDir;
 
 use super::copies::messages;

@@ -14,7 +14,8 @@ use column_twin::messages::std_msgs::Header;
 use column_twin::outgoing::{Message, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
-use column_twin::twin::{Command, ImpactCommand, Nanos, Output, RefusalCode, Twin, TwinPhase};
+use column_twin::time::Nanos;
+use column_twin::twin::{Command, ImpactCommand, Output, RefusalCode, Twin, TwinPhase};
 use tempfile::TempDir;
 
 use super::recorded_twin::{MS, START, event, message_of, parameter_event, system_time};

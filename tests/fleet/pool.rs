@@ -12,9 +12,10 @@ use column_twin::live::{
     SimClock, SystemClock,
 };
 use column_twin::parameters::{FleetColumn, Parameters, Value};
+use column_twin::time::Nanos;
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{
-    Command, ImpactCommand, Nanos, NoticeLevel, Output, RefusalCode, StateOutput, Twin,
+    Command, ImpactCommand, NoticeLevel, Output, RefusalCode, StateOutput, Twin,
 };
 
 const START: Nanos = 1_800_000_000_000_000_000;

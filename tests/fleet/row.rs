@@ -8,7 +8,8 @@ use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ImpactEvent, RowImpactEvent};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{Parameters, Value};
-use column_twin::twin::{Command, Nanos, NoticeLevel, Output, ReportOutput, Twin};
+use column_twin::time::Nanos;
+use column_twin::twin::{Command, NoticeLevel, Output, ReportOutput, Twin};
 
 const START: Nanos = 1_800_000_000_000_000_000;
 const SECOND: Nanos = 1_000_000_000;

@@ -11,7 +11,8 @@ use column_twin::live::{
 };
 use column_twin::parameters::{FleetColumn, Parameters, Value};
 use column_twin::senses::{Batch, EstimateRecord, Readings, Recomputation, simulate_sensors};
-use column_twin::twin::{Decision, Nanos, Notice, NoticeLevel, Output};
+use column_twin::time::Nanos;
+use column_twin::twin::{Decision, Notice, NoticeLevel, Output};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 

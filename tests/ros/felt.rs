@@ -15,7 +15,8 @@ use column_twin::messages::column_twin::{
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::ros::Node;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::senses::{Readings, Sensor, simulate_sensors};
+use column_twin::senses::{Readings, simulate_sensors};
+use column_twin::sensors::Sensor;
 use tempfile::TempDir;
 
 use super::domain::Domain;

@@ -1,6 +1,7 @@
 //! Impacts are found, and nothing else is.
 
-use column_twin::senses::{Detection, Detector, Quantity, Sensor};
+use column_twin::senses::{Detection, Detector};
+use column_twin::sensors::{Quantity, Sensor};
 
 use super::signals::{NAMES, Normal, Signal};
 

@@ -7,8 +7,10 @@ use column_twin::column::{
 use column_twin::parameters::Parameters;
 use column_twin::senses::{
     Batch, CredibleInterval, EstimateRecord, EventEvidence, Library, Probe, Readings,
-    Recomputation, Sensing, Sensor, StandingColumn, Work,
+    Recomputation, Sensing, Work,
 };
+use column_twin::sensors::Sensor;
+use column_twin::standing::StandingColumn;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 

@@ -2,7 +2,8 @@
 
 use column_twin::column::{BarForces, ColumnProperties, Impact, Model, Response, State, simulate};
 use column_twin::parameters::Parameters;
-use column_twin::senses::{Probe, Quantity, Readings, Sensor, simulate_sensors};
+use column_twin::senses::{Probe, Readings, simulate_sensors};
+use column_twin::sensors::{Quantity, Sensor};
 
 fn sensor(name: &str, quantity: Quantity, height: f64) -> Sensor {
     Sensor {

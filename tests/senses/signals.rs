@@ -4,7 +4,8 @@ use std::fs::File;
 use std::path::Path;
 
 use column_twin::parameters::{Parameters, parse_override};
-use column_twin::senses::{Batch, Quantity, Readings, Sensor};
+use column_twin::senses::{Batch, Readings};
+use column_twin::sensors::{Quantity, Sensor};
 use flate2::read::GzDecoder;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};

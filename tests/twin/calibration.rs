@@ -2,7 +2,8 @@
 
 use column_twin::column::{Model, residual_state};
 use column_twin::parameters::Value;
-use column_twin::senses::{Probe, Quantity};
+use column_twin::senses::Probe;
+use column_twin::sensors::Quantity;
 use column_twin::twin::{
     Accepted, CALIBRATION_FACTORS, Calibration, Command, Output, Refusal, RefusalCode,
     ResidualMeasurement,

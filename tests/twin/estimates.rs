@@ -6,9 +6,10 @@ use column_twin::assessment::Severity;
 use column_twin::column::Impact;
 use column_twin::parameters::Value;
 use column_twin::senses::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
+use column_twin::time::Nanos;
 use column_twin::twin::{
-    Accepted, Command, Decision, EstimateDecision, EstimateOutput, ImpactCommand, Journal, Nanos,
-    Output, RefusalCode, RefusedInput, StateOutput,
+    Accepted, Command, Decision, EstimateDecision, EstimateOutput, ImpactCommand, Journal, Output,
+    RefusalCode, RefusedInput, StateOutput,
 };
 
 use crate::{Bench, MS, START, event, fatal};

@@ -18,8 +18,9 @@ use column_twin::column::ImpactSpecification;
 use std::sync::Arc;
 
 use column_twin::parameters::{Parameters, Value};
+use column_twin::time::Nanos;
 use column_twin::twin::{
-    Accepted, Command, ImpactCommand, Nanos, Output, Refusal, Refused, ReportOutput, SavedState,
+    Accepted, Command, ImpactCommand, Output, Refusal, Refused, ReportOutput, SavedState,
     StateOutput, Status, Twin,
 };
 

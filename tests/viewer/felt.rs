@@ -8,9 +8,11 @@ use column_twin::column::Impact;
 use column_twin::messages::column_twin::{ImpactEstimate, ImpactReport};
 use column_twin::parameters::Parameters;
 use column_twin::senses::{
-    Batch, EstimateRecord, RecordedImpact, StandingColumn, estimate_recorded, simulate_sensors,
+    Batch, EstimateRecord, RecordedImpact, estimate_recorded, simulate_sensors,
 };
-use column_twin::twin::{Decision, EstimateOutput, Nanos};
+use column_twin::standing::StandingColumn;
+use column_twin::time::Nanos;
+use column_twin::twin::{Decision, EstimateOutput};
 use column_twin::viewer::{
     Announcement, FeltImpacts, FeltUpdate, RecordedMessage, StreamOptions, ViewerItem,
     ViewerStream, from_messages,

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use column_twin::live::{Live, LiveHandle, LiveOptions, RealTime, Receiver, SimClock};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::twin::{Command, ImpactCommand, Nanos, NoticeLevel, Output, StateOutput, Twin};
+use column_twin::time::Nanos;
+use column_twin::twin::{Command, ImpactCommand, NoticeLevel, Output, StateOutput, Twin};
 use column_twin::viewer::{LiveViewer, VIEWER_QUEUE, ViewerLogger, output_queue};
 
 pub const START: Nanos = 1_800_000_000_000_000_000;

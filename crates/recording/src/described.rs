@@ -5,14 +5,9 @@ use std::path::PathBuf;
 
 use crate::chain::{Hash, TopicTexts};
 use crate::error::RecordingError;
+use crate::keys::{QOS_KEY, TYPE_HASH_KEY};
 use crate::reader::RecordedTopic;
 use crate::topic::TopicInfo;
-
-/// Key of the offered quality of service in the metadata of a channel.
-pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
-
-/// Key of the type hash in the metadata of a channel.
-pub(crate) const TYPE_HASH_KEY: &str = "topic_type_hash";
 
 /// A topic with all its texts in the file.
 pub(crate) struct Described {

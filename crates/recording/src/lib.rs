@@ -9,6 +9,7 @@ mod described;
 mod error;
 mod files;
 mod index_check;
+mod keys;
 mod names;
 mod notes;
 mod predecessor;

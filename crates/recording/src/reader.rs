@@ -10,9 +10,9 @@ use mcap::records::{Channel, Header, MessageHeader, Metadata, Record, SchemaHead
 
 use crate::chain::{Hash, TopicTexts};
 use crate::compression::ChunkCompression;
-use crate::described::QOS_KEY;
 use crate::error::RecordingError;
 use crate::files::files_of;
+use crate::keys::QOS_KEY;
 use crate::notes::{Notes, REPAIR, REPEATED_CHECKPOINT, START, UNREAD};
 use crate::predecessor::{self, Predecessor};
 use crate::records::{FileEnd, RecordReader};

@@ -13,7 +13,8 @@ use super::{TIMEOUT, outcome_text, severity_text};
 use column_twin::messages::column_twin::{ImpactEstimate, ImpactReport, TwinStatus};
 use column_twin::parameters::Parameters;
 use column_twin::ros::{Seen, decision_word, follow_sensors, in_unit, severities_in_words};
-use column_twin::senses::{Readings, Sensor};
+use column_twin::senses::Readings;
+use column_twin::sensors::Sensor;
 
 /// The parameter files of the demonstration, and what is in them.
 const FILES: [(&str, &str); 3] = [

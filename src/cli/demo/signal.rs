@@ -6,7 +6,8 @@ use flate2::read::GzDecoder;
 use serde_json::Value as Json;
 
 use super::super::failure::{Exit, Failure};
-use column_twin::senses::{Readings, Sensor, with_sensor_errors};
+use column_twin::senses::{Readings, with_sensor_errors};
+use column_twin::sensors::Sensor;
 
 /// Its name in the table of truths.
 const NAME: &str = "s02_rigid_10";

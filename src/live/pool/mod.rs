@@ -6,6 +6,7 @@
 //! results are those of a single twin, bit for bit, because a twin does not depend on when it is stepped.
 
 mod background;
+mod fleet_news;
 mod keeper;
 mod readers;
 mod schedule;
@@ -36,7 +37,7 @@ use super::real_time::{self, RealTime, RealTimeGrants, Urgency};
 use super::state_writer::STATE_WRITER_THREAD;
 use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
 use crate::column::ImpactSpecification;
-use crate::parameters::{MAX_COLUMNS, Parameters};
+use crate::parameters::Parameters;
 use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, Striking, Twin};
 use background::Background;
 use keeper::Keeper;
@@ -44,10 +45,8 @@ use readers::Readers;
 use schedule::Plan;
 #[cfg(feature = "study")]
 use sensors::FleetSensing;
+pub use worker::MAX_FLEET_COMMANDS;
 use worker::{Agreed, Counters, Shared, Slot};
-
-/// Maximum number of requests to the columns of a fleet that wait; more are rejected. All columns may be hit at once.
-pub const MAX_FLEET_COMMANDS: usize = 2 * MAX_COLUMNS;
 
 /// Outputs of each kind that wait for the reader, besides two for each column, which has a status at the start and another one
 /// with its critical velocities.

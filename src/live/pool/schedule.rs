@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// What a column needs next, without what comes from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

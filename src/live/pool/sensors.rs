@@ -15,6 +15,7 @@ use super::super::queue::{OutputQueues, QueueStats};
 use super::super::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
 use super::super::sensing_news::SensingNews;
 use super::super::{ANSWER_TIMEOUT, Panicked};
+use super::fleet_news::FleetNews;
 use super::worker::Shared;
 use crate::senses::Batch;
 use crate::twin::Command;
@@ -62,17 +63,6 @@ impl FleetMeasurements {
     }
 }
 
-/// What the solver threads tell those that feel impacts.
-#[derive(Debug)]
-pub(super) struct FleetNews(Box<[Arc<SensingNews>]>);
-
-impl FleetNews {
-    /// The thread of this column.
-    pub fn of(&self, column: u32) -> &SensingNews {
-        &self.0[column as usize % self.0.len()]
-    }
-}
-
 /// The queues and the news of a fleet in which this is `true` for the columns with sensors; `None` if there is none.
 pub(super) fn prepare(is_sensed: &[bool]) -> Option<(FleetMeasurements, FleetNews)> {
     if !is_sensed.contains(&true) {
@@ -89,7 +79,7 @@ pub(super) fn prepare(is_sensed: &[bool]) -> Option<(FleetMeasurements, FleetNew
             let own = own.map(|(column, is_sensed)| *is_sensed && column % threads == thread);
             Arc::new(SensingNews::new(own, Arc::clone(queue)))
         });
-    let news = FleetNews(news.collect());
+    let news = FleetNews::new(news.collect());
     Some((measurements, news))
 }
 
@@ -130,7 +120,7 @@ impl FleetSensing {
             threads: Vec::new(),
             measurements,
         };
-        let news = shared.news.iter().flat_map(|it| &it.0);
+        let news = shared.news.iter().flat_map(FleetNews::threads);
         for (queue, news) in sensing.measurements.queues.iter().zip(news) {
             let (asked, told) = (Arc::clone(shared), Arc::clone(shared));
             let deliver = Deliver::of_fleet(move |column, record| {

@@ -1,6 +1,6 @@
 //! Which of the solver threads that wait wakes at the next deadline. Knows neither threads nor clocks.
 
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 /// The thread that waits for a deadline, and that deadline. The others wait until somebody wakes them.
 #[derive(Debug, Default)]

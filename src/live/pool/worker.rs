@@ -11,17 +11,20 @@ use super::super::lateness::lateness;
 use super::super::notifier::Notifier;
 use super::super::real_time::{Patience, Urgency};
 use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
-use super::MAX_FLEET_COMMANDS;
 use super::background::{Background, Known};
 use super::keeper::Keeper;
 use super::readers::Readers;
 use super::schedule::{Job, Plan, Schedule};
 use super::watch::Watch;
+use crate::parameters::MAX_COLUMNS;
 use crate::parameters::Parameters;
+use crate::time::Nanos;
 use crate::twin::{
-    Accepted, BackgroundKind, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, RefusalCode,
-    Twin,
+    Accepted, BackgroundKind, Command, NoticeLevel, Output, Outputs, Refusal, RefusalCode, Twin,
 };
+
+/// Maximum number of requests to the columns of a fleet that wait; more are rejected. All columns may be hit at once.
+pub const MAX_FLEET_COMMANDS: usize = 2 * MAX_COLUMNS;
 
 /// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
 const SLICE: u64 = 64;
@@ -133,7 +136,7 @@ pub struct Shared {
     pub background: Arc<Background>,
     /// News for the threads that feel impacts; `None` without sensors.
     #[cfg(feature = "study")]
-    pub news: Option<super::sensors::FleetNews>,
+    pub news: Option<super::fleet_news::FleetNews>,
     pub counters: Counters,
 }
 

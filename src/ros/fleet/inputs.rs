@@ -36,6 +36,7 @@ use super::super::type_descriptions::{
 };
 use super::live_fleet::FleetTwin;
 use super::parameter_services as parameters;
+use super::rejected::not_taken;
 use super::rows::RowImpacts;
 
 impl ros2_client::Message for ResetColumnRequest {}
@@ -127,20 +128,6 @@ impl FleetSubscriptions {
             }
         };
         join!(events, clock, measurements);
-    }
-}
-
-/// Records that a message which was received did not reach its column.
-pub(super) fn not_taken(
-    recording: &Option<Arc<dyn RecordingTap>>,
-    column_id: &str,
-    endpoint: &Endpoint,
-    what: &str,
-    refusal: &Refusal,
-) {
-    if let Some(recording) = recording {
-        let Refusal { code, reason } = refusal;
-        recording.rejected(Some(column_id), endpoint, what, Some(*code), reason);
     }
 }
 

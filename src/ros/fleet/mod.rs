@@ -11,6 +11,7 @@ mod live_fleet;
 mod node;
 mod parameter_services;
 mod publishing;
+mod rejected;
 mod rows;
 mod run;
 mod sensors;

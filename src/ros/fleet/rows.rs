@@ -10,12 +10,13 @@ use crate::incoming::impact_command;
 use crate::messages::column_twin::RowImpactEvent;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{Parameters, crush_of_name, split_crush};
-use crate::twin::{Command, Nanos, Output, Striking};
+use crate::time::Nanos;
+use crate::twin::{Command, Output, Striking};
 
 use super::super::inputs::record;
 use super::super::qos;
-use super::inputs::not_taken;
 use super::live_fleet::FleetTwin;
+use super::rejected::not_taken;
 
 /// Most reasons that a rejection lists.
 const MAX_LISTED: usize = 20;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::live::{LibraryStatistics, MAX_ESTIMATED_AT_ONCE, MAX_LIBRARIES, SensingStatistics};
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
 use crate::senses::{SensorCondition, SensorHealth};
-use crate::twin::Nanos;
+use crate::time::Nanos;
 
 use super::super::diagnostics::entry;
 use super::super::measurements::SensedColumns;

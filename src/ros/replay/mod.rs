@@ -27,6 +27,7 @@ use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::rosgraph_msgs::Clock;
 use crate::recording::{self, OfferedQos, Reader, RecordedTopic, RecordingError};
+use crate::time::NANOS_PER_SECOND;
 use pace::Pace;
 
 /// Name of the node.
@@ -473,7 +474,6 @@ fn now() -> i64 {
 }
 
 fn sleep_until(deadline: i64) {
-    const NANOS_PER_SECOND: i64 = 1_000_000_000;
     let request = Timespec {
         tv_sec: deadline.div_euclid(NANOS_PER_SECOND),
         tv_nsec: deadline.rem_euclid(NANOS_PER_SECOND) as _,

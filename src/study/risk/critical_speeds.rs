@@ -7,17 +7,17 @@
 //! The logarithm of a critical speed is a quadratic function of the inputs as standard normal variables, fitted to designs of a
 //! class for which it was searched, plus a linear regression of what this leaves over the designs near the place.
 
-use crate::study::cholesky::cholesky;
 use rayon::ThreadPoolBuildError;
 
-use super::departure::{Departure, DepartureSampler, LEAST_SPEED};
+use super::departure::{Departure, DepartureSampler};
 use super::evaluation::LimitState;
 use super::normal;
 use super::random::Purpose;
+use super::reach::LEAST_SPEED;
 use super::scenario::Scenario;
-use super::study::{CONTROL_SHARES, batch};
-use super::tally::{LEVELS, Prediction};
+use super::tally::{CONTROL_SHARES, LEVELS, Prediction};
 use crate::assessment::Severity;
+use crate::numerics::cholesky;
 use crate::study::{Batch, BatchEnd, SEVERITIES};
 
 /// Inputs on which a critical speed depends: mass, force factor, yield strength, load.
@@ -158,7 +158,7 @@ impl CriticalSpeedSurface {
             responses: designs.iter().map(|design| design.responses).sum(),
         };
         let groups: Vec<&[Design]> = designs.chunks(DESIGNS as usize).collect();
-        let pool = batch(search.threads);
+        let pool = Batch::of_threads(search.threads);
         let mut calibrated = Vec::new();
         pool.run(
             groups.len() as u64,

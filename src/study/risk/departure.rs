@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::random::{Purpose, Streams};
-use super::reach::{Course, Reach};
+use super::reach::{Course, LEAST_SPEED, Reach};
 use super::scenario::Scenario;
 
 /// The inputs that scatter, in the order of the random numbers of a sample.
@@ -21,10 +21,6 @@ pub const INPUT_NAMES: [&str; 9] = [
 
 /// Number of the inputs that scatter.
 pub const INPUTS: usize = INPUT_NAMES.len();
-
-/// Speed at the column below which an impact is not followed \[m/s\]: the vehicle counts as stopped before it. At this speed
-/// an articulated lorry of 40 t has 2 J.
-pub const LEAST_SPEED: f64 = 0.01;
 
 /// Samples of which one has to reach the column.
 const FIRST_SAMPLES: u64 = 10;

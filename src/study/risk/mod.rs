@@ -50,17 +50,18 @@ mod tests;
 mod traffic;
 
 pub use critical_speeds::CriticalSpeedSurface;
-pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS, LEAST_SPEED};
+pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS};
 pub use distribution::{Distribution, DistributionFault};
 pub use estimate::Estimate;
 pub use evaluation::{LimitState, RiskColumn, RiskError, SeverityAtSpeed};
 pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit};
 pub use law::Input;
+pub use reach::LEAST_SPEED;
 pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
 pub use scenario::{
     MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
 };
 pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
-pub use study::{CONTROL_SHARES, RiskStudy, StudyRunError};
-pub use tally::{Basis, Prediction, RiskSample, Tally};
+pub use study::{RiskStudy, StudyRunError};
+pub use tally::{Basis, CONTROL_SHARES, Prediction, RiskSample, Tally};
 pub use traffic::Exposure;

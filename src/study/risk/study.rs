@@ -1,6 +1,5 @@
 //! The samples of a study, on all processors.
 
-use std::num::NonZeroUsize;
 use std::ops::Range;
 
 use rayon::ThreadPoolBuildError;
@@ -8,13 +7,8 @@ use rayon::ThreadPoolBuildError;
 use super::critical_speeds::CriticalSpeedSurface;
 use super::departure::{Departure, DepartureSampler};
 use super::evaluation::LimitState;
-use super::tally::{Basis, RiskSample, Tally};
+use super::tally::{Basis, CONTROL_SHARES, RiskSample, Tally};
 use crate::study::{Batch, BatchEnd};
-
-/// Which share of the predicted samples is computed, too, as a control of the predictions: by their class of doubt, most in
-/// doubt first. The variance of a result is least where the shares are as the roots of the shares of wrong predictions, which
-/// are about a third in the first class and one in ten thousand in the last.
-pub const CONTROL_SHARES: [f64; 5] = [0.5, 0.35, 0.2, 0.08, 0.01];
 
 /// A study: vehicles that leave the road, and what decides how severe each of their impacts is.
 #[derive(Debug)]
@@ -102,12 +96,6 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         )?;
         Ok((tally, end))
     }
-}
-
-/// A batch for this number of threads; `None`: as many as there are processors.
-#[must_use]
-pub(super) fn batch(threads: Option<NonZeroUsize>) -> Batch {
-    threads.map_or_else(Batch::default, Batch::on_threads)
 }
 
 /// Why the samples of a study end early.

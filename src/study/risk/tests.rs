@@ -2,12 +2,11 @@
 
 use std::num::NonZeroUsize;
 
-use super::study::batch;
 use super::*;
 use crate::assessment::Severity;
 use crate::column::{Impact, Outcome};
 use crate::parameters::{Parameters, Value};
-use crate::study::{BatchEnd, StudyColumn};
+use crate::study::{Batch, BatchEnd, StudyColumn};
 
 /// A limit state with a known answer: the severity follows from a function of the departure.
 struct Known<F>(F);
@@ -31,7 +30,7 @@ fn run<L: LimitState>(
     threads: usize,
     samples: std::ops::Range<u64>,
 ) -> Tally {
-    let batch = batch(NonZeroUsize::new(threads));
+    let batch = Batch::of_threads(NonZeroUsize::new(threads));
     let (tally, end) = study
         .run(&batch, samples, |_| Ok::<_, StudyRunError>(()))
         .unwrap();
@@ -93,7 +92,7 @@ fn intervals_have_their_coverage() {
     let mut held = 0;
     for seed in 0..20 {
         let sampler = DepartureSampler::new(&scenario, seed);
-        let search = batch(None);
+        let search = Batch::of_threads(None);
         let surface = CriticalSpeedSurface::new(&sampler, seed, &known, 10_000_000, &search)
             .unwrap()
             .unwrap();
@@ -137,9 +136,15 @@ fn wrong_predictions_do_not_bias_the_result() {
     let (mut sum, mut held, seeds) = (0.0, 0, 16);
     for seed in 0..seeds {
         let sampler = DepartureSampler::new(&scenario, seed);
-        let surface = CriticalSpeedSurface::new(&sampler, seed, &learnt, 10_000_000, &batch(None))
-            .unwrap()
-            .unwrap();
+        let surface = CriticalSpeedSurface::new(
+            &sampler,
+            seed,
+            &learnt,
+            10_000_000,
+            &Batch::of_threads(None),
+        )
+        .unwrap()
+        .unwrap();
         let study = RiskStudy::new(&sampler, &known).with_predictions(&surface);
         let tally = run(&study, 2, 0..40_000);
         let found = result(&scenario, &tally, 0.95);
@@ -173,9 +178,10 @@ fn predictions_agree_with_every_single_response() {
     let samples = 0..4000;
     let all = run(&RiskStudy::new(&sampler, &column), 2, samples.clone());
     // As many designs as for a long study.
-    let surface = CriticalSpeedSurface::new(&sampler, 21, &column, 10_000_000, &batch(None))
-        .unwrap()
-        .unwrap();
+    let surface =
+        CriticalSpeedSurface::new(&sampler, 21, &column, 10_000_000, &Batch::of_threads(None))
+            .unwrap()
+            .unwrap();
     let study = RiskStudy::new(&sampler, &column).with_predictions(&surface);
     let few = run(&study, 2, samples);
     let [all, few] = [&all, &few].map(|tally| result(&scenario, tally, 0.99));
@@ -330,7 +336,7 @@ fn the_result_does_not_depend_on_the_threads_nor_on_the_parts() {
     parts.merge(&run(&study, 1, 37..120));
     assert_eq!(parts, whole);
     // An interrupted study is the study of its first samples.
-    let batch = batch(NonZeroUsize::new(2));
+    let batch = Batch::of_threads(NonZeroUsize::new(2));
     batch.interrupt();
     let (none, end) = study
         .run(&batch, 0..120, |_| Ok::<_, StudyRunError>(()))

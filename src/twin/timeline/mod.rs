@@ -4,9 +4,9 @@
 mod history;
 mod look_ahead;
 
-use super::command::Nanos;
 use super::plant::Struck;
 use crate::column::{End, Progress, Sample, StepError};
+use crate::time::Nanos;
 pub(super) use history::History;
 pub use look_ahead::MAX_LOOK_AHEAD_STEPS;
 pub(super) use look_ahead::{LookAhead, Outlook};

@@ -7,7 +7,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 /// The same numbers for the same seed on every machine.
 #[derive(Debug, Clone)]
-pub(super) struct Random(ChaCha8Rng);
+pub(crate) struct Random(ChaCha8Rng);
 
 impl Random {
     pub fn new(seed: u64) -> Self {

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::impact_height::HEIGHT_TOLERANCE;
+#[cfg(feature = "study")]
+use super::impact_height::with_impact_height;
 #[cfg(feature = "study")]
 use crate::column::{ColumnProperties, carried_over, residual_state};
 use crate::column::{Displacement, Model, PerBar, PlasticFlow, State, WebState};
 use crate::parameters::Parameters;
-use crate::twin::HEIGHT_TOLERANCE;
-#[cfg(feature = "study")]
-use crate::twin::with_impact_height;
 
 /// A column at rest, as the next impact will find it. With the parameters it is everything on which the responses to
 /// conceivable impacts depend.
@@ -61,25 +61,34 @@ impl StandingColumn {
         }
     }
 
+    /// The column in the equilibrium that it was in, by a model that has its hinges 1a and 1b where they are, and no bumper.
+    pub(crate) fn settled(&self, model: &Model) -> State {
+        let Some(damage) = &self.damage else {
+            return State::at_rest(model);
+        };
+        let mut state = State::settled(model, damage.displacement, damage.plastic);
+        state.set_accumulated_rotation(model, &damage.accumulated_rotation);
+        if let Some(webs) = &damage.webs {
+            state.set_webs(model, webs);
+        }
+        state
+    }
+
     /// The properties of the column with these parameters, with its hinges 1a and 1b where they are.
     #[cfg(feature = "study")]
-    pub(super) fn properties(&self, parameters: &Parameters) -> ColumnProperties {
+    pub(crate) fn properties(&self, parameters: &Parameters) -> ColumnProperties {
         with_impact_height(&parameters.column_properties(), self.impact_height)
     }
 
     /// The column at rest, as a model of it says. The model may differ in its yield strength, on which the equilibrium of a
     /// column that does not flow does not depend.
     #[cfg(feature = "study")]
-    pub(super) fn state(&self, model: &Model) -> State {
-        let Some(damage) = &self.damage else {
+    pub(crate) fn state(&self, model: &Model) -> State {
+        if self.damage.is_none() {
             return State::at_rest(model);
-        };
-        let own = model.without_bumper();
-        let mut state = State::settled(&own, damage.displacement, damage.plastic);
-        state.set_accumulated_rotation(&own, &damage.accumulated_rotation);
-        if let Some(webs) = &damage.webs {
-            state.set_webs(&own, webs);
         }
+        let own = model.without_bumper();
+        let state = self.settled(&own);
         if own.frame == model.frame {
             return state;
         }

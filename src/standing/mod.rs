@@ -1,0 +1,10 @@
+//! A column at rest with its damage, as the next impact will find it.
+//!
+//! `standing_column.rs` is the column, `impact_height.rs` says where its hinges 1a and 1b are.
+
+mod impact_height;
+mod standing_column;
+
+pub use impact_height::HEIGHT_TOLERANCE;
+pub(crate) use impact_height::{is_same_height, with_impact_height};
+pub use standing_column::{Damage, StandingColumn};
