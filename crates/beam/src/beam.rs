@@ -1,0 +1,671 @@
+//! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
+
+use super::element::{Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned};
+use super::section::{PointState, Section};
+use super::tridiagonal::Tridiagonal;
+
+/// Integration points of an element, after Gauss.
+pub(crate) const POINTS: usize = 2;
+
+/// Their places along the element.
+const PLACES: [f64; POINTS] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// Iterations for the shear of an element, on top of which the interval is halved.
+const MAX_SHEAR_ITERATIONS: usize = 60;
+
+/// Shear that the web between flange and its middle plane, and the frame of the flanges, bear: elastic and plastic, without
+/// normal stress.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Slider {
+    /// Force per shear angle \[N\].
+    pub rigidity: f64,
+    pub resistance: f64,
+    /// Growth of the resistance with the plastic angle \[N\].
+    pub hardening: f64,
+}
+
+impl Slider {
+    fn respond(&self, angle: f64, plastic: f64) -> (f64, f64, f64) {
+        let force = self.rigidity * (angle - plastic);
+        let relative = force - self.hardening * plastic;
+        let beyond = relative - relative.max(-self.resistance).min(self.resistance);
+        if beyond == 0.0 {
+            return (force, self.rigidity, plastic);
+        }
+        let per = 1.0 / (self.rigidity + self.hardening);
+        let tangent = self.rigidity * self.hardening * per;
+        let flow = beyond * per;
+        (force - self.rigidity * flow, tangent, plastic + flow)
+    }
+}
+
+/// An element between a node and the next.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Element<const R: usize> {
+    pub length: f64,
+    /// Deformations of the unloaded element, which may be bowed.
+    pub initial: [f64; R],
+    pub sliders: [Slider; 2],
+}
+
+/// A spring against the rotation of a node, about z and y \[N m/rad\].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RotationSpring {
+    pub node: usize,
+    pub stiffness: f64,
+}
+
+/// What does not change during an impact.
+#[derive(Debug, Clone)]
+pub(crate) struct Beam<const D: usize, const R: usize, const Q: usize> {
+    pub section: Section,
+    pub places: Vec<[f64; 3]>,
+    pub elements: Vec<Element<R>>,
+    /// Mass \[kg\] and rotary inertia about x, y, z of the section \[kg m²\].
+    pub inertia: Vec<[f64; 4]>,
+    /// Which unknowns do not move.
+    pub held: Vec<[bool; D]>,
+    pub rotation_springs: Vec<RotationSpring>,
+    pub top_spring: f64,
+    pub top_load: f64,
+    /// Effective `G I_t` \[N m²\].
+    pub torsional_rigidity: f64,
+    pub rate: Option<super::rate::Rate>,
+}
+
+/// What changes.
+#[derive(Debug, Clone)]
+pub(crate) struct State<const D: usize, const R: usize> {
+    pub moved: Vec<[f64; 3]>,
+    pub triads: Vec<Triad>,
+    /// Translation along x, y, z and rotation about the axes of the section.
+    pub velocity: Vec<[f64; 6]>,
+    pub deformation: Vec<[f64; R]>,
+    pub forces: Vec<[f64; R]>,
+    pub shear: Vec<f64>,
+    pub sliders: Vec<[f64; 2]>,
+    pub points: Vec<PointState>,
+    pub yielded: Vec<bool>,
+    /// Filtered strain rate \[1/s\] and its factor of the strength.
+    pub rates: Vec<[f64; 2]>,
+}
+
+/// Memory of the evaluations: allocated once.
+#[derive(Debug, Clone)]
+pub(crate) struct Work<const D: usize, const R: usize> {
+    pub residual: Vec<[f64; D]>,
+    /// What the base exerts on the column, before its equations are replaced.
+    pub base: [f64; D],
+    pub top: [f64; D],
+    pub matrix: Tridiagonal<D>,
+    middle: Vec<Triad>,
+    end: Vec<Triad>,
+    deformation: Vec<[f64; R]>,
+    forces: Vec<[f64; R]>,
+    shear: Vec<f64>,
+    sliders: Vec<[f64; 2]>,
+    points: Vec<PointState>,
+    flows: Vec<bool>,
+    strains: Vec<[f64; 4]>,
+}
+
+/// A step in time or an increment of equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    Motion { secs: f64 },
+    Equilibrium,
+}
+
+/// Number of translations of a node.
+pub(crate) const fn dimensions(d: usize) -> usize {
+    if d == 3 { 2 } else { 3 }
+}
+
+impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
+    /// The rotation of an increment as a vector.
+    fn rotation(increment: &[f64; D]) -> [f64; 3] {
+        if D == 3 {
+            [0.0, 0.0, increment[2]]
+        } else {
+            [increment[3], increment[4], increment[5]]
+        }
+    }
+
+    fn translation(increment: &[f64; D]) -> [f64; 3] {
+        if D == 3 {
+            [increment[0], increment[1], 0.0]
+        } else {
+            [increment[0], increment[1], increment[2]]
+        }
+    }
+
+    pub fn virgin(&self) -> State<D, R> {
+        let (nodes, elements) = (self.places.len(), self.elements.len());
+        let initial = self.elements.iter().map(|element| element.initial).collect();
+        State {
+            moved: vec![[0.0; 3]; nodes],
+            triads: vec![UPRIGHT; nodes],
+            velocity: vec![[0.0; 6]; nodes],
+            deformation: initial,
+            forces: vec![[0.0; R]; elements],
+            shear: vec![0.0; elements],
+            sliders: vec![[0.0; 2]; elements],
+            points: vec![self.section.virgin(); POINTS * elements],
+            yielded: vec![false; POINTS * elements],
+            rates: vec![[0.0, 1.0]; POINTS * elements],
+        }
+    }
+
+    pub fn work(&self) -> Work<D, R> {
+        let state = self.virgin();
+        let nodes = self.places.len();
+        Work {
+            residual: vec![[0.0; D]; nodes],
+            base: [0.0; D],
+            top: [0.0; D],
+            matrix: Tridiagonal::new(nodes),
+            middle: state.triads.clone(),
+            end: state.triads,
+            deformation: state.deformation,
+            forces: state.forces,
+            shear: state.shear,
+            sliders: state.sliders,
+            flows: state.yielded,
+            strains: vec![[0.0; 4]; state.points.len()],
+            points: state.points,
+        }
+    }
+
+    fn chord(&self, state: &State<D, R>, element: usize) -> [f64; 3] {
+        let mut chord = [0.0; 3];
+        for (k, value) in chord.iter_mut().enumerate() {
+            *value = (self.places[element + 1][k] - self.places[element][k])
+                + (state.moved[element + 1][k] - state.moved[element][k]);
+        }
+        chord
+    }
+
+    /// The residual and, if asked for, the stiffness of a trial increment. Contact is added by the caller.
+    pub fn evaluate(
+        &self,
+        state: &State<D, R>,
+        increments: &[[f64; D]],
+        kind: Kind,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let share = match kind {
+            Kind::Motion { .. } => 0.5,
+            Kind::Equilibrium => 1.0,
+        };
+        for value in &mut work.residual {
+            *value = [0.0; D];
+        }
+        if with_matrix {
+            work.matrix.clear();
+        }
+        for (node, increment) in increments.iter().enumerate() {
+            let psi = Self::rotation(increment);
+            (work.middle[node], work.end[node]) = turned(&state.triads[node], &psi);
+        }
+        for element in 0..self.elements.len() {
+            self.add_element(state, increments, element, share, with_matrix, work);
+        }
+        if let Kind::Motion { secs } = kind {
+            self.add_inertia(state, increments, secs, with_matrix, work);
+        }
+        self.add_supports(state, increments, share, with_matrix, work);
+        work.base = work.residual[0];
+        work.top = work.residual[self.places.len() - 1];
+        for (node, held) in self.held.iter().enumerate() {
+            for (unknown, held) in held.iter().enumerate() {
+                if *held {
+                    work.residual[node][unknown] = 0.0;
+                    if with_matrix {
+                        work.matrix.hold(node, unknown);
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_element(
+        &self,
+        state: &State<D, R>,
+        increments: &[[f64; D]],
+        index: usize,
+        share: f64,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let dim = dimensions(D);
+        let element = &self.elements[index];
+        let from = self.chord(state, index);
+        let (one, two) = (
+            Self::translation(&increments[index]),
+            Self::translation(&increments[index + 1]),
+        );
+        let to = [0, 1, 2].map(|k| from[k] + (two[k] - one[k]));
+        let end = Ends {
+            chord: to,
+            triads: [&work.end[index], &work.end[index + 1]],
+        };
+        let d: [f64; R] = deformations(&end, element.length);
+        work.deformation[index] = d;
+        let (new_forces, stiffness) = self.respond(state, index, &d, work);
+        work.forces[index] = new_forces;
+        let forces: [f64; R] =
+            std::array::from_fn(|k| (1.0 - share) * state.forces[index][k] + share * new_forces[k]);
+        let triads = if share == 0.5 {
+            [&work.middle[index], &work.middle[index + 1]]
+        } else {
+            [&work.end[index], &work.end[index + 1]]
+        };
+        let chord = if share == 0.5 {
+            Chord::new(&from, &to)
+        } else {
+            Chord::new(&to, &to)
+        };
+        let rows: [[f64; Q]; R] = gradient(&chord, triads);
+        let mut total = [0.0; Q];
+        for (row, force) in rows.iter().zip(&forces) {
+            for k in 0..Q {
+                total[k] += row[k] * force;
+            }
+        }
+        let (first, second) = (dim, Q - (D - dim));
+        for k in 0..dim {
+            work.residual[index][k] -= total[k];
+            work.residual[index + 1][k] += total[k];
+        }
+        for k in 0..D - dim {
+            work.residual[index][dim + k] += total[first + k];
+            work.residual[index + 1][dim + k] += total[second + k];
+        }
+        if !with_matrix {
+            return;
+        }
+        let mut k_all = [[0.0; Q]; Q];
+        for i in 0..R {
+            let mut row = [0.0; Q];
+            for j in 0..R {
+                let value = share * stiffness[i][j];
+                if value != 0.0 {
+                    for k in 0..Q {
+                        row[k] += value * rows[j][k];
+                    }
+                }
+            }
+            for a in 0..Q {
+                let left = rows[i][a];
+                if left != 0.0 {
+                    for k in 0..Q {
+                        k_all[a][k] += left * row[k];
+                    }
+                }
+            }
+        }
+        geometric::<R, Q>(&chord, triads, &forces, share, &mut k_all);
+        let matrix = &mut work.matrix;
+        for i in 0..dim {
+            for j in 0..dim {
+                let value = k_all[i][j];
+                matrix.diagonal[index][i][j] += value;
+                matrix.diagonal[index + 1][i][j] += value;
+                matrix.coupling[index][i][j] -= value;
+            }
+            for j in 0..D - dim {
+                let (one, two) = (k_all[i][first + j], k_all[i][second + j]);
+                matrix.diagonal[index][i][dim + j] -= one;
+                matrix.diagonal[index][dim + j][i] -= one;
+                matrix.coupling[index][dim + j][i] += one;
+                matrix.diagonal[index + 1][i][dim + j] += two;
+                matrix.diagonal[index + 1][dim + j][i] += two;
+                matrix.coupling[index][i][dim + j] -= two;
+            }
+        }
+        for i in 0..D - dim {
+            for j in 0..D - dim {
+                matrix.diagonal[index][dim + i][dim + j] += k_all[first + i][first + j];
+                matrix.diagonal[index + 1][dim + i][dim + j] += k_all[second + i][second + j];
+                matrix.coupling[index][dim + i][dim + j] += k_all[first + i][second + j];
+            }
+        }
+    }
+
+    /// Forces and stiffness of an element whose shear angle is in equilibrium with its moments.
+    fn respond(
+        &self,
+        state: &State<D, R>,
+        index: usize,
+        d: &[f64; R],
+        work: &mut Work<D, R>,
+    ) -> ([f64; R], [[f64; R]; R]) {
+        let element = &self.elements[index];
+        let l = element.length;
+        let d: [f64; R] = std::array::from_fn(|k| d[k] - element.initial[k]);
+        let shears = self.section.web_rigidity > 0.0;
+        let mut gamma = if shears { work.shear[index] } else { 0.0 };
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut forces = [0.0; R];
+        let mut stiffness = [[0.0; R]; R];
+        let scale = self.section.web_rigidity * l;
+        for _ in 0..MAX_SHEAR_ITERATIONS {
+            forces = [0.0; R];
+            stiffness = [[0.0; R]; R];
+            let mut balance = 0.0;
+            let mut own = 0.0;
+            let mut mixed = [0.0; R];
+            for point in 0..POINTS {
+                let place = POINTS * index + point;
+                let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+                let weak = if R == 6 {
+                    (b1 * d[R - 3] + b2 * d[R - 2]) / l
+                } else {
+                    0.0
+                };
+                let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
+                let strain = [d[0] / l, bending, weak, gamma];
+                work.strains[place] = strain;
+                let strength = self.section.steel.yield_strength * state.rates[place][1];
+                let elastic =
+                    !state.yielded[place] && self.section.stays_elastic(&strain, strength);
+                let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
+                if elastic {
+                    (f, c) = self.section.elastic(&strain);
+                    work.flows[place] = false;
+                } else {
+                    work.flows[place] = self.section.respond(
+                        &strain,
+                        strength,
+                        &state.points[place],
+                        &mut work.points[place],
+                        &mut f,
+                        &mut c,
+                    );
+                }
+                // Each deformation is one strain times a coefficient.
+                let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
+                let count = R.min(5);
+                for i in 0..count {
+                    let (row, ci) = parts[i];
+                    forces[i] += 0.5 * ci * f[row];
+                    for j in 0..count {
+                        let (column, cj) = parts[j];
+                        stiffness[i][j] += 0.5 / l * ci * cj * c[row][column];
+                    }
+                    mixed[i] += 0.5 * ci * (c[row][3] - (b1 + b2) / l * c[row][1]);
+                }
+                balance += 0.5 * l * f[3] - 0.5 * (b1 + b2) * f[1];
+                let b = (b1 + b2) / l;
+                own += 0.5 * l * (c[3][3] - 2.0 * b * c[1][3] + b * b * c[1][1]);
+            }
+            if !shears {
+                break;
+            }
+            for (slider, plastic) in element.sliders.iter().zip(0..2) {
+                let (force, tangent, new) =
+                    slider.respond(gamma, state.sliders[index][plastic]);
+                balance += l * force;
+                own += l * tangent;
+                work.sliders[index][plastic] = new;
+            }
+            if balance.abs() <= 1e-13 * scale {
+                condense(&mut stiffness, &mixed, own);
+                break;
+            }
+            if balance > 0.0 {
+                high = gamma;
+            } else {
+                low = gamma;
+            }
+            let mut next = gamma - balance / own;
+            if !(low..=high).contains(&next) {
+                next = 0.5 * (low + high);
+            }
+            if next == gamma {
+                condense(&mut stiffness, &mixed, own);
+                break;
+            }
+            gamma = next;
+        }
+        work.shear[index] = gamma;
+        if R == 6 {
+            let rigidity = self.torsional_rigidity / l;
+            forces[R - 1] = rigidity * d[R - 1];
+            stiffness[R - 1][R - 1] = rigidity;
+        }
+        (forces, stiffness)
+    }
+
+    fn add_inertia(
+        &self,
+        state: &State<D, R>,
+        increments: &[[f64; D]],
+        secs: f64,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let per = 2.0 / (secs * secs);
+        let dim = dimensions(D);
+        for (node, inertia) in self.inertia.iter().enumerate() {
+            let (increment, velocity) = (&increments[node], &state.velocity[node]);
+            let mass = per * inertia[0];
+            for k in 0..dim {
+                work.residual[node][k] += mass * (increment[k] - secs * velocity[k]);
+                if with_matrix {
+                    work.matrix.diagonal[node][k][k] += mass;
+                }
+            }
+            if D == 3 {
+                let rotary = per * inertia[3];
+                work.residual[node][2] += rotary * (increment[2] - secs * velocity[5]);
+                if with_matrix {
+                    work.matrix.diagonal[node][2][2] += rotary;
+                }
+                continue;
+            }
+            let triad = &state.triads[node];
+            let psi = Self::rotation(increment);
+            for axis in 0..3 {
+                let rotary = per * inertia[1 + axis];
+                let director = &triad[axis];
+                let turn = super::element::dot(director, &psi) - secs * velocity[3 + axis];
+                for i in 0..3 {
+                    work.residual[node][dim + i] += rotary * turn * director[i];
+                    if with_matrix {
+                        for j in 0..3 {
+                            work.matrix.diagonal[node][dim + i][dim + j] +=
+                                rotary * director[i] * director[j];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_supports(
+        &self,
+        state: &State<D, R>,
+        increments: &[[f64; D]],
+        share: f64,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let top = self.places.len() - 1;
+        let moved = state.moved[top][0] + share * increments[top][0];
+        work.residual[top][0] += self.top_spring * moved + self.top_load;
+        if with_matrix {
+            work.matrix.diagonal[top][0][0] += share * self.top_spring;
+        }
+        for spring in &self.rotation_springs {
+            let at = if share == 0.5 {
+                &work.middle[spring.node]
+            } else {
+                &work.end[spring.node]
+            };
+            // The sines of the rotations are components of the director along the column.
+            let mean = |k: usize| {
+                (1.0 - share) * state.triads[spring.node][0][k]
+                    + share * work.end[spring.node][0][k]
+            };
+            let dim = dimensions(D);
+            if D == 3 {
+                work.residual[spring.node][2] += spring.stiffness * mean(1) * at[0][0];
+                if with_matrix {
+                    work.matrix.diagonal[spring.node][2][2] += share * spring.stiffness;
+                }
+                continue;
+            }
+            for k in 1..3 {
+                let mut axis = [0.0; 3];
+                axis[k] = 1.0;
+                let lever = super::element::cross(&at[0], &axis);
+                for i in 0..3 {
+                    work.residual[spring.node][dim + i] += spring.stiffness * mean(k) * lever[i];
+                    if with_matrix {
+                        for j in 0..3 {
+                            work.matrix.diagonal[spring.node][dim + i][dim + j] +=
+                                share * spring.stiffness * lever[i] * lever[j];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the trial increment over into the state; returns the work done on the fibres \[J\].
+    pub fn commit(
+        &self,
+        state: &mut State<D, R>,
+        increments: &[[f64; D]],
+        kind: Kind,
+        work: &Work<D, R>,
+    ) -> f64 {
+        let mut done = 0.0;
+        for index in 0..self.elements.len() {
+            for k in 0..R {
+                let mean = 0.5 * (state.forces[index][k] + work.forces[index][k]);
+                done += mean * (work.deformation[index][k] - state.deformation[index][k]);
+            }
+        }
+        if let Kind::Motion { secs } = kind {
+            for (node, increment) in increments.iter().enumerate() {
+                let velocity = &mut state.velocity[node];
+                let moved = Self::translation(increment);
+                let psi = Self::rotation(increment);
+                for k in 0..3 {
+                    velocity[k] = 2.0 / secs * moved[k] - velocity[k];
+                    let turn = super::element::dot(&state.triads[node][k], &psi);
+                    velocity[3 + k] = 2.0 / secs * turn - velocity[3 + k];
+                }
+            }
+            self.follow_rates(state, secs, work);
+        }
+        for (moved, increment) in state.moved.iter_mut().zip(increments) {
+            for (value, by) in moved.iter_mut().zip(Self::translation(increment)) {
+                *value += by;
+            }
+        }
+        state.triads.copy_from_slice(&work.end);
+        state.deformation.copy_from_slice(&work.deformation);
+        state.forces.copy_from_slice(&work.forces);
+        state.shear.copy_from_slice(&work.shear);
+        if self.section.web_rigidity > 0.0 {
+            state.sliders.copy_from_slice(&work.sliders);
+        }
+        for (place, flows) in work.flows.iter().enumerate() {
+            if *flows {
+                state.yielded[place] = true;
+                let (to, from) = (&mut state.points[place], &work.points[place]);
+                to.plain.copy_from_slice(&from.plain);
+                to.web.copy_from_slice(&from.web);
+            }
+        }
+        done
+    }
+
+    fn follow_rates(&self, state: &mut State<D, R>, secs: f64, work: &Work<D, R>) {
+        let Some(rate) = &self.rate else { return };
+        for index in 0..self.elements.len() {
+            let l = self.elements[index].length;
+            let change: [f64; R] =
+                std::array::from_fn(|k| work.deformation[index][k] - state.deformation[index][k]);
+            let sheared = work.shear[index] - state.shear[index];
+            for point in 0..POINTS {
+                let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+                let bent = (b1 * (change[1] - sheared) + b2 * (change[2] - sheared)).abs() / l;
+                let weak = if R == 6 {
+                    (b1 * change[R - 3] + b2 * change[R - 2]).abs() / l
+                } else {
+                    0.0
+                };
+                let reach = self.section.reach();
+                let outer = change[0].abs() / l + reach[0] * bent + reach[1] * weak;
+                let web = sheared.abs() / 3.0_f64.sqrt();
+                rate.follow(&mut state.rates[POINTS * index + point], outer.max(web) / secs, secs);
+            }
+        }
+    }
+
+    /// Starts the memory of an evaluation with the shear of a state.
+    pub fn prepare(&self, state: &State<D, R>, work: &mut Work<D, R>) {
+        work.shear.copy_from_slice(&state.shear);
+        work.sliders.copy_from_slice(&state.sliders);
+    }
+
+    /// Kinetic energy, energy stored in the fibres (elastic and hardening, without torsion), energy of springs and load.
+    pub fn energies(&self, state: &State<D, R>) -> [f64; 3] {
+        let mut kinetic = 0.0;
+        for (inertia, velocity) in self.inertia.iter().zip(&state.velocity) {
+            for k in 0..3 {
+                kinetic += 0.5 * inertia[0] * velocity[k] * velocity[k];
+                kinetic += 0.5 * inertia[1 + k] * velocity[3 + k] * velocity[3 + k];
+            }
+        }
+        let mut stored = 0.0;
+        for (index, element) in self.elements.iter().enumerate() {
+            let l = element.length;
+            let d: [f64; R] =
+                std::array::from_fn(|k| state.deformation[index][k] - element.initial[k]);
+            let gamma = state.shear[index];
+            for point in 0..POINTS {
+                let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+                let weak = if R == 6 {
+                    (b1 * d[R - 3] + b2 * d[R - 2]) / l
+                } else {
+                    0.0
+                };
+                let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
+                let strain = [d[0] / l, bending, weak, gamma];
+                let place = POINTS * index + point;
+                stored += 0.5 * l * self.section.stored_energy(&strain, &state.points[place]);
+            }
+            if R == 6 {
+                stored += 0.5 * self.torsional_rigidity / l * d[R - 1] * d[R - 1];
+            }
+            for (slider, plastic) in element.sliders.iter().zip(state.sliders[index]) {
+                let elastic = gamma - plastic;
+                stored += 0.5
+                    * l
+                    * (slider.rigidity * elastic * elastic + slider.hardening * plastic * plastic);
+            }
+        }
+        let top = state.moved[self.places.len() - 1][0];
+        let mut outside = 0.5 * self.top_spring * top * top + self.top_load * top;
+        for spring in &self.rotation_springs {
+            let along = &state.triads[spring.node][0];
+            outside += 0.5 * spring.stiffness * (along[1] * along[1] + along[2] * along[2]);
+        }
+        [kinetic, stored, outside]
+    }
+}
+
+/// Eliminates the shear angle, whose own stiffness is `own`.
+fn condense<const R: usize>(stiffness: &mut [[f64; R]; R], mixed: &[f64; R], own: f64) {
+    for i in 0..R {
+        for j in 0..R {
+            stiffness[i][j] -= mixed[i] * mixed[j] / own;
+        }
+    }
+}

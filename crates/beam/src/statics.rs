@@ -1,0 +1,99 @@
+//! Equilibrium: under the load before an impact, after it, and while the top is pushed down.
+
+use super::beam::{Beam, Kind, State};
+use super::newton::Solver;
+
+/// Increments of a push-down.
+const MAX_INCREMENTS: usize = 400;
+
+/// Halvings of an increment.
+const MAX_HALVINGS: usize = 12;
+
+/// Fall of the force below its maximum at which a push-down ends.
+const FALLEN: f64 = 0.97;
+
+/// Brings a state to rest; whether there is an equilibrium near it.
+pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    state: &mut State<D, R>,
+    solver: &mut Solver<D, R>,
+) -> bool {
+    solver.increments.fill([0.0; D]);
+    solver.tolerance = 1e-7 * beam.section.steel.yield_strength * beam.section.area;
+    for velocity in &mut state.velocity {
+        *velocity = [0.0; 6];
+    }
+    for rate in &mut state.rates {
+        *rate = [0.0, 1.0];
+    }
+    if !solver.solve(beam, state, Kind::Equilibrium, None) {
+        return false;
+    }
+    beam.commit(state, &solver.increments, Kind::Equilibrium, &solver.work);
+    true
+}
+
+/// The largest force \[N\] that a column at rest bears while its top is pushed down; `None` where it finds no maximum.
+pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    from: &State<D, R>,
+    solver: &mut Solver<D, R>,
+) -> Option<f64> {
+    let mut pushed = beam.clone();
+    pushed.top_spring = 0.0;
+    pushed.top_load = 0.0;
+    let top = beam.places.len() - 1;
+    pushed.held[top][0] = true;
+    let mut state = from.clone();
+    let steel = &beam.section.steel;
+    let squash = steel.yield_strength * beam.section.area;
+    solver.tolerance = 1e-7 * squash;
+    let unit = steel.yield_strength / steel.young_modulus * beam.places[top][0];
+    let mut step = 0.05 * unit;
+    // Descent and force of the last three states.
+    let mut last: Vec<[f64; 2]> = Vec::new();
+    let mut descent = 0.0;
+    let mut halvings = 0;
+    let mut refined = 0;
+    let mut best: f64 = 0.0;
+    let mut before: Option<(State<D, R>, f64)> = None;
+    for _ in 0..MAX_INCREMENTS {
+        solver.increments.fill([0.0; D]);
+        solver.increments[top][0] = -step;
+        let saved = state.clone();
+        if !solver.solve(&pushed, &state, Kind::Equilibrium, None) || solver.negative_pivots > 0 {
+            if halvings == MAX_HALVINGS {
+                return (best > 0.0).then_some(best);
+            }
+            halvings += 1;
+            step *= 0.5;
+            continue;
+        }
+        pushed.commit(&mut state, &solver.increments, Kind::Equilibrium, &solver.work);
+        descent += step;
+        let force = -solver.work.top[0];
+        // The peak lies between the steps: go back and pass it with finer ones.
+        if let Some((earlier, at)) = before.take()
+            && last.last().is_some_and(|point| force < point[1])
+            && refined < 3
+        {
+            refined += 1;
+            state = earlier;
+            descent = at;
+            step *= 0.25;
+            let keep = last.len().saturating_sub(1);
+            last.truncate(keep);
+            continue;
+        }
+        before = Some((saved, descent - step));
+        best = best.max(force);
+        last.push([descent, force]);
+        if force < FALLEN * best {
+            break;
+        }
+        if refined == 3 && last.len() > 2 && force < best {
+            break;
+        }
+    }
+    (best > 0.0).then_some(best)
+}
