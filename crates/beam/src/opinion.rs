@@ -9,7 +9,7 @@ use super::damage::Damage;
 use super::newton::Solver;
 use super::response::{Course, MAX_STEPS, Run};
 use super::section::Section;
-use super::statics::{push_down, settle};
+use super::statics::{push_down, push_sideways, settle};
 
 /// Step of a response with a rigid vehicle \[ns\]: a fifth of the period of the contact.
 const RIGID_STEP: u64 = 40_000;
@@ -114,6 +114,31 @@ impl BeamModel {
     #[must_use]
     pub fn undamaged_capacity(&self) -> [f64; 2] {
         self.undamaged
+    }
+
+    /// The same with these bows along y and z at once \[m\].
+    #[must_use]
+    pub fn capacity_bowed(&self, bows: [f64; 2]) -> f64 {
+        self.pushed::<6, 6, 9>(bows, None)
+    }
+
+    /// The largest static force with which the column resists at the edges of the bumper, or at the impact point, while it is
+    /// pushed by `way` \[m\] in the plane of its web \[N\]; `None` where there is no equilibrium.
+    #[must_use]
+    pub fn lateral_resistance(&self, way: f64) -> Option<f64> {
+        let column = &self.column;
+        let heights = column.heights(column.elements);
+        let beam: Beam<3, 3, 4> = column.beam(&heights, column.bows());
+        let mut state = beam.virgin();
+        let mut solver = Solver::new(&beam);
+        if !settle(&beam, &mut state, &mut solver) {
+            return None;
+        }
+        let half = 0.5 * column.bumper_height;
+        let low = nearest(&heights, column.length_below - half);
+        let high = nearest(&heights, column.length_below + half);
+        let nodes = [low, high];
+        push_sideways(&beam, &state, &nodes[..1 + usize::from(low != high)], way, &mut solver)
     }
 
     /// Computes a hit on a column that may be damaged; returns what the beam says and the damage then.
@@ -255,14 +280,7 @@ impl BeamModel {
         if !settle(&beam, &mut state, &mut solver) || solver.negative_pivots > 0 {
             return Err(Stopped::Unstable);
         }
-        let at = |x: f64| {
-            let distance = |height: &f64| (height - x).abs();
-            let nearest = heights
-                .iter()
-                .enumerate()
-                .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
-            nearest.map_or(0, |(node, _)| node)
-        };
+        let at = |x: f64| nearest(&heights, x);
         let node = at(column.length_below);
         let half = 0.5 * column.bumper_height;
         let (low, high) = (at(column.length_below - half), at(column.length_below + half));
@@ -362,4 +380,14 @@ fn spread(plane: &Section, space: &Section) -> [Vec<usize>; 2] {
         find(&plane.plain.y, &space.plain.y),
         find(&plane.web.y, &space.web.y),
     ]
+}
+
+/// The node nearest to a height.
+fn nearest(heights: &[f64], x: f64) -> usize {
+    let distance = |height: &f64| (height - x).abs();
+    let nearest = heights
+        .iter()
+        .enumerate()
+        .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+    nearest.map_or(0, |(node, _)| node)
 }

@@ -423,7 +423,10 @@ impl Section {
                 let total = strain[0] - y * strain[1] + z * strain[2] + initial[lane];
                 let stress = e * (total - old[lane]);
                 let xi = stress - h * old[lane];
-                let beyond = xi - xi.max(-strength).min(strength);
+                // Two selections, which the compiler does for all lanes at once.
+                let over = if xi > strength { xi - strength } else { 0.0 };
+                let under = if xi < -strength { xi + strength } else { 0.0 };
+                let beyond = over + under;
                 let flow = beyond * per_sum;
                 new[lane] = old[lane] + flow;
                 let force = area * (stress - e * flow);

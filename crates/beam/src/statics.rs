@@ -97,3 +97,34 @@ pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
     }
     (best > 0.0).then_some(best)
 }
+
+/// Increments of a push from the side.
+const SIDEWAYS_INCREMENTS: usize = 60;
+
+/// The largest force \[N\] with which these nodes resist while they are pushed by `way` \[m\] along y.
+pub(crate) fn push_sideways<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    from: &State<D, R>,
+    nodes: &[usize],
+    way: f64,
+    solver: &mut Solver<D, R>,
+) -> Option<f64> {
+    let mut pushed = beam.clone();
+    for &node in nodes {
+        pushed.held[node][1] = true;
+    }
+    let mut state = from.clone();
+    let mut most = 0.0_f64;
+    for _ in 0..SIDEWAYS_INCREMENTS {
+        solver.increments.fill([0.0; D]);
+        for &node in nodes {
+            solver.increments[node][1] = way / SIDEWAYS_INCREMENTS as f64;
+        }
+        if !solver.solve(&pushed, &state, Kind::Equilibrium, None) {
+            return None;
+        }
+        pushed.commit(&mut state, &solver.increments, Kind::Equilibrium, &solver.work);
+        most = most.max(-(solver.work.base[1] + solver.work.top[1]));
+    }
+    Some(most)
+}

@@ -88,3 +88,10 @@ pub fn hit(mass: f64, velocity: f64, vehicle: Option<Vehicle>, degrees: f64) -> 
         direction: degrees.to_radians(),
     }
 }
+
+/// CPU time of this thread \[ms\].
+pub fn cpu() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanos = text.split(' ').next().and_then(|x| x.parse::<f64>().ok());
+    nanos.unwrap_or(f64::NAN) * 1e-6
+}
