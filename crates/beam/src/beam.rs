@@ -10,8 +10,8 @@ pub(crate) const POINTS: usize = 2;
 /// Their places along the element.
 const PLACES: [f64; POINTS] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// Iterations for the shear of an element, on top of which the interval is halved.
-const MAX_SHEAR_ITERATIONS: usize = 60;
+/// Parts of the column that shear: below and above the impact point.
+pub(crate) const BARS: usize = 2;
 
 /// Shear that the web between flange and its middle plane, and the frame of the flanges, bear: elastic and plastic, without
 /// normal stress.
@@ -46,6 +46,8 @@ pub(crate) struct Element<const R: usize> {
     /// Deformations of the unloaded element, which may be bowed.
     pub initial: [f64; R],
     pub sliders: [Slider; 2],
+    /// Which part of the column shears with it; none behind the bumper or without shear.
+    pub bar: Option<usize>,
 }
 
 /// A spring against the rotation of a node, about z and y \[N m/rad\].
@@ -82,7 +84,11 @@ pub(crate) struct State<const D: usize, const R: usize> {
     pub velocity: Vec<[f64; 6]>,
     pub deformation: Vec<[f64; R]>,
     pub forces: Vec<[f64; R]>,
-    pub shear: Vec<f64>,
+    /// Shear angle of the part of the column below and above the impact point. It is one for each part: the flanges, which a
+    /// plane section lets shear freely, hold the web from shearing in a short length.
+    pub shear: [f64; BARS],
+    /// What drives the shear angle of each element against its moments \[N m\].
+    pub shear_forces: Vec<f64>,
     pub sliders: Vec<[f64; 2]>,
     pub points: Vec<PointState>,
     pub yielded: Vec<bool>,
@@ -102,11 +108,14 @@ pub(crate) struct Work<const D: usize, const R: usize> {
     end: Vec<Triad>,
     deformation: Vec<[f64; R]>,
     forces: Vec<[f64; R]>,
-    shear: Vec<f64>,
+    shear_forces: Vec<f64>,
     sliders: Vec<[f64; 2]>,
+    /// Residual and stiffness of the shear angles, and their coupling with the other unknowns.
+    pub shear_residual: [f64; BARS],
+    pub shear_stiffness: [f64; BARS],
+    pub shear_columns: [Vec<[f64; D]>; BARS],
     points: Vec<PointState>,
     flows: Vec<bool>,
-    strains: Vec<[f64; 4]>,
 }
 
 /// A step in time or an increment of equilibrium.
@@ -148,7 +157,8 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             velocity: vec![[0.0; 6]; nodes],
             deformation: initial,
             forces: vec![[0.0; R]; elements],
-            shear: vec![0.0; elements],
+            shear: [0.0; BARS],
+            shear_forces: vec![0.0; elements],
             sliders: vec![[0.0; 2]; elements],
             points: vec![self.section.virgin(); POINTS * elements],
             yielded: vec![false; POINTS * elements],
@@ -168,10 +178,12 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             end: state.triads,
             deformation: state.deformation,
             forces: state.forces,
-            shear: state.shear,
+            shear_forces: state.shear_forces,
             sliders: state.sliders,
+            shear_residual: [0.0; BARS],
+            shear_stiffness: [0.0; BARS],
+            shear_columns: [vec![[0.0; D]; nodes], vec![[0.0; D]; nodes]],
             flows: state.yielded,
-            strains: vec![[0.0; 4]; state.points.len()],
             points: state.points,
         }
     }
@@ -189,7 +201,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     pub fn evaluate(
         &self,
         state: &State<D, R>,
-        increments: &[[f64; D]],
+        (increments, shear): (&[[f64; D]], &[f64; BARS]),
         kind: Kind,
         with_matrix: bool,
         work: &mut Work<D, R>,
@@ -201,15 +213,22 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         for value in &mut work.residual {
             *value = [0.0; D];
         }
+        work.shear_residual = [0.0; BARS];
         if with_matrix {
             work.matrix.clear();
+            if self.shears() {
+                work.shear_stiffness = [0.0; BARS];
+                for column in &mut work.shear_columns {
+                    column.fill([0.0; D]);
+                }
+            }
         }
         for (node, increment) in increments.iter().enumerate() {
             let psi = Self::rotation(increment);
             (work.middle[node], work.end[node]) = turned(&state.triads[node], &psi);
         }
         for element in 0..self.elements.len() {
-            self.add_element(state, increments, element, share, with_matrix, work);
+            self.add_element(state, (increments, shear), element, share, with_matrix, work);
         }
         if let Kind::Motion { secs } = kind {
             self.add_inertia(state, increments, secs, with_matrix, work);
@@ -223,6 +242,9 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                     work.residual[node][unknown] = 0.0;
                     if with_matrix {
                         work.matrix.hold(node, unknown);
+                        for column in &mut work.shear_columns {
+                            column[node][unknown] = 0.0;
+                        }
                     }
                 }
             }
@@ -232,7 +254,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     fn add_element(
         &self,
         state: &State<D, R>,
-        increments: &[[f64; D]],
+        (increments, shear): (&[[f64; D]], &[f64; BARS]),
         index: usize,
         share: f64,
         with_matrix: bool,
@@ -252,7 +274,21 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         };
         let d: [f64; R] = deformations(&end, element.length);
         work.deformation[index] = d;
-        let (new_forces, stiffness) = self.respond(state, index, &d, work);
+        let gamma = element.bar.map_or(0.0, |bar| state.shear[bar] + shear[bar]);
+        let Responded {
+            forces: new_forces,
+            stiffness,
+            balance,
+            own,
+            mixed,
+        } = self.respond(state, index, &d, gamma, work);
+        work.shear_forces[index] = balance;
+        if let Some(bar) = element.bar {
+            work.shear_residual[bar] += (1.0 - share) * state.shear_forces[index] + share * balance;
+            if with_matrix {
+                work.shear_stiffness[bar] += share * own;
+            }
+        }
         work.forces[index] = new_forces;
         let forces: [f64; R] =
             std::array::from_fn(|k| (1.0 - share) * state.forces[index][k] + share * new_forces[k]);
@@ -284,6 +320,23 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         }
         if !with_matrix {
             return;
+        }
+        if let Some(bar) = element.bar {
+            let mut column = [0.0; Q];
+            for (row, force) in rows.iter().zip(&mixed) {
+                for k in 0..Q {
+                    column[k] += share * row[k] * force;
+                }
+            }
+            let to = &mut work.shear_columns[bar];
+            for k in 0..dim {
+                to[index][k] -= column[k];
+                to[index + 1][k] += column[k];
+            }
+            for k in 0..D - dim {
+                to[index][dim + k] += column[first + k];
+                to[index + 1][dim + k] += column[second + k];
+            }
         }
         let mut k_all = [[0.0; Q]; Q];
         for i in 0..R {
@@ -333,109 +386,98 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         }
     }
 
-    /// Forces and stiffness of an element whose shear angle is in equilibrium with its moments.
+    /// Whether any part of the column shears.
+    pub fn shears(&self) -> bool {
+        self.section.web_rigidity > 0.0
+    }
+
+    /// Strain at an integration point of an element.
+    fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
+        let l = self.elements[index].length;
+        let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+        let weak = if R == 6 {
+            (b1 * d[R - 3] + b2 * d[R - 2]) / l
+        } else {
+            0.0
+        };
+        let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
+        [d[0] / l, bending, weak, gamma]
+    }
+
+    /// Forces and stiffness of an element with deformations `d` and the shear angle `gamma`.
     fn respond(
         &self,
         state: &State<D, R>,
         index: usize,
         d: &[f64; R],
+        gamma: f64,
         work: &mut Work<D, R>,
-    ) -> ([f64; R], [[f64; R]; R]) {
+    ) -> Responded<R> {
         let element = &self.elements[index];
         let l = element.length;
         let d: [f64; R] = std::array::from_fn(|k| d[k] - element.initial[k]);
-        let shears = self.section.web_rigidity > 0.0;
-        let mut gamma = if shears { work.shear[index] } else { 0.0 };
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut forces = [0.0; R];
-        let mut stiffness = [[0.0; R]; R];
-        let scale = self.section.web_rigidity * l;
-        for _ in 0..MAX_SHEAR_ITERATIONS {
-            forces = [0.0; R];
-            stiffness = [[0.0; R]; R];
-            let mut balance = 0.0;
-            let mut own = 0.0;
-            let mut mixed = [0.0; R];
-            for point in 0..POINTS {
-                let place = POINTS * index + point;
-                let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
-                let weak = if R == 6 {
-                    (b1 * d[R - 3] + b2 * d[R - 2]) / l
-                } else {
-                    0.0
-                };
-                let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
-                let strain = [d[0] / l, bending, weak, gamma];
-                work.strains[place] = strain;
-                let strength = self.section.steel.yield_strength * state.rates[place][1];
-                let elastic =
-                    !state.yielded[place] && self.section.stays_elastic(&strain, strength);
-                let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
-                if elastic {
-                    (f, c) = self.section.elastic(&strain);
-                    work.flows[place] = false;
-                } else {
-                    work.flows[place] = self.section.respond(
-                        &strain,
-                        strength,
-                        &state.points[place],
-                        &mut work.points[place],
-                        &mut f,
-                        &mut c,
-                    );
+        let mut to = Responded {
+            forces: [0.0; R],
+            stiffness: [[0.0; R]; R],
+            balance: 0.0,
+            own: 0.0,
+            mixed: [0.0; R],
+        };
+        for point in 0..POINTS {
+            let place = POINTS * index + point;
+            let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+            let strain = self.strain(index, point, &d, gamma);
+            let strength = self.section.steel.yield_strength * state.rates[place][1];
+            let elastic = !state.yielded[place] && self.section.stays_elastic(&strain, strength);
+            let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
+            if elastic {
+                (f, c) = self.section.elastic(&strain);
+                work.flows[place] = false;
+            } else {
+                work.flows[place] = self.section.respond(
+                    &strain,
+                    strength,
+                    &state.points[place],
+                    &mut work.points[place],
+                    &mut f,
+                    &mut c,
+                );
+            }
+            // Each deformation is one strain times a coefficient.
+            let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
+            let count = R.min(5);
+            for i in 0..count {
+                let (row, ci) = parts[i];
+                to.forces[i] += 0.5 * ci * f[row];
+                for j in 0..count {
+                    let (column, cj) = parts[j];
+                    to.stiffness[i][j] += 0.5 / l * ci * cj * c[row][column];
                 }
-                // Each deformation is one strain times a coefficient.
-                let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
-                let count = R.min(5);
+            }
+            if element.bar.is_some() {
+                let b = (b1 + b2) / l;
                 for i in 0..count {
                     let (row, ci) = parts[i];
-                    forces[i] += 0.5 * ci * f[row];
-                    for j in 0..count {
-                        let (column, cj) = parts[j];
-                        stiffness[i][j] += 0.5 / l * ci * cj * c[row][column];
-                    }
-                    mixed[i] += 0.5 * ci * (c[row][3] - (b1 + b2) / l * c[row][1]);
+                    to.mixed[i] += 0.5 * ci * (c[row][3] - b * c[row][1]);
                 }
-                balance += 0.5 * l * f[3] - 0.5 * (b1 + b2) * f[1];
-                let b = (b1 + b2) / l;
-                own += 0.5 * l * (c[3][3] - 2.0 * b * c[1][3] + b * b * c[1][1]);
+                to.balance += 0.5 * l * (f[3] - b * f[1]);
+                to.own += 0.5 * l * (c[3][3] - 2.0 * b * c[1][3] + b * b * c[1][1]);
             }
-            if !shears {
-                break;
-            }
+        }
+        if element.bar.is_some() {
             for (slider, plastic) in element.sliders.iter().zip(0..2) {
-                let (force, tangent, new) =
-                    slider.respond(gamma, state.sliders[index][plastic]);
-                balance += l * force;
-                own += l * tangent;
+                let (force, tangent, new) = slider.respond(gamma, state.sliders[index][plastic]);
+                to.balance += l * force;
+                to.own += l * tangent;
                 work.sliders[index][plastic] = new;
             }
-            if balance.abs() <= 1e-13 * scale {
-                condense(&mut stiffness, &mixed, own);
-                break;
-            }
-            if balance > 0.0 {
-                high = gamma;
-            } else {
-                low = gamma;
-            }
-            let mut next = gamma - balance / own;
-            if !(low..=high).contains(&next) {
-                next = 0.5 * (low + high);
-            }
-            if next == gamma {
-                condense(&mut stiffness, &mixed, own);
-                break;
-            }
-            gamma = next;
         }
-        work.shear[index] = gamma;
         if R == 6 {
             let rigidity = self.torsional_rigidity / l;
-            forces[R - 1] = rigidity * d[R - 1];
-            stiffness[R - 1][R - 1] = rigidity;
+            to.forces[R - 1] = rigidity * d[R - 1];
+            to.stiffness[R - 1][R - 1] = rigidity;
         }
-        (forces, stiffness)
+        to
     }
 
     fn add_inertia(
@@ -538,12 +580,16 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     pub fn commit(
         &self,
         state: &mut State<D, R>,
-        increments: &[[f64; D]],
+        (increments, shear): (&[[f64; D]], &[f64; BARS]),
         kind: Kind,
         work: &Work<D, R>,
     ) -> f64 {
         let mut done = 0.0;
-        for index in 0..self.elements.len() {
+        for (index, element) in self.elements.iter().enumerate() {
+            if let Some(bar) = element.bar {
+                let mean = 0.5 * (state.shear_forces[index] + work.shear_forces[index]);
+                done += mean * shear[bar];
+            }
             for k in 0..R {
                 let mean = 0.5 * (state.forces[index][k] + work.forces[index][k]);
                 done += mean * (work.deformation[index][k] - state.deformation[index][k]);
@@ -560,7 +606,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                     velocity[3 + k] = 2.0 / secs * turn - velocity[3 + k];
                 }
             }
-            self.follow_rates(state, secs, work);
+            self.follow_rates(state, shear, secs, work);
         }
         for (moved, increment) in state.moved.iter_mut().zip(increments) {
             for (value, by) in moved.iter_mut().zip(Self::translation(increment)) {
@@ -570,8 +616,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         state.triads.copy_from_slice(&work.end);
         state.deformation.copy_from_slice(&work.deformation);
         state.forces.copy_from_slice(&work.forces);
-        state.shear.copy_from_slice(&work.shear);
-        if self.section.web_rigidity > 0.0 {
+        if self.shears() {
+            for (angle, by) in state.shear.iter_mut().zip(shear) {
+                *angle += by;
+            }
+            state.shear_forces.copy_from_slice(&work.shear_forces);
             state.sliders.copy_from_slice(&work.sliders);
         }
         for (place, flows) in work.flows.iter().enumerate() {
@@ -585,33 +634,26 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         done
     }
 
-    fn follow_rates(&self, state: &mut State<D, R>, secs: f64, work: &Work<D, R>) {
+    fn follow_rates(
+        &self,
+        state: &mut State<D, R>,
+        shear: &[f64; BARS],
+        secs: f64,
+        work: &Work<D, R>,
+    ) {
         let Some(rate) = &self.rate else { return };
         for index in 0..self.elements.len() {
-            let l = self.elements[index].length;
             let change: [f64; R] =
                 std::array::from_fn(|k| work.deformation[index][k] - state.deformation[index][k]);
-            let sheared = work.shear[index] - state.shear[index];
+            let sheared = self.elements[index].bar.map_or(0.0, |bar| shear[bar]);
             for point in 0..POINTS {
-                let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
-                let bent = (b1 * (change[1] - sheared) + b2 * (change[2] - sheared)).abs() / l;
-                let weak = if R == 6 {
-                    (b1 * change[R - 3] + b2 * change[R - 2]).abs() / l
-                } else {
-                    0.0
-                };
+                let [axial, bent, weak, _] = self.strain(index, point, &change, sheared);
                 let reach = self.section.reach();
-                let outer = change[0].abs() / l + reach[0] * bent + reach[1] * weak;
+                let outer = axial.abs() + reach[0] * bent.abs() + reach[1] * weak.abs();
                 let web = sheared.abs() / 3.0_f64.sqrt();
                 rate.follow(&mut state.rates[POINTS * index + point], outer.max(web) / secs, secs);
             }
         }
-    }
-
-    /// Starts the memory of an evaluation with the shear of a state.
-    pub fn prepare(&self, state: &State<D, R>, work: &mut Work<D, R>) {
-        work.shear.copy_from_slice(&state.shear);
-        work.sliders.copy_from_slice(&state.sliders);
     }
 
     /// Kinetic energy, energy stored in the fibres (elastic and hardening, without torsion), energy of springs and load.
@@ -628,16 +670,9 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let l = element.length;
             let d: [f64; R] =
                 std::array::from_fn(|k| state.deformation[index][k] - element.initial[k]);
-            let gamma = state.shear[index];
+            let gamma = element.bar.map_or(0.0, |bar| state.shear[bar]);
             for point in 0..POINTS {
-                let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
-                let weak = if R == 6 {
-                    (b1 * d[R - 3] + b2 * d[R - 2]) / l
-                } else {
-                    0.0
-                };
-                let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
-                let strain = [d[0] / l, bending, weak, gamma];
+                let strain = self.strain(index, point, &d, gamma);
                 let place = POINTS * index + point;
                 stored += 0.5 * l * self.section.stored_energy(&strain, &state.points[place]);
             }
@@ -661,11 +696,12 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     }
 }
 
-/// Eliminates the shear angle, whose own stiffness is `own`.
-fn condense<const R: usize>(stiffness: &mut [[f64; R]; R], mixed: &[f64; R], own: f64) {
-    for i in 0..R {
-        for j in 0..R {
-            stiffness[i][j] -= mixed[i] * mixed[j] / own;
-        }
-    }
+/// What an element does to its deformations.
+struct Responded<const R: usize> {
+    forces: [f64; R],
+    stiffness: [[f64; R]; R],
+    /// Force of the shear angle and its derivatives by the angle and by the deformations.
+    balance: f64,
+    own: f64,
+    mixed: [f64; R],
 }

@@ -286,15 +286,19 @@ impl BeamColumn {
                 triads: [&UPRIGHT, &UPRIGHT],
             };
             let middle = 0.5 * (pair[0][0] + pair[1][0]);
-            let clear = if middle < self.length_below {
-                self.length_below - half_bumper
+            let (bar, clear) = if middle < self.length_below {
+                (0, self.length_below - half_bumper)
             } else {
-                self.length_above - half_bumper
+                (1, self.length_above - half_bumper)
             };
+            // Behind the bumper the column does not shear.
+            let behind = (middle - self.length_below).abs() < half_bumper;
+            let bar = (section.web_rigidity > 0.0 && !behind).then_some(bar);
             Element {
                 length: l,
                 initial: deformations(&ends, l),
                 sliders: self.sliders(&section, clear),
+                bar,
             }
         });
         let elements: Vec<Element<R>> = elements.collect();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::beam::State;
+use super::beam::{BARS, State};
 use super::element::Triad;
 use super::section::PointState;
 
@@ -12,7 +12,7 @@ pub struct Damage {
     /// Displacement of each node \[m\].
     moved: Vec<[f64; 3]>,
     triads: Vec<Triad>,
-    shear: Vec<f64>,
+    shear: [f64; BARS],
     sliders: Vec<[f64; 2]>,
     /// Sections that have yielded, with the plastic strains of their fibres; others take nothing.
     points: Vec<(u32, PointState)>,
@@ -28,7 +28,7 @@ impl Damage {
         Self {
             moved: state.moved.clone(),
             triads: state.triads.clone(),
-            shear: state.shear.clone(),
+            shear: state.shear,
             sliders: state.sliders.clone(),
             points: yielded
                 .map(|(place, _)| (place as u32, state.points[place].clone()))
@@ -57,7 +57,7 @@ impl Damage {
     ) {
         state.moved.clone_from(&self.moved);
         state.triads.clone_from(&self.triads);
-        state.shear.clone_from(&self.shear);
+        state.shear = self.shear;
         state.sliders.clone_from(&self.sliders);
         for (place, point) in &self.points {
             let place = *place as usize;

@@ -1,6 +1,6 @@
 //! Newton's method with a line search for a step in time or an increment of equilibrium.
 
-use super::beam::{Beam, Kind, State, Work, dimensions};
+use super::beam::{BARS, Beam, Kind, State, Work, dimensions};
 use super::contact::Striker;
 
 /// Iterations of a step; four are usual.
@@ -12,14 +12,20 @@ const MAX_TRIALS: usize = 8;
 /// Residual moments count as forces at this lever \[m\].
 const LEVER: f64 = 0.1;
 
+/// Unknowns that couple with many nodes: the face of the vehicle and the shear angles.
+const BORDERS: usize = 1 + BARS;
+
 /// The unknowns and the memory of a solution.
 #[derive(Debug, Clone)]
 pub(crate) struct Solver<const D: usize, const R: usize> {
     pub work: Work<D, R>,
     pub increments: Vec<[f64; D]>,
+    pub shear: [f64; BARS],
     tried: Vec<[f64; D]>,
+    tried_shear: [f64; BARS],
     direction: Vec<[f64; D]>,
-    column: Vec<[f64; D]>,
+    direction_shear: [f64; BARS],
+    columns: [Vec<[f64; D]>; BORDERS],
     /// Evaluations so far.
     pub evaluations: u64,
     /// Negative pivots of the last factorisation.
@@ -34,13 +40,27 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         Self {
             work: beam.work(),
             increments: zeros.clone(),
+            shear: [0.0; BARS],
             tried: zeros.clone(),
+            tried_shear: [0.0; BARS],
             direction: zeros.clone(),
-            column: zeros,
+            direction_shear: [0.0; BARS],
+            columns: [zeros.clone(), zeros.clone(), zeros],
             evaluations: 0,
             negative_pivots: 0,
             tolerance: 1.0,
         }
+    }
+
+    /// Starts from no increment.
+    pub fn begin(&mut self) {
+        self.increments.fill([0.0; D]);
+        self.shear = [0.0; BARS];
+    }
+
+    /// The increment that was found.
+    pub fn increment(&self) -> (&[[f64; D]], &[f64; BARS]) {
+        (&self.increments, &self.shear)
     }
 
     fn evaluate<const Q: usize>(
@@ -53,7 +73,8 @@ impl<const D: usize, const R: usize> Solver<D, R> {
     ) -> f64 {
         self.evaluations += 1;
         let work = &mut self.work;
-        beam.evaluate(state, &self.tried, kind, with_matrix, work);
+        let tried = (self.tried.as_slice(), &self.tried_shear);
+        beam.evaluate(state, tried, kind, with_matrix, work);
         if let (Some((striker, normal)), Kind::Motion { secs }) = (striker, kind) {
             let plane = D == 3;
             for touch in &mut striker.touches {
@@ -90,11 +111,14 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 }
             }
         }
+        for value in &work.shear_residual {
+            largest = largest.max(value.abs() / LEVER);
+        }
         largest
     }
 
-    /// Finds the direction of Newton's method; the face of the vehicle couples all nodes behind it.
-    fn solve_direction(&mut self, striker: &Option<(&mut Striker, [f64; 2])>) {
+    /// Finds the direction of Newton's method: the blocks of the nodes first, then the unknowns that couple many of them.
+    fn solve_direction(&mut self, striker: &Option<(&mut Striker, [f64; 2])>, shears: bool) {
         self.negative_pivots = self.work.matrix.factor();
         for (to, from) in self.direction.iter_mut().zip(&self.work.residual) {
             for k in 0..D {
@@ -102,33 +126,80 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             }
         }
         self.work.matrix.solve(&mut self.direction);
-        let Some((striker, normal)) = striker else {
-            return;
-        };
-        if striker.touches.iter().all(|touch| touch.slope == 0.0) {
-            return;
-        }
-        self.column.fill([0.0; D]);
-        for touch in &striker.touches {
-            for i in 0..dimensions(D) - 1 {
-                self.column[touch.node][1 + i] = touch.slope * normal[i];
-            }
-        }
-        let along = |x: &[[f64; D]]| {
-            let mut sum = 0.0;
+        let mut used = [false; BORDERS];
+        let mut own = [1.0; BORDERS];
+        let mut right = [0.0; BORDERS];
+        // What couples each of them with the nodes, before and after the solution.
+        if let Some((striker, normal)) = striker
+            && striker.touches.iter().any(|touch| touch.slope != 0.0)
+        {
+            used[0] = true;
+            own[0] = striker.stiffness;
+            self.columns[0].fill([0.0; D]);
             for touch in &striker.touches {
                 for i in 0..dimensions(D) - 1 {
-                    sum += touch.slope * normal[i] * x[touch.node][1 + i];
+                    self.columns[0][touch.node][1 + i] = -touch.slope * normal[i];
                 }
             }
-            sum
-        };
-        self.work.matrix.solve(&mut self.column);
-        let factor = along(&self.direction) / (striker.stiffness - along(&self.column));
-        for (to, column) in self.direction.iter_mut().zip(&self.column) {
-            for k in 0..D {
-                to[k] += factor * column[k];
+        }
+        if shears {
+            for bar in 0..BARS {
+                used[1 + bar] = self.work.shear_stiffness[bar] != 0.0;
+                own[1 + bar] = self.work.shear_stiffness[bar];
+                right[1 + bar] = -self.work.shear_residual[bar];
+                self.columns[1 + bar].clone_from_slice(&self.work.shear_columns[bar]);
             }
+        }
+        let mut dense = [[0.0; BORDERS]; BORDERS];
+        for k in 0..BORDERS {
+            if !used[k] {
+                dense[k][k] = 1.0;
+                right[k] = 0.0;
+                continue;
+            }
+            right[k] -= product(&self.columns[k], &self.direction);
+            self.work.matrix.solve(&mut self.columns[k]);
+        }
+        for k in 0..BORDERS {
+            for other in 0..BORDERS {
+                if used[k] && used[other] {
+                    let mine = if k == other { own[k] } else { 0.0 };
+                    dense[k][other] = mine - self.border_product(k, striker, &self.columns[other]);
+                }
+            }
+        }
+        let factors = solve_dense(dense, right);
+        for k in 0..BORDERS {
+            if used[k] {
+                for (to, column) in self.direction.iter_mut().zip(&self.columns[k]) {
+                    for i in 0..D {
+                        to[i] -= factors[k] * column[i];
+                    }
+                }
+            }
+        }
+        self.direction_shear.copy_from_slice(&factors[1..]);
+    }
+
+    /// The product of a coupling as it was before its solution with `x`.
+    fn border_product(
+        &self,
+        k: usize,
+        striker: &Option<(&mut Striker, [f64; 2])>,
+        x: &[[f64; D]],
+    ) -> f64 {
+        match (k, striker) {
+            (0, Some((striker, normal))) => {
+                let mut sum = 0.0;
+                for touch in &striker.touches {
+                    for i in 0..dimensions(D) - 1 {
+                        sum -= touch.slope * normal[i] * x[touch.node][1 + i];
+                    }
+                }
+                sum
+            }
+            (0, None) => 0.0,
+            _ => product(&self.work.shear_columns[k - 1], x),
         }
     }
 
@@ -140,20 +211,22 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         kind: Kind,
         mut striker: Option<(&mut Striker, [f64; 2])>,
     ) -> bool {
-        beam.prepare(state, &mut self.work);
         self.tried.clone_from_slice(&self.increments);
+        self.tried_shear = self.shear;
         let mut size = self.evaluate(beam, state, kind, &mut striker, true);
         for _ in 0..MAX_ITERATIONS {
             if size <= self.tolerance {
                 self.increments.clone_from_slice(&self.tried);
+                self.shear = self.tried_shear;
                 return true;
             }
             if !size.is_finite() {
                 return false;
             }
-            self.solve_direction(&striker);
+            self.solve_direction(&striker, beam.shears());
             let start: f64 = self.slope();
             self.increments.clone_from_slice(&self.tried);
+            self.shear = self.tried_shear;
             let (mut low, mut high) = ((0.0, start), None);
             let mut share = 1.0;
             for trial in 0..MAX_TRIALS {
@@ -165,6 +238,9 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                     for k in 0..D {
                         to[k] = from[k] + share * by[k];
                     }
+                }
+                for bar in 0..BARS {
+                    self.tried_shear[bar] = self.shear[bar] + share * self.direction_shear[bar];
                 }
                 let new = self.evaluate(beam, state, kind, &mut striker, true);
                 let slope = self.slope();
@@ -200,6 +276,9 @@ impl<const D: usize, const R: usize> Solver<D, R> {
     /// Residual times direction.
     fn slope(&self) -> f64 {
         let mut sum = 0.0;
+        for (residual, direction) in self.work.shear_residual.iter().zip(&self.direction_shear) {
+            sum += residual * direction;
+        }
         for (residual, direction) in self.work.residual.iter().zip(&self.direction) {
             for k in 0..D {
                 sum += residual[k] * direction[k];
@@ -207,4 +286,34 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         }
         sum
     }
+}
+
+fn product<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..D {
+            sum += a[k] * b[k];
+        }
+    }
+    sum
+}
+
+/// Elimination without pivoting; the matrix is symmetric and mostly positive.
+fn solve_dense(mut m: [[f64; BORDERS]; BORDERS], mut right: [f64; BORDERS]) -> [f64; BORDERS] {
+    for k in 0..BORDERS {
+        for i in k + 1..BORDERS {
+            let factor = m[i][k] / m[k][k];
+            for j in k..BORDERS {
+                m[i][j] -= factor * m[k][j];
+            }
+            right[i] -= factor * right[k];
+        }
+    }
+    for k in (0..BORDERS).rev() {
+        for j in k + 1..BORDERS {
+            right[k] -= m[k][j] * right[j];
+        }
+        right[k] /= m[k][k];
+    }
+    right
 }

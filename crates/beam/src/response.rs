@@ -52,6 +52,7 @@ pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
     pub node: usize,
     pub course: Course,
     internal: f64,
+    last_secs: f64,
     window: [f64; 2],
 }
 
@@ -83,6 +84,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 ..Course::default()
             },
             internal: 0.0,
+            last_secs: 1.0,
             window: [0.0; 2],
         }
     }
@@ -110,12 +112,17 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 }
             }
         }
+        // The shear goes on as it did.
+        for angle in &mut self.solver.shear {
+            *angle *= secs / self.last_secs;
+        }
+        self.last_secs = secs;
         self.striker.begin(secs);
         let contact = Some((&mut self.striker, self.normal));
         if self.solver.solve(self.beam, &self.state, kind, contact) {
             self.internal += self.beam.commit(
                 &mut self.state,
-                &self.solver.increments,
+                self.solver.increment(),
                 kind,
                 &self.solver.work,
             );

@@ -18,7 +18,7 @@ pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
     state: &mut State<D, R>,
     solver: &mut Solver<D, R>,
 ) -> bool {
-    solver.increments.fill([0.0; D]);
+    solver.begin();
     solver.tolerance = 1e-7 * beam.section.steel.yield_strength * beam.section.area;
     for velocity in &mut state.velocity {
         *velocity = [0.0; 6];
@@ -29,7 +29,7 @@ pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
     if !solver.solve(beam, state, Kind::Equilibrium, None) {
         return false;
     }
-    beam.commit(state, &solver.increments, Kind::Equilibrium, &solver.work);
+    beam.commit(state, solver.increment(), Kind::Equilibrium, &solver.work);
     true
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
     let mut best: f64 = 0.0;
     let mut before: Option<(State<D, R>, f64)> = None;
     for _ in 0..MAX_INCREMENTS {
-        solver.increments.fill([0.0; D]);
+        solver.begin();
         solver.increments[top][0] = -step;
         let saved = state.clone();
         if !solver.solve(&pushed, &state, Kind::Equilibrium, None) || solver.negative_pivots > 0 {
@@ -69,7 +69,7 @@ pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
             step *= 0.5;
             continue;
         }
-        pushed.commit(&mut state, &solver.increments, Kind::Equilibrium, &solver.work);
+        pushed.commit(&mut state, solver.increment(), Kind::Equilibrium, &solver.work);
         descent += step;
         let force = -solver.work.top[0];
         // The peak lies between the steps: go back and pass it with finer ones.
@@ -114,17 +114,26 @@ pub(crate) fn push_sideways<const D: usize, const R: usize, const Q: usize>(
         pushed.held[node][1] = true;
     }
     let mut state = from.clone();
-    let mut most = 0.0_f64;
-    for _ in 0..SIDEWAYS_INCREMENTS {
-        solver.increments.fill([0.0; D]);
+    let (mut most, mut gone) = (0.0_f64, 0.0);
+    let mut step = way / SIDEWAYS_INCREMENTS as f64;
+    for _ in 0..MAX_INCREMENTS {
+        solver.begin();
         for &node in nodes {
-            solver.increments[node][1] = way / SIDEWAYS_INCREMENTS as f64;
+            solver.increments[node][1] = step;
         }
         if !solver.solve(&pushed, &state, Kind::Equilibrium, None) {
-            return None;
+            step *= 0.5;
+            if step < 1e-4 * way {
+                return None;
+            }
+            continue;
         }
-        pushed.commit(&mut state, &solver.increments, Kind::Equilibrium, &solver.work);
+        pushed.commit(&mut state, solver.increment(), Kind::Equilibrium, &solver.work);
         most = most.max(-(solver.work.base[1] + solver.work.top[1]));
+        gone += step;
+        if gone >= way {
+            break;
+        }
     }
     Some(most)
 }
