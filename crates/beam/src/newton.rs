@@ -15,6 +15,25 @@ const LEVER: f64 = 0.1;
 /// Unknowns that couple with many nodes: the face of the vehicle and the shear angles.
 const BORDERS: usize = 1 + BARS;
 
+/// A very stiff spring that pushes an unknown of a node, so that the first direction already spreads the push over the column.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Push {
+    pub node: usize,
+    pub unknown: usize,
+    pub stiffness: f64,
+    /// Where it pulls the unknown to in this increment \[m\].
+    pub target: f64,
+    /// Its force on the column at the end of the last increment \[N\].
+    pub force: f64,
+}
+
+impl Push {
+    /// Goes on by `step` \[m\].
+    pub fn aim(&mut self, step: f64) {
+        self.target = step + self.force / self.stiffness;
+    }
+}
+
 /// The unknowns and the memory of a solution.
 #[derive(Debug, Clone)]
 pub(crate) struct Solver<const D: usize, const R: usize> {
@@ -26,6 +45,7 @@ pub(crate) struct Solver<const D: usize, const R: usize> {
     direction: Vec<[f64; D]>,
     direction_shear: [f64; BARS],
     columns: [Vec<[f64; D]>; BORDERS],
+    pub pushes: Vec<Push>,
     /// Evaluations so far.
     pub evaluations: u64,
     /// Negative pivots of the last factorisation.
@@ -46,6 +66,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             direction: zeros.clone(),
             direction_shear: [0.0; BARS],
             columns: [zeros.clone(), zeros.clone(), zeros],
+            pushes: Vec::new(),
             evaluations: 0,
             negative_pivots: 0,
             tolerance: 1.0,
@@ -75,6 +96,13 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         let work = &mut self.work;
         let tried = (self.tried.as_slice(), &self.tried_shear);
         beam.evaluate(state, tried, kind, with_matrix, work);
+        for push in &self.pushes {
+            let beyond = self.tried[push.node][push.unknown] - push.target;
+            work.residual[push.node][push.unknown] += push.stiffness * beyond;
+            if with_matrix {
+                work.matrix.diagonal[push.node][push.unknown][push.unknown] += push.stiffness;
+            }
+        }
         if let (Some((striker, normal)), Kind::Motion { secs }) = (striker, kind) {
             let plane = D == 3;
             for touch in &mut striker.touches {
@@ -214,10 +242,18 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         self.tried.clone_from_slice(&self.increments);
         self.tried_shear = self.shear;
         let mut size = self.evaluate(beam, state, kind, &mut striker, true);
-        for _ in 0..MAX_ITERATIONS {
+        let most = match kind {
+            Kind::Motion { .. } => MAX_ITERATIONS,
+            Kind::Equilibrium => 2 * MAX_ITERATIONS,
+        };
+        for _ in 0..most {
             if size <= self.tolerance {
                 self.increments.clone_from_slice(&self.tried);
                 self.shear = self.tried_shear;
+                for push in &mut self.pushes {
+                    let beyond = self.tried[push.node][push.unknown] - push.target;
+                    push.force = -push.stiffness * beyond;
+                }
                 return true;
             }
             if !size.is_finite() {

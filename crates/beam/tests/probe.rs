@@ -17,3 +17,15 @@ fn probe() {
     }
     }
 }
+
+#[test]
+fn limit() {
+    let mut it = column("HEB220", 355e6, 1e-5);
+    it.steel.young_modulus *= 100.0;
+    it.shear = true;
+    it.length_below = 1.0;
+    it.bumper_height = 0.2;
+    let m = BeamModel::new(&it).unwrap();
+    eprintln!("XX");
+    for way in [1e-4, 2e-4, 5e-4, 1e-3] { eprintln!("XX {way} {:?}", m.lateral_resistance(way)); }
+}
