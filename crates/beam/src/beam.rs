@@ -114,8 +114,9 @@ pub(crate) struct Work<const D: usize, const R: usize> {
     pub shear_residual: [f64; BARS],
     pub shear_stiffness: [f64; BARS],
     pub shear_columns: [Vec<[f64; D]>; BARS],
-    points: Vec<PointState>,
     flows: Vec<bool>,
+    /// Strains of the sections that were not elastic beyond doubt.
+    strains: Vec<[f64; 4]>,
 }
 
 /// A step in time or an increment of equilibrium.
@@ -184,7 +185,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             shear_stiffness: [0.0; BARS],
             shear_columns: [vec![[0.0; D]; nodes], vec![[0.0; D]; nodes]],
             flows: state.yielded,
-            points: state.points,
+            strains: vec![[0.0; 4]; state.points.len()],
         }
     }
 
@@ -434,14 +435,13 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 (f, c) = self.section.elastic(&strain);
                 work.flows[place] = false;
             } else {
-                work.flows[place] = self.section.respond(
-                    &strain,
-                    strength,
-                    &state.points[place],
-                    &mut work.points[place],
-                    &mut f,
-                    &mut c,
-                );
+                let (section, from) = (&self.section, &state.points[place]);
+                work.strains[place] = strain;
+                work.flows[place] = if R == 6 {
+                    section.respond::<true>(&strain, strength, from, &mut f, &mut c)
+                } else {
+                    section.respond::<false>(&strain, strength, from, &mut f, &mut c)
+                };
             }
             // Each deformation is one strain times a coefficient.
             let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
@@ -595,7 +595,15 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 done += mean * (work.deformation[index][k] - state.deformation[index][k]);
             }
         }
+        for (place, flows) in work.flows.iter().enumerate() {
+            if *flows {
+                state.yielded[place] = true;
+                let strength = self.section.steel.yield_strength * state.rates[place][1];
+                self.section.flow(&work.strains[place], strength, &mut state.points[place]);
+            }
+        }
         if let Kind::Motion { secs } = kind {
+            self.follow_rates(state, shear, secs, work);
             for (node, increment) in increments.iter().enumerate() {
                 let velocity = &mut state.velocity[node];
                 let moved = Self::translation(increment);
@@ -606,7 +614,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                     velocity[3 + k] = 2.0 / secs * turn - velocity[3 + k];
                 }
             }
-            self.follow_rates(state, shear, secs, work);
         }
         for (moved, increment) in state.moved.iter_mut().zip(increments) {
             for (value, by) in moved.iter_mut().zip(Self::translation(increment)) {
@@ -622,14 +629,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             }
             state.shear_forces.copy_from_slice(&work.shear_forces);
             state.sliders.copy_from_slice(&work.sliders);
-        }
-        for (place, flows) in work.flows.iter().enumerate() {
-            if *flows {
-                state.yielded[place] = true;
-                let (to, from) = (&mut state.points[place], &work.points[place]);
-                to.plain.copy_from_slice(&from.plain);
-                to.web.copy_from_slice(&from.web);
-            }
         }
         done
     }

@@ -66,10 +66,13 @@ impl Damage {
                 state.points[place] = point.clone();
                 continue;
             };
-            for (to, from) in state.points[place].plain.iter_mut().zip(plain) {
+            let to = &mut state.points[place];
+            for (to, from) in to.plain.iter_mut().zip(plain) {
                 *to = point.plain[*from];
             }
-            for (to, from) in state.points[place].web.iter_mut().zip(web) {
+            // The moment about the weak axis of a symmetric section stays zero.
+            to.locked = point.locked;
+            for (to, from) in to.web.iter_mut().zip(web) {
                 *to = point.web[*from];
             }
         }

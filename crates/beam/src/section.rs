@@ -84,6 +84,8 @@ pub(crate) struct Section {
     pub web: Fibres,
     /// `sum A (1, -y, z)` and their products: the elastic stiffness without `E`, in the order of [`PointForces`].
     elastic: [f64; 4],
+    /// The same of the fibres without shear.
+    plain_elastic: [f64; 3],
     /// `G A` of the web fibres \[N\].
     pub web_rigidity: f64,
     /// Largest distances from the axes \[m\].
@@ -107,12 +109,15 @@ pub(crate) type PointForces = [f64; 4];
 /// The stiffness of a section.
 pub(crate) type PointStiffness = [[f64; 4]; 4];
 
-/// Plastic strains of the fibres at one section.
+/// What the fibres at one section have been through.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct PointState {
+    /// `(E + H) e_p - E e_r` of each fibre without shear \[Pa\]: the middle of its elastic range, a stress.
     pub plain: Vec<f64>,
-    /// Normal and shear.
+    /// Plastic strains of the fibres of the web, normal and shear.
     pub web: Vec<[f64; 2]>,
+    /// `N`, `M_z`, `M_y` that the plastic strains of the fibres without shear take from those of an elastic section.
+    pub locked: [f64; 3],
 }
 
 impl Fibres {
@@ -159,6 +164,7 @@ impl Section {
             plain: Fibres::default(),
             web: Fibres::default(),
             elastic: [0.0; 4],
+            plain_elastic: [0.0; 3],
             web_rigidity: 0.0,
             reach: [0.0; 2],
             largest_initial: 0.0,
@@ -333,6 +339,13 @@ impl Section {
         }
         self.web_rigidity = g * self.web.area.iter().sum::<f64>();
         let e = self.steel.young_modulus;
+        let f = &self.plain;
+        for k in 0..f.len() {
+            let (y, z, area) = (f.y[k], f.z[k], e * f.area[k]);
+            self.plain_elastic[0] += area;
+            self.plain_elastic[1] += area * y * y;
+            self.plain_elastic[2] += area * z * z;
+        }
         let [strong, weak] = self.second_moment;
         self.elastic = [e * self.area, e * strong, e * weak, self.web_rigidity];
     }
@@ -344,10 +357,20 @@ impl Section {
 
     /// The state of a section that has never yielded.
     pub fn virgin(&self) -> PointState {
-        PointState {
-            plain: vec![0.0; self.plain.len()],
+        let e = self.steel.young_modulus;
+        let mut state = PointState {
+            plain: self.plain.initial.iter().map(|strain| -e * strain).collect(),
             web: vec![[0.0; 2]; self.web.len()],
+            locked: [0.0; 3],
+        };
+        let f = &self.plain;
+        for k in 0..f.len() {
+            let force = e * f.area[k] * f.initial[k];
+            for (sum, lever) in state.locked.iter_mut().zip([1.0, -f.y[k], f.z[k]]) {
+                *sum -= lever * force;
+            }
         }
+        state
     }
 
     /// Whether a section that has never yielded stays elastic under this strain, by a bound from outside.
@@ -378,7 +401,7 @@ impl Section {
         for k in 0..self.plain.len() {
             let f = &self.plain;
             let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
-            let plastic = from.plain[k];
+            let plastic = (from.plain[k] + e * f.initial[k]) / (e + h);
             let elastic = total - plastic;
             sum += 0.5 * f.area[k] * (e * elastic * elastic + h * plastic * plastic);
         }
@@ -396,68 +419,124 @@ impl Section {
 
     /// Returns every fibre to its yield surface `|xi| <= strength` or, in the web,
     /// `xi_s^2 + 3 xi_t^2 <= strength^2`. Tells whether any flows.
-    pub fn respond(
+    pub fn respond<const SPACE: bool>(
         &self,
         strain: &[f64; 4],
         strength: f64,
         from: &PointState,
-        to: &mut PointState,
         forces: &mut PointForces,
         stiffness: &mut PointStiffness,
     ) -> bool {
-        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
-        let per_sum = 1.0 / (e + h);
-        let softer = e * e * per_sum;
-        // N, Mz, My; lost stiffness: A, Ay, Az, Ayy, Ayz, Azz.
+        let e = self.steel.young_modulus;
+        let kept = 1.0 - self.steel.hardening_ratio;
+        let [axial, bent, weak] = [e * strain[0], e * strain[1], e * strain[2]];
+        // N, Mz, My that flow; area that flows, its first and second moments Ay, Az, Ayy, Ayz, Azz.
         let mut sums = [[0.0; LANES]; 3];
-        let mut lost = [[0.0; LANES]; 6];
+        let mut soft = [[0.0; LANES]; 6];
+        let mut flows = false;
         let f = &self.plain;
         let arrays = f.y.chunks_exact(LANES).zip(f.z.chunks_exact(LANES));
-        let arrays = arrays.zip(f.area.chunks_exact(LANES).zip(f.initial.chunks_exact(LANES)));
-        let states = from.plain.chunks_exact(LANES);
-        let states = states.zip(to.plain.chunks_exact_mut(LANES));
-        let mut flowing = 0.0;
-        for (((y, z), (area, initial)), (old, new)) in arrays.zip(states) {
+        let arrays = arrays.zip(f.area.chunks_exact(LANES));
+        for (((y, z), area), old) in arrays.zip(from.plain.chunks_exact(LANES)) {
+            let mut beyond = [0.0; LANES];
+            let mut any = 0.0;
             for lane in 0..LANES {
-                let (y, z, area) = (y[lane], z[lane], area[lane]);
-                let total = strain[0] - y * strain[1] + z * strain[2] + initial[lane];
-                let stress = e * (total - old[lane]);
-                let xi = stress - h * old[lane];
+                let mut xi = (axial - y[lane] * bent) - old[lane];
+                if SPACE {
+                    xi += z[lane] * weak;
+                }
                 // Two selections, which the compiler does for all lanes at once.
                 let over = if xi > strength { xi - strength } else { 0.0 };
                 let under = if xi < -strength { xi + strength } else { 0.0 };
-                let beyond = over + under;
-                let flow = beyond * per_sum;
-                new[lane] = old[lane] + flow;
-                let force = area * (stress - e * flow);
+                beyond[lane] = over + under;
+            }
+            for value in beyond {
+                any += value * value;
+            }
+            if any == 0.0 {
+                continue;
+            }
+            flows = true;
+            for lane in 0..LANES {
+                let (y, z, area) = (y[lane], z[lane], area[lane]);
+                let force = area * beyond[lane];
+                let part = if beyond[lane] == 0.0 { 0.0 } else { area };
+                let ys = y * part;
                 sums[0][lane] += force;
                 sums[1][lane] -= y * force;
-                sums[2][lane] += z * force;
-                let soft = if beyond == 0.0 { 0.0 } else { area * softer };
-                lost[0][lane] += soft;
-                let (ys, zs) = (y * soft, z * soft);
-                lost[1][lane] += ys;
-                lost[2][lane] += zs;
-                lost[3][lane] += y * ys;
-                lost[4][lane] += y * zs;
-                lost[5][lane] += z * zs;
+                soft[0][lane] += part;
+                soft[1][lane] += ys;
+                soft[3][lane] += y * ys;
+                if SPACE {
+                    let zs = z * part;
+                    sums[2][lane] += z * force;
+                    soft[2][lane] += zs;
+                    soft[4][lane] += y * zs;
+                    soft[5][lane] += z * zs;
+                }
             }
         }
-        let total = |lanes: &[f64; LANES]| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
-        flowing += total(&lost[0]);
-        let [a, ay, az, ayy, ayz, azz] = lost.map(|lanes| total(&lanes));
-        *forces = [total(&sums[0]), total(&sums[1]), total(&sums[2]), 0.0];
-        let ea = self.elastic;
-        *stiffness = [
-            [ea[0] - a, ay, -az, 0.0],
-            [ay, ea[1] - ayy, ayz, 0.0],
-            [-az, ayz, ea[2] - azz, 0.0],
-            [0.0, 0.0, 0.0, ea[3]],
-        ];
-        if self.web.len() > 0 && self.respond_web(strain, strength, from, to, forces, stiffness) {
-            flowing += 1.0;
+        let total = |lanes: [f64; LANES]| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+        let rigidity = self.plain_elastic;
+        *forces = [0.0; 4];
+        for k in 0..3 {
+            forces[k] = rigidity[k] * strain[k] - from.locked[k];
+            if flows {
+                forces[k] -= kept * total(sums[k]);
+            }
         }
-        flowing > 0.0
+        let [a, ay, az, ayy, ayz, azz] = if flows {
+            soft.map(|lanes| kept * e * total(lanes))
+        } else {
+            [0.0; 6]
+        };
+        let all = self.elastic;
+        *stiffness = [
+            [all[0] - a, ay, -az, 0.0],
+            [ay, all[1] - ayy, ayz, 0.0],
+            [-az, ayz, all[2] - azz, 0.0],
+            [0.0, 0.0, 0.0, all[3]],
+        ];
+        if self.web.len() > 0 {
+            flows |= self.respond_web(strain, strength, from, forces, stiffness);
+        }
+        flows
+    }
+
+    /// Takes the flow of the fibres under this strain over into their state.
+    pub fn flow(&self, strain: &[f64; 4], strength: f64, state: &mut PointState) {
+        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
+        let g = self.steel.shear_modulus();
+        let kept = 1.0 - self.steel.hardening_ratio;
+        let f = &self.plain;
+        for k in 0..f.len() {
+            let xi = e * (strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2]) - state.plain[k];
+            let beyond = xi - xi.clamp(-strength, strength);
+            if beyond != 0.0 {
+                state.plain[k] += beyond;
+                let force = kept * f.area[k] * beyond;
+                for (sum, lever) in state.locked.iter_mut().zip([1.0, -f.y[k], f.z[k]]) {
+                    *sum += lever * force;
+                }
+            }
+        }
+        let f = &self.web;
+        for k in 0..f.len() {
+            let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
+            let [p, q] = state.web[k];
+            let trial = [
+                e * (total - p) - h * p,
+                g * (strain[3] - q) - h / 3.0 * q,
+            ];
+            if trial[0] * trial[0] + 3.0 * trial[1] * trial[1] > strength * strength {
+                let returned = return_to_surface(trial, strength, [e + h, 3.0 * g + h]);
+                let [ns, nt] = returned.stress;
+                state.web[k] = [
+                    p + returned.multiplier * ns,
+                    q + 3.0 * returned.multiplier * nt,
+                ];
+            }
+        }
     }
 
     fn respond_web(
@@ -465,7 +544,6 @@ impl Section {
         strain: &[f64; 4],
         strength: f64,
         from: &PointState,
-        to: &mut PointState,
         forces: &mut PointForces,
         stiffness: &mut PointStiffness,
     ) -> bool {
@@ -481,13 +559,11 @@ impl Section {
             let mut shear = g * (strain[3] - q);
             let (xs, xt) = (normal - h * p, shear - h / 3.0 * q);
             let size = xs * xs + 3.0 * xt * xt;
-            to.web[k] = [p, q];
             if size > strength * strength {
                 flows = true;
                 let returned = return_to_surface([xs, xt], strength, [e + h, 3.0 * g + h]);
                 let [ns, nt] = returned.stress;
                 let flow = [returned.multiplier * ns, 3.0 * returned.multiplier * nt];
-                to.web[k] = [p + flow[0], q + flow[1]];
                 normal -= e * flow[0];
                 shear -= g * flow[1];
                 // d flow / d (strain, shear strain).
