@@ -231,6 +231,10 @@ impl Striker {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
+    pub fn is_compliant(&self) -> bool {
+        matches!(self.behind, Behind::Chain { .. })
+    }
+
     /// Whether it touches nothing and moves away.
     pub fn is_gone(&self) -> bool {
         let loose = self.touches.iter().all(|touch| touch.depth <= 0.0);

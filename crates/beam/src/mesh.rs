@@ -4,10 +4,10 @@
 const PER_DEPTH: f64 = 5.0;
 
 /// Growth of the length of an element per distance from there.
-const GROWTH: f64 = 0.5;
+const GROWTH: f64 = 0.25;
 
 /// Largest element over the length of the column.
-const LARGEST: f64 = 1.0 / 12.0;
+const LARGEST: f64 = 1.0 / 24.0;
 
 /// Heights of the nodes \[m\]. `keys` are places that get a node, in rising order from the base to the top; about `count`
 /// elements in all, or as many as the rule gives if 0.

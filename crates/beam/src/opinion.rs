@@ -14,9 +14,6 @@ use super::statics::{push_down, push_sideways, settle};
 /// Step of a response with a rigid vehicle \[ns\]: a fifth of the period of the contact.
 const RIGID_STEP: u64 = 40_000;
 
-/// The same where the weak axis decides, whose flexural waves are slower to follow.
-const RIGID_WEAK_STEP: u64 = 25_000;
-
 /// Step with a vehicle that crushes \[ns\].
 const COMPLIANT_STEP: u64 = 100_000;
 
@@ -240,7 +237,6 @@ impl BeamModel {
     fn step(&self, hit: &Hit) -> f64 {
         let nanos = match (self.column.step_nanos, hit.impact.vehicle) {
             (0, Some(_)) => COMPLIANT_STEP,
-            (0, None) if libm::sin(hit.direction).abs() > 0.5 => RIGID_WEAK_STEP,
             (0, None) => RIGID_STEP,
             (given, _) => given,
         };
