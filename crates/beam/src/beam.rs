@@ -1,6 +1,6 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
-use super::element::{Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned};
+use super::element::{Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned, turned_in_plane};
 use super::section::{PointState, Section};
 use super::tridiagonal::Tridiagonal;
 
@@ -226,7 +226,12 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         }
         for (node, increment) in increments.iter().enumerate() {
             let psi = Self::rotation(increment);
-            (work.middle[node], work.end[node]) = turned(&state.triads[node], &psi);
+            let triad = &state.triads[node];
+            (work.middle[node], work.end[node]) = if D == 3 {
+                turned_in_plane(triad, psi[2])
+            } else {
+                turned(triad, &psi)
+            };
         }
         for element in 0..self.elements.len() {
             self.add_element(state, (increments, shear), element, share, with_matrix, work);
@@ -344,7 +349,8 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let mut row = [0.0; Q];
             for j in 0..R {
                 let value = share * stiffness[i][j];
-                if value != 0.0 {
+                // In space most couplings are zero.
+                if R == 3 || value != 0.0 {
                     for k in 0..Q {
                         row[k] += value * rows[j][k];
                     }
@@ -352,7 +358,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             }
             for a in 0..Q {
                 let left = rows[i][a];
-                if left != 0.0 {
+                if R == 3 || left != 0.0 {
                     for k in 0..Q {
                         k_all[a][k] += left * row[k];
                     }
@@ -417,6 +423,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         let element = &self.elements[index];
         let l = element.length;
         let d: [f64; R] = std::array::from_fn(|k| d[k] - element.initial[k]);
+        let per_length = 0.5 / l;
         let mut to = Responded {
             forces: [0.0; R],
             stiffness: [[0.0; R]; R],
@@ -432,7 +439,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let elastic = !state.yielded[place] && self.section.stays_elastic(&strain, strength);
             let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
             if elastic {
-                (f, c) = self.section.elastic(&strain);
+                let rigidity = self.section.elastic();
+                for k in 0..4 {
+                    f[k] = rigidity[k] * strain[k];
+                    c[k][k] = rigidity[k];
+                }
                 work.flows[place] = false;
             } else {
                 let (section, from) = (&self.section, &state.points[place]);
@@ -449,9 +460,13 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             for i in 0..count {
                 let (row, ci) = parts[i];
                 to.forces[i] += 0.5 * ci * f[row];
-                for j in 0..count {
+                for j in 0..=i {
                     let (column, cj) = parts[j];
-                    to.stiffness[i][j] += 0.5 / l * ci * cj * c[row][column];
+                    let value = per_length * ci * cj * c[row][column];
+                    to.stiffness[i][j] += value;
+                    if i != j {
+                        to.stiffness[j][i] += value;
+                    }
                 }
             }
             if element.bar.is_some() {

@@ -50,6 +50,19 @@ pub(crate) fn turned(triad: &Triad, psi: &[f64; 3]) -> (Triad, Triad) {
     (middle, end)
 }
 
+/// The same for a rotation about z alone, of the directors in the plane.
+pub(crate) fn turned_in_plane(triad: &Triad, psi: f64) -> (Triad, Triad) {
+    let per = 1.0 / (1.0 + 0.25 * psi * psi);
+    let half = 0.5 * psi;
+    let (mut middle, mut end) = (*triad, *triad);
+    for k in 0..2 {
+        let [x, y, _] = triad[k];
+        middle[k] = [per * (x - half * y), per * (y + half * x), 0.0];
+        end[k] = [2.0 * middle[k][0] - x, 2.0 * middle[k][1] - y, 0.0];
+    }
+    (middle, end)
+}
+
 /// Where the ends of an element are.
 #[derive(Clone, Copy)]
 pub(crate) struct Ends<'a> {
@@ -185,7 +198,8 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     // By the chord twice: `N (I - t t') / l` and, for each `F a.t`, `-F (p t' + t p' + (a.t) (I - t t')) / l^2`.
     let mut pull = share * forces[0] / l;
     let mut across = [0.0; 3];
-    for (director, _, force) in bending {
+    let bending = &bending[..if R == 3 { 2 } else { 4 }];
+    for &(director, _, force) in bending {
         let per = share * force / (l * l);
         let along = dot(director, &t);
         pull -= per * along;
@@ -199,7 +213,7 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
             into[i][j] += pull * (unit - t[i] * t[j]) - across[i] * t[j] - t[i] * across[j];
         }
     }
-    for (director, place, force) in bending {
+    for &(director, place, force) in bending {
         let force = share * force;
         let along = force * dot(director, &t);
         if R == 3 {

@@ -13,10 +13,12 @@ const LARGEST: f64 = 1.0 / 24.0;
 /// elements in all, or as many as the rule gives if 0.
 pub(crate) fn nodes(keys: &[f64], depth: f64, count: usize) -> Vec<f64> {
     let length = keys[keys.len() - 1];
+    // Elements are as long as their mean size, so that the first one is longer than the size at its beginning.
+    let first = depth / PER_DEPTH * GROWTH / libm::expm1(GROWTH);
     let size = |x: f64| {
         let near = keys.iter().map(|key| (key - x).abs());
         let distance = near.fold(f64::INFINITY, f64::min);
-        (depth / PER_DEPTH + GROWTH * distance).min(length * LARGEST)
+        (first + GROWTH * distance).min(length * LARGEST)
     };
     // How many elements fit between two places, by the middle of fine parts.
     const PARTS: usize = 400;
@@ -32,7 +34,7 @@ pub(crate) fn nodes(keys: &[f64], depth: f64, count: usize) -> Vec<f64> {
     for pair in keys.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let total = fits(from, to);
-        let elements = (libm::ceil(scale * total - 0.2) as usize).max(1);
+        let elements = (libm::ceil(scale * total) as usize).max(1);
         let part = (to - from) / PARTS as f64;
         let (mut sum, mut next) = (0.0, 1);
         for k in 0..PARTS {

@@ -382,15 +382,9 @@ impl Section {
         normal * normal + 3.0 * shear * shear <= strength * strength
     }
 
-    /// Forces and stiffness of a section that is elastic.
-    pub fn elastic(&self, strain: &[f64; 4]) -> (PointForces, PointStiffness) {
-        let mut stiffness = [[0.0; 4]; 4];
-        let mut forces = [0.0; 4];
-        for k in 0..4 {
-            stiffness[k][k] = self.elastic[k];
-            forces[k] = self.elastic[k] * strain[k];
-        }
-        (forces, stiffness)
+    /// `EA`, `EI` about the strong and the weak axis, `GA` of the web.
+    pub fn elastic(&self) -> &[f64; 4] {
+        &self.elastic
     }
 
     /// Elastic and hardening energy per length \[J/m\].

@@ -110,7 +110,8 @@ fn descend<const D: usize, const R: usize, const Q: usize>(
         before = Some((saved, [descent - step, force_before]));
         best = best.max(force);
         last.push([descent, force]);
-        if force < FALLEN * best {
+        // A column that hangs from its spring is in tension at first.
+        if best > 0.0 && force < FALLEN * best {
             break;
         }
         if refined == 3 && last.len() > 2 && force < best {
