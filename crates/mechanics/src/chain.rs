@@ -32,7 +32,7 @@ pub struct Chain {
 
 impl Chain {
     /// A new vehicle that moves with `velocity` \[m/s\] at a `gap` from the column \[m\].
-    pub(crate) fn new(vehicle: &Vehicle, velocity: f64, gap: f64) -> Self {
+    pub fn new(vehicle: &Vehicle, velocity: f64, gap: f64) -> Self {
         let mut chain = Self::default();
         for (index, spring) in vehicle.springs().iter().enumerate() {
             let open_by = if index == 0 { gap } else { spring.slack };
@@ -58,7 +58,7 @@ impl Chain {
     }
 
     /// Force between vehicle and column \[N\], >= 0.
-    pub(crate) fn contact_force(&self, vehicle: &Vehicle) -> f64 {
+    pub fn contact_force(&self, vehicle: &Vehicle) -> f64 {
         self.springs[0].force(&vehicle.springs()[0])
     }
 
@@ -69,7 +69,7 @@ impl Chain {
     }
 
     /// Velocity of the centre of mass \[m/s\].
-    pub(crate) fn mean_velocity(&self, vehicle: &Vehicle) -> f64 {
+    pub fn mean_velocity(&self, vehicle: &Vehicle) -> f64 {
         let momentum: f64 = self
             .velocity
             .iter()
@@ -80,13 +80,13 @@ impl Chain {
     }
 
     /// Kinetic energy of all masses \[J\].
-    pub(crate) fn kinetic_energy(&self, vehicle: &Vehicle) -> f64 {
+    pub fn kinetic_energy(&self, vehicle: &Vehicle) -> f64 {
         let terms = self.velocity.iter().zip(vehicle.masses());
         terms.map(|(v, m)| 0.5 * m * v * v).sum()
     }
 
     /// Elastic energy of all springs \[J\].
-    pub(crate) fn elastic_energy(&self, vehicle: &Vehicle) -> f64 {
+    pub fn elastic_energy(&self, vehicle: &Vehicle) -> f64 {
         let terms = self.springs.iter().zip(vehicle.springs());
         terms
             .map(|(state, spring)| state.elastic_energy(spring))
@@ -116,7 +116,7 @@ impl Chain {
 
     /// Moves the vehicle, on which a force acts that alone would give it `acceleration` \[m/s²\], to the end of a part of a step
     /// of `secs` seconds that has been solved.
-    pub(crate) fn follow(
+    pub fn follow(
         &mut self,
         vehicle: &Vehicle,
         acceleration: f64,
@@ -159,7 +159,7 @@ impl Chain {
     /// Whether a vehicle out of contact can never touch a column at rest again: its front recedes, and either no spring
     /// will ever act again, or all the energy that its masses have relative to each other does not suffice to turn the
     /// front round.
-    pub(crate) fn recedes_for_good(&self, vehicle: &Vehicle) -> bool {
+    pub fn recedes_for_good(&self, vehicle: &Vehicle) -> bool {
         let count = vehicle.masses().len();
         let velocity = &self.velocity[..count];
         let springs = &self.springs[..count];
@@ -185,7 +185,7 @@ impl Chain {
 
 /// A vehicle over one part of a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ChainPart<'a> {
+pub struct ChainPart<'a> {
     count: usize,
     springs: [Stretch<'a>; MAX_MASSES],
     /// `2 M / h^2` of each mass \[N/m\].
@@ -197,7 +197,7 @@ pub(crate) struct ChainPart<'a> {
 
 /// A solution for one increment of `v1`.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct ChainPoint {
+pub struct ChainPoint {
     /// By how much each mass deviates from its free flight \[m\], once there is a solution.
     deviation: [f64; MAX_MASSES],
     is_solved: bool,
@@ -224,12 +224,12 @@ struct Elimination {
 
 impl ChainPoint {
     /// Mean contact force \[N\].
-    pub(crate) fn force(&self) -> f64 {
+    pub fn force(&self) -> f64 {
         self.mean[0].force
     }
 
     /// Minus its derivative by the increment of `v1` \[N/m\]: the front spring and the chain behind it in series.
-    pub(crate) fn stiffness(&self) -> f64 {
+    pub fn stiffness(&self) -> f64 {
         self.elimination.map_or(0.0, |elimination| {
             let (pivot, front) = (elimination.pivots[0], self.mean[0].slope);
             front * (pivot - front) / pivot
@@ -239,7 +239,7 @@ impl ChainPoint {
 
 /// What a vehicle has done in a part of a step.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Crushed {
+pub struct Crushed {
     /// Impulse on the column \[N s\].
     pub impulse: f64,
     /// Energy dissipated in each spring \[J\].
@@ -258,8 +258,8 @@ struct Residual {
 }
 
 impl<'a> ChainPart<'a> {
-    /// `acceleration` \[m/s²\] is that of the free flight.
-    pub(crate) fn new(vehicle: &'a Vehicle, from: &Chain, acceleration: f64, secs: f64) -> Self {
+    /// A part of `secs` \[s\] that begins with the chain `from`; `acceleration` \[m/s²\] is that of the free flight.
+    pub fn new(vehicle: &'a Vehicle, from: &Chain, acceleration: f64, secs: f64) -> Self {
         let springs = vehicle.springs();
         let mut part = Self {
             count: springs.len(),
@@ -293,7 +293,7 @@ impl<'a> ChainPart<'a> {
 
     /// Finds the mean contact force for an increment of `v1` \[m\]; NaN where the equations do not converge, so that the
     /// part is rejected and halved, which makes the inertia dominate.
-    pub(crate) fn solve(&self, v1_increment: f64, point: &mut ChainPoint) {
+    pub fn solve(&self, v1_increment: f64, point: &mut ChainPoint) {
         // Loops of a known length, measured: a step with three masses takes 5 % less.
         match self.count {
             1 => self.solve_masses::<1>(v1_increment, point),

@@ -85,7 +85,7 @@ pub use capacity::{
     MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, PushDown, PushDownPoint, capacity,
     capacity_up_to, carried_load, plastic_plateau, push_down,
 };
-pub use chain::Chain;
+pub use chain::{Chain, ChainPart, ChainPoint, Crushed};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION};
 pub use crush::SpringState;

@@ -1,0 +1,721 @@
+//! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
+
+use super::element::{Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned, turned_in_plane};
+use super::section::{PointState, Section};
+use super::tridiagonal::Tridiagonal;
+
+/// Integration points of an element, after Gauss.
+pub(crate) const POINTS: usize = 2;
+
+/// Their places along the element.
+const PLACES: [f64; POINTS] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// Parts of the column that shear: below and above the impact point.
+pub(crate) const BARS: usize = 2;
+
+/// Shear that the web between flange and its middle plane, and the frame of the flanges, bear: elastic and plastic, without
+/// normal stress.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Slider {
+    /// Force per shear angle \[N\].
+    pub rigidity: f64,
+    pub resistance: f64,
+    /// Growth of the resistance with the plastic angle \[N\].
+    pub hardening: f64,
+}
+
+impl Slider {
+    fn respond(&self, angle: f64, plastic: f64) -> (f64, f64, f64) {
+        let force = self.rigidity * (angle - plastic);
+        let relative = force - self.hardening * plastic;
+        let beyond = relative - relative.max(-self.resistance).min(self.resistance);
+        if beyond == 0.0 {
+            return (force, self.rigidity, plastic);
+        }
+        let per = 1.0 / (self.rigidity + self.hardening);
+        let tangent = self.rigidity * self.hardening * per;
+        let flow = beyond * per;
+        (force - self.rigidity * flow, tangent, plastic + flow)
+    }
+}
+
+/// An element between a node and the next.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Element<const R: usize> {
+    pub length: f64,
+    /// Deformations of the unloaded element, which may be bowed.
+    pub initial: [f64; R],
+    pub sliders: [Slider; 2],
+    /// Which part of the column shears with it; none behind the bumper or without shear.
+    pub bar: Option<usize>,
+}
+
+/// A spring against the rotation of a node, about z and y \[N m/rad\].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RotationSpring {
+    pub node: usize,
+    pub stiffness: f64,
+}
+
+/// What does not change during an impact.
+#[derive(Debug, Clone)]
+pub(crate) struct Beam<const D: usize, const R: usize, const Q: usize> {
+    pub section: Section,
+    pub places: Vec<[f64; 3]>,
+    pub elements: Vec<Element<R>>,
+    /// Mass \[kg\] and rotary inertia about x, y, z of the section \[kg m²\].
+    pub inertia: Vec<[f64; 4]>,
+    /// Which unknowns do not move.
+    pub held: Vec<[bool; D]>,
+    pub rotation_springs: Vec<RotationSpring>,
+    pub top_spring: f64,
+    pub top_load: f64,
+    /// Effective `G I_t` \[N m²\].
+    pub torsional_rigidity: f64,
+    pub rate: Option<super::rate::Rate>,
+}
+
+/// What changes.
+#[derive(Debug, Clone)]
+pub(crate) struct State<const D: usize, const R: usize> {
+    pub moved: Vec<[f64; 3]>,
+    pub triads: Vec<Triad>,
+    /// Translation along x, y, z and rotation about the axes of the section.
+    pub velocity: Vec<[f64; 6]>,
+    pub deformation: Vec<[f64; R]>,
+    pub forces: Vec<[f64; R]>,
+    /// Shear angle of the part of the column below and above the impact point. It is one for each part: the flanges, which a
+    /// plane section lets shear freely, hold the web from shearing in a short length.
+    pub shear: [f64; BARS],
+    /// What drives the shear angle of each element against its moments \[N m\].
+    pub shear_forces: Vec<f64>,
+    pub sliders: Vec<[f64; 2]>,
+    pub points: Vec<PointState>,
+    pub yielded: Vec<bool>,
+    /// Filtered strain rate \[1/s\] and its factor of the strength.
+    pub rates: Vec<[f64; 2]>,
+}
+
+/// Memory of the evaluations: allocated once.
+#[derive(Debug, Clone)]
+pub(crate) struct Work<const D: usize, const R: usize> {
+    pub residual: Vec<[f64; D]>,
+    /// What the base exerts on the column, before its equations are replaced.
+    pub base: [f64; D],
+    pub top: [f64; D],
+    pub matrix: Tridiagonal<D>,
+    middle: Vec<Triad>,
+    end: Vec<Triad>,
+    deformation: Vec<[f64; R]>,
+    forces: Vec<[f64; R]>,
+    shear_forces: Vec<f64>,
+    sliders: Vec<[f64; 2]>,
+    /// Residual and stiffness of the shear angles, and their coupling with the other unknowns.
+    pub shear_residual: [f64; BARS],
+    pub shear_stiffness: [f64; BARS],
+    pub shear_columns: [Vec<[f64; D]>; BARS],
+    flows: Vec<bool>,
+    /// Strains of the sections that were not elastic beyond doubt.
+    strains: Vec<[f64; 4]>,
+}
+
+/// A step in time or an increment of equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    Motion { secs: f64 },
+    Equilibrium,
+}
+
+/// Number of translations of a node.
+pub(crate) const fn dimensions(d: usize) -> usize {
+    if d == 3 { 2 } else { 3 }
+}
+
+impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
+    /// The rotation of an increment as a vector.
+    fn rotation(increment: &[f64; D]) -> [f64; 3] {
+        if D == 3 {
+            [0.0, 0.0, increment[2]]
+        } else {
+            [increment[3], increment[4], increment[5]]
+        }
+    }
+
+    fn translation(increment: &[f64; D]) -> [f64; 3] {
+        if D == 3 {
+            [increment[0], increment[1], 0.0]
+        } else {
+            [increment[0], increment[1], increment[2]]
+        }
+    }
+
+    pub fn virgin(&self) -> State<D, R> {
+        let (nodes, elements) = (self.places.len(), self.elements.len());
+        let initial = self.elements.iter().map(|element| element.initial).collect();
+        State {
+            moved: vec![[0.0; 3]; nodes],
+            triads: vec![UPRIGHT; nodes],
+            velocity: vec![[0.0; 6]; nodes],
+            deformation: initial,
+            forces: vec![[0.0; R]; elements],
+            shear: [0.0; BARS],
+            shear_forces: vec![0.0; elements],
+            sliders: vec![[0.0; 2]; elements],
+            points: vec![self.section.virgin(); POINTS * elements],
+            yielded: vec![false; POINTS * elements],
+            rates: vec![[0.0, 1.0]; POINTS * elements],
+        }
+    }
+
+    pub fn work(&self) -> Work<D, R> {
+        let state = self.virgin();
+        let nodes = self.places.len();
+        Work {
+            residual: vec![[0.0; D]; nodes],
+            base: [0.0; D],
+            top: [0.0; D],
+            matrix: Tridiagonal::new(nodes),
+            middle: state.triads.clone(),
+            end: state.triads,
+            deformation: state.deformation,
+            forces: state.forces,
+            shear_forces: state.shear_forces,
+            sliders: state.sliders,
+            shear_residual: [0.0; BARS],
+            shear_stiffness: [0.0; BARS],
+            shear_columns: [vec![[0.0; D]; nodes], vec![[0.0; D]; nodes]],
+            flows: state.yielded,
+            strains: vec![[0.0; 4]; state.points.len()],
+        }
+    }
+
+    fn chord(&self, state: &State<D, R>, element: usize) -> [f64; 3] {
+        let mut chord = [0.0; 3];
+        for (k, value) in chord.iter_mut().enumerate() {
+            *value = (self.places[element + 1][k] - self.places[element][k])
+                + (state.moved[element + 1][k] - state.moved[element][k]);
+        }
+        chord
+    }
+
+    /// The residual and, if asked for, the stiffness of a trial increment. Contact is added by the caller.
+    pub fn evaluate(
+        &self,
+        state: &State<D, R>,
+        (increments, shear): (&[[f64; D]], &[f64; BARS]),
+        kind: Kind,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let share = match kind {
+            Kind::Motion { .. } => 0.5,
+            Kind::Equilibrium => 1.0,
+        };
+        for value in &mut work.residual {
+            *value = [0.0; D];
+        }
+        work.shear_residual = [0.0; BARS];
+        if with_matrix {
+            work.matrix.clear();
+            if self.shears() {
+                work.shear_stiffness = [0.0; BARS];
+                for column in &mut work.shear_columns {
+                    column.fill([0.0; D]);
+                }
+            }
+        }
+        for (node, increment) in increments.iter().enumerate() {
+            let psi = Self::rotation(increment);
+            let triad = &state.triads[node];
+            (work.middle[node], work.end[node]) = if D == 3 {
+                turned_in_plane(triad, psi[2])
+            } else {
+                turned(triad, &psi)
+            };
+        }
+        for element in 0..self.elements.len() {
+            self.add_element(state, (increments, shear), element, share, with_matrix, work);
+        }
+        if let Kind::Motion { secs } = kind {
+            self.add_inertia(state, increments, secs, with_matrix, work);
+        }
+        self.add_supports(state, increments, share, with_matrix, work);
+        work.base = work.residual[0];
+        work.top = work.residual[self.places.len() - 1];
+        for (node, held) in self.held.iter().enumerate() {
+            for (unknown, held) in held.iter().enumerate() {
+                if *held {
+                    work.residual[node][unknown] = 0.0;
+                    if with_matrix {
+                        work.matrix.hold(node, unknown);
+                        for column in &mut work.shear_columns {
+                            column[node][unknown] = 0.0;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_element(
+        &self,
+        state: &State<D, R>,
+        (increments, shear): (&[[f64; D]], &[f64; BARS]),
+        index: usize,
+        share: f64,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let dim = dimensions(D);
+        let element = &self.elements[index];
+        let from = self.chord(state, index);
+        let (one, two) = (
+            Self::translation(&increments[index]),
+            Self::translation(&increments[index + 1]),
+        );
+        let to = [0, 1, 2].map(|k| from[k] + (two[k] - one[k]));
+        let end = Ends {
+            chord: to,
+            triads: [&work.end[index], &work.end[index + 1]],
+        };
+        let d: [f64; R] = deformations(&end, element.length);
+        work.deformation[index] = d;
+        let gamma = element.bar.map_or(0.0, |bar| state.shear[bar] + shear[bar]);
+        let Responded {
+            forces: new_forces,
+            stiffness,
+            balance,
+            own,
+            mixed,
+        } = self.respond(state, index, &d, gamma, work);
+        work.shear_forces[index] = balance;
+        if let Some(bar) = element.bar {
+            work.shear_residual[bar] += (1.0 - share) * state.shear_forces[index] + share * balance;
+            if with_matrix {
+                work.shear_stiffness[bar] += share * own;
+            }
+        }
+        work.forces[index] = new_forces;
+        let forces: [f64; R] =
+            std::array::from_fn(|k| (1.0 - share) * state.forces[index][k] + share * new_forces[k]);
+        let triads = if share == 0.5 {
+            [&work.middle[index], &work.middle[index + 1]]
+        } else {
+            [&work.end[index], &work.end[index + 1]]
+        };
+        let chord = if share == 0.5 {
+            Chord::new(&from, &to)
+        } else {
+            Chord::new(&to, &to)
+        };
+        let rows: [[f64; Q]; R] = gradient(&chord, triads);
+        let mut total = [0.0; Q];
+        for (row, force) in rows.iter().zip(&forces) {
+            for k in 0..Q {
+                total[k] += row[k] * force;
+            }
+        }
+        let (first, second) = (dim, Q - (D - dim));
+        for k in 0..dim {
+            work.residual[index][k] -= total[k];
+            work.residual[index + 1][k] += total[k];
+        }
+        for k in 0..D - dim {
+            work.residual[index][dim + k] += total[first + k];
+            work.residual[index + 1][dim + k] += total[second + k];
+        }
+        if !with_matrix {
+            return;
+        }
+        if let Some(bar) = element.bar {
+            let mut column = [0.0; Q];
+            for (row, force) in rows.iter().zip(&mixed) {
+                for k in 0..Q {
+                    column[k] += share * row[k] * force;
+                }
+            }
+            let to = &mut work.shear_columns[bar];
+            for k in 0..dim {
+                to[index][k] -= column[k];
+                to[index + 1][k] += column[k];
+            }
+            for k in 0..D - dim {
+                to[index][dim + k] += column[first + k];
+                to[index + 1][dim + k] += column[second + k];
+            }
+        }
+        let mut k_all = [[0.0; Q]; Q];
+        for i in 0..R {
+            let mut row = [0.0; Q];
+            for j in 0..R {
+                let value = share * stiffness[i][j];
+                // In space most couplings are zero.
+                if R == 3 || value != 0.0 {
+                    for k in 0..Q {
+                        row[k] += value * rows[j][k];
+                    }
+                }
+            }
+            for a in 0..Q {
+                let left = rows[i][a];
+                if R == 3 || left != 0.0 {
+                    for k in 0..Q {
+                        k_all[a][k] += left * row[k];
+                    }
+                }
+            }
+        }
+        geometric::<R, Q>(&chord, triads, &forces, share, &mut k_all);
+        let matrix = &mut work.matrix;
+        for i in 0..dim {
+            for j in 0..dim {
+                let value = k_all[i][j];
+                matrix.diagonal[index][i][j] += value;
+                matrix.diagonal[index + 1][i][j] += value;
+                matrix.coupling[index][i][j] -= value;
+            }
+            for j in 0..D - dim {
+                let (one, two) = (k_all[i][first + j], k_all[i][second + j]);
+                matrix.diagonal[index][i][dim + j] -= one;
+                matrix.diagonal[index][dim + j][i] -= one;
+                matrix.coupling[index][dim + j][i] += one;
+                matrix.diagonal[index + 1][i][dim + j] += two;
+                matrix.diagonal[index + 1][dim + j][i] += two;
+                matrix.coupling[index][i][dim + j] -= two;
+            }
+        }
+        for i in 0..D - dim {
+            for j in 0..D - dim {
+                matrix.diagonal[index][dim + i][dim + j] += k_all[first + i][first + j];
+                matrix.diagonal[index + 1][dim + i][dim + j] += k_all[second + i][second + j];
+                matrix.coupling[index][dim + i][dim + j] += k_all[first + i][second + j];
+            }
+        }
+    }
+
+    /// Whether any part of the column shears.
+    pub fn shears(&self) -> bool {
+        self.section.web_rigidity > 0.0
+    }
+
+    /// Strain at an integration point of an element.
+    fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
+        let l = self.elements[index].length;
+        let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+        let weak = if R == 6 {
+            (b1 * d[R - 3] + b2 * d[R - 2]) / l
+        } else {
+            0.0
+        };
+        let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
+        [d[0] / l, bending, weak, gamma]
+    }
+
+    /// Forces and stiffness of an element with deformations `d` and the shear angle `gamma`.
+    fn respond(
+        &self,
+        state: &State<D, R>,
+        index: usize,
+        d: &[f64; R],
+        gamma: f64,
+        work: &mut Work<D, R>,
+    ) -> Responded<R> {
+        let element = &self.elements[index];
+        let l = element.length;
+        let d: [f64; R] = std::array::from_fn(|k| d[k] - element.initial[k]);
+        let per_length = 0.5 / l;
+        let mut to = Responded {
+            forces: [0.0; R],
+            stiffness: [[0.0; R]; R],
+            balance: 0.0,
+            own: 0.0,
+            mixed: [0.0; R],
+        };
+        for point in 0..POINTS {
+            let place = POINTS * index + point;
+            let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
+            let strain = self.strain(index, point, &d, gamma);
+            let strength = self.section.steel.yield_strength * state.rates[place][1];
+            let elastic = !state.yielded[place] && self.section.stays_elastic(&strain, strength);
+            let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
+            if elastic {
+                let rigidity = self.section.elastic();
+                for k in 0..4 {
+                    f[k] = rigidity[k] * strain[k];
+                    c[k][k] = rigidity[k];
+                }
+                work.flows[place] = false;
+            } else {
+                let (section, from) = (&self.section, &state.points[place]);
+                work.strains[place] = strain;
+                work.flows[place] = if R == 6 {
+                    section.respond::<true>(&strain, strength, from, &mut f, &mut c)
+                } else {
+                    section.respond::<false>(&strain, strength, from, &mut f, &mut c)
+                };
+            }
+            // Each deformation is one strain times a coefficient.
+            let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
+            let count = R.min(5);
+            for i in 0..count {
+                let (row, ci) = parts[i];
+                to.forces[i] += 0.5 * ci * f[row];
+                for j in 0..=i {
+                    let (column, cj) = parts[j];
+                    let value = per_length * ci * cj * c[row][column];
+                    to.stiffness[i][j] += value;
+                    if i != j {
+                        to.stiffness[j][i] += value;
+                    }
+                }
+            }
+            if element.bar.is_some() {
+                let b = (b1 + b2) / l;
+                for i in 0..count {
+                    let (row, ci) = parts[i];
+                    to.mixed[i] += 0.5 * ci * (c[row][3] - b * c[row][1]);
+                }
+                to.balance += 0.5 * l * (f[3] - b * f[1]);
+                to.own += 0.5 * l * (c[3][3] - 2.0 * b * c[1][3] + b * b * c[1][1]);
+            }
+        }
+        if element.bar.is_some() {
+            for (slider, plastic) in element.sliders.iter().zip(0..2) {
+                let (force, tangent, new) = slider.respond(gamma, state.sliders[index][plastic]);
+                to.balance += l * force;
+                to.own += l * tangent;
+                work.sliders[index][plastic] = new;
+            }
+        }
+        if R == 6 {
+            let rigidity = self.torsional_rigidity / l;
+            to.forces[R - 1] = rigidity * d[R - 1];
+            to.stiffness[R - 1][R - 1] = rigidity;
+        }
+        to
+    }
+
+    fn add_inertia(
+        &self,
+        state: &State<D, R>,
+        increments: &[[f64; D]],
+        secs: f64,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let per = 2.0 / (secs * secs);
+        let dim = dimensions(D);
+        for (node, inertia) in self.inertia.iter().enumerate() {
+            let (increment, velocity) = (&increments[node], &state.velocity[node]);
+            let mass = per * inertia[0];
+            for k in 0..dim {
+                work.residual[node][k] += mass * (increment[k] - secs * velocity[k]);
+                if with_matrix {
+                    work.matrix.diagonal[node][k][k] += mass;
+                }
+            }
+            if D == 3 {
+                let rotary = per * inertia[3];
+                work.residual[node][2] += rotary * (increment[2] - secs * velocity[5]);
+                if with_matrix {
+                    work.matrix.diagonal[node][2][2] += rotary;
+                }
+                continue;
+            }
+            let triad = &state.triads[node];
+            let psi = Self::rotation(increment);
+            for axis in 0..3 {
+                let rotary = per * inertia[1 + axis];
+                let director = &triad[axis];
+                let turn = super::element::dot(director, &psi) - secs * velocity[3 + axis];
+                for i in 0..3 {
+                    work.residual[node][dim + i] += rotary * turn * director[i];
+                    if with_matrix {
+                        for j in 0..3 {
+                            work.matrix.diagonal[node][dim + i][dim + j] +=
+                                rotary * director[i] * director[j];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_supports(
+        &self,
+        state: &State<D, R>,
+        increments: &[[f64; D]],
+        share: f64,
+        with_matrix: bool,
+        work: &mut Work<D, R>,
+    ) {
+        let top = self.places.len() - 1;
+        let moved = state.moved[top][0] + share * increments[top][0];
+        work.residual[top][0] += self.top_spring * moved + self.top_load;
+        if with_matrix {
+            work.matrix.diagonal[top][0][0] += share * self.top_spring;
+        }
+        for spring in &self.rotation_springs {
+            let at = if share == 0.5 {
+                &work.middle[spring.node]
+            } else {
+                &work.end[spring.node]
+            };
+            // The sines of the rotations are components of the director along the column.
+            let mean = |k: usize| {
+                (1.0 - share) * state.triads[spring.node][0][k]
+                    + share * work.end[spring.node][0][k]
+            };
+            let dim = dimensions(D);
+            if D == 3 {
+                work.residual[spring.node][2] += spring.stiffness * mean(1) * at[0][0];
+                if with_matrix {
+                    work.matrix.diagonal[spring.node][2][2] += share * spring.stiffness;
+                }
+                continue;
+            }
+            for k in 1..3 {
+                let mut axis = [0.0; 3];
+                axis[k] = 1.0;
+                let lever = super::element::cross(&at[0], &axis);
+                for i in 0..3 {
+                    work.residual[spring.node][dim + i] += spring.stiffness * mean(k) * lever[i];
+                    if with_matrix {
+                        for j in 0..3 {
+                            work.matrix.diagonal[spring.node][dim + i][dim + j] +=
+                                share * spring.stiffness * lever[i] * lever[j];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the trial increment over into the state; returns the work done on the fibres \[J\].
+    pub fn commit(
+        &self,
+        state: &mut State<D, R>,
+        (increments, shear): (&[[f64; D]], &[f64; BARS]),
+        kind: Kind,
+        work: &Work<D, R>,
+    ) -> f64 {
+        let mut done = 0.0;
+        for (index, element) in self.elements.iter().enumerate() {
+            if let Some(bar) = element.bar {
+                let mean = 0.5 * (state.shear_forces[index] + work.shear_forces[index]);
+                done += mean * shear[bar];
+            }
+            for k in 0..R {
+                let mean = 0.5 * (state.forces[index][k] + work.forces[index][k]);
+                done += mean * (work.deformation[index][k] - state.deformation[index][k]);
+            }
+        }
+        for (place, flows) in work.flows.iter().enumerate() {
+            if *flows {
+                state.yielded[place] = true;
+                let strength = self.section.steel.yield_strength * state.rates[place][1];
+                self.section.flow(&work.strains[place], strength, &mut state.points[place]);
+            }
+        }
+        if let Kind::Motion { secs } = kind {
+            self.follow_rates(state, shear, secs, work);
+            for (node, increment) in increments.iter().enumerate() {
+                let velocity = &mut state.velocity[node];
+                let moved = Self::translation(increment);
+                let psi = Self::rotation(increment);
+                for k in 0..3 {
+                    velocity[k] = 2.0 / secs * moved[k] - velocity[k];
+                    let turn = super::element::dot(&state.triads[node][k], &psi);
+                    velocity[3 + k] = 2.0 / secs * turn - velocity[3 + k];
+                }
+            }
+        }
+        for (moved, increment) in state.moved.iter_mut().zip(increments) {
+            for (value, by) in moved.iter_mut().zip(Self::translation(increment)) {
+                *value += by;
+            }
+        }
+        state.triads.copy_from_slice(&work.end);
+        state.deformation.copy_from_slice(&work.deformation);
+        state.forces.copy_from_slice(&work.forces);
+        if self.shears() {
+            for (angle, by) in state.shear.iter_mut().zip(shear) {
+                *angle += by;
+            }
+            state.shear_forces.copy_from_slice(&work.shear_forces);
+            state.sliders.copy_from_slice(&work.sliders);
+        }
+        done
+    }
+
+    fn follow_rates(
+        &self,
+        state: &mut State<D, R>,
+        shear: &[f64; BARS],
+        secs: f64,
+        work: &Work<D, R>,
+    ) {
+        let Some(rate) = &self.rate else { return };
+        for index in 0..self.elements.len() {
+            let change: [f64; R] =
+                std::array::from_fn(|k| work.deformation[index][k] - state.deformation[index][k]);
+            let sheared = self.elements[index].bar.map_or(0.0, |bar| shear[bar]);
+            for point in 0..POINTS {
+                let [axial, bent, weak, _] = self.strain(index, point, &change, sheared);
+                let reach = self.section.reach();
+                let outer = axial.abs() + reach[0] * bent.abs() + reach[1] * weak.abs();
+                let web = sheared.abs() / 3.0_f64.sqrt();
+                rate.follow(&mut state.rates[POINTS * index + point], outer.max(web) / secs, secs);
+            }
+        }
+    }
+
+    /// Kinetic energy, energy stored in the fibres (elastic and hardening, without torsion), energy of springs and load.
+    pub fn energies(&self, state: &State<D, R>) -> [f64; 3] {
+        let mut kinetic = 0.0;
+        for (inertia, velocity) in self.inertia.iter().zip(&state.velocity) {
+            for k in 0..3 {
+                kinetic += 0.5 * inertia[0] * velocity[k] * velocity[k];
+                kinetic += 0.5 * inertia[1 + k] * velocity[3 + k] * velocity[3 + k];
+            }
+        }
+        let mut stored = 0.0;
+        for (index, element) in self.elements.iter().enumerate() {
+            let l = element.length;
+            let d: [f64; R] =
+                std::array::from_fn(|k| state.deformation[index][k] - element.initial[k]);
+            let gamma = element.bar.map_or(0.0, |bar| state.shear[bar]);
+            for point in 0..POINTS {
+                let strain = self.strain(index, point, &d, gamma);
+                let place = POINTS * index + point;
+                stored += 0.5 * l * self.section.stored_energy(&strain, &state.points[place]);
+            }
+            if R == 6 {
+                stored += 0.5 * self.torsional_rigidity / l * d[R - 1] * d[R - 1];
+            }
+            for (slider, plastic) in element.sliders.iter().zip(state.sliders[index]) {
+                let elastic = gamma - plastic;
+                stored += 0.5
+                    * l
+                    * (slider.rigidity * elastic * elastic + slider.hardening * plastic * plastic);
+            }
+        }
+        let top = state.moved[self.places.len() - 1][0];
+        let mut outside = 0.5 * self.top_spring * top * top + self.top_load * top;
+        for spring in &self.rotation_springs {
+            let along = &state.triads[spring.node][0];
+            outside += 0.5 * spring.stiffness * (along[1] * along[1] + along[2] * along[2]);
+        }
+        [kinetic, stored, outside]
+    }
+}
+
+/// What an element does to its deformations.
+struct Responded<const R: usize> {
+    forces: [f64; R],
+    stiffness: [[f64; R]; R],
+    /// Force of the shear angle and its derivatives by the angle and by the deformations.
+    balance: f64,
+    own: f64,
+    mixed: [f64; R],
+}

@@ -1,0 +1,245 @@
+//! The deformations of an element between two nodes, which turn and move by any amount.
+//!
+//! With the direction of the chord `t = (x2 - x1) / |x2 - x1|` and the directors `a`, `b` of its nodes, an element has the
+//! deformations `|x2 - x1| - l0`, `-a2.t`, `-b2.t` (rotations about z against the chord), `a3.t`, `b3.t` (about y) and the
+//! twist `(b2.a3 - b3.a2) / 2`. All but the first are products of two unknowns, whose increments over a step are exactly those
+//! of the middle: `d(a.t) = a_m.dt + (a_m x t_m).psi`, because Cayley's rotation moves a director by `psi x a_m`; `dt` is a
+//! matrix times the increment of the chord. So the work of the mean forces is exactly the work of the fibres.
+//!
+//! The length of the chord must not enter the rotations: the moment of an element that shortens plastically would fall with
+//! its length, and the column would soften in the shortest element.
+
+/// Three vectors: along the column, along y and along z of the section.
+pub(crate) type Triad = [[f64; 3]; 3];
+
+/// A triad that is not turned.
+pub(crate) const UPRIGHT: Triad = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+pub(crate) fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn mean(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [
+        0.5 * (a[0] + b[0]),
+        0.5 * (a[1] + b[1]),
+        0.5 * (a[2] + b[2]),
+    ]
+}
+
+/// The triad in the middle and at the end of Cayley's rotation by `psi`, which is twice the tangent of half the angle.
+pub(crate) fn turned(triad: &Triad, psi: &[f64; 3]) -> (Triad, Triad) {
+    let per = 1.0 / (1.0 + 0.25 * dot(psi, psi));
+    let (mut middle, mut end) = (*triad, *triad);
+    for (k, a) in triad.iter().enumerate() {
+        let turn = cross(psi, a);
+        let along = 0.25 * dot(psi, a);
+        for i in 0..3 {
+            middle[k][i] = per * (a[i] + 0.5 * turn[i] + along * psi[i]);
+            end[k][i] = 2.0 * middle[k][i] - a[i];
+        }
+    }
+    (middle, end)
+}
+
+/// The same for a rotation about z alone, of the directors in the plane.
+pub(crate) fn turned_in_plane(triad: &Triad, psi: f64) -> (Triad, Triad) {
+    let per = 1.0 / (1.0 + 0.25 * psi * psi);
+    let half = 0.5 * psi;
+    let (mut middle, mut end) = (*triad, *triad);
+    for k in 0..2 {
+        let [x, y, _] = triad[k];
+        middle[k] = [per * (x - half * y), per * (y + half * x), 0.0];
+        end[k] = [2.0 * middle[k][0] - x, 2.0 * middle[k][1] - y, 0.0];
+    }
+    (middle, end)
+}
+
+/// Where the ends of an element are.
+#[derive(Clone, Copy)]
+pub(crate) struct Ends<'a> {
+    /// Vector from the first node to the second \[m\].
+    pub chord: [f64; 3],
+    pub triads: [&'a Triad; 2],
+}
+
+pub(crate) fn length(chord: &[f64; 3]) -> f64 {
+    dot(chord, chord).sqrt()
+}
+
+/// The deformations, from a straight element of length `l0`.
+pub(crate) fn deformations<const R: usize>(ends: &Ends<'_>, l0: f64) -> [f64; R] {
+    let [a, b] = ends.triads;
+    let l = length(&ends.chord);
+    let u = ends.chord.map(|x| x / l);
+    let mut d = [0.0; R];
+    d[0] = l - l0;
+    d[1] = -dot(&a[1], &u);
+    d[2] = -dot(&b[1], &u);
+    if R == 6 {
+        d[3] = dot(&a[2], &u);
+        d[4] = dot(&b[2], &u);
+        d[5] = 0.5 * (dot(&b[1], &a[2]) - dot(&b[2], &a[1]));
+    }
+    d
+}
+
+/// A chord over an increment.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Chord {
+    /// The chord at the middle or, in statics, at the end \[m\].
+    at: [f64; 3],
+    /// Mean of its directions at both ends of the increment.
+    direction: [f64; 3],
+    /// Gradient of its length that makes the increment of the length exact.
+    stretch: [f64; 3],
+    /// Mean of the inverse lengths \[1/m\], inverse of the product of the lengths \[1/m²\].
+    inverse: [f64; 2],
+}
+
+impl Chord {
+    /// From one chord to another; `from` equal to `to` gives the derivatives there.
+    pub fn new(from: &[f64; 3], to: &[f64; 3]) -> Self {
+        let at = mean(from, to);
+        let (one, two) = (1.0 / length(from), 1.0 / length(to));
+        let per = 2.0 * one * two / (one + two);
+        Self {
+            at,
+            direction: [0, 1, 2].map(|k| 0.5 * (from[k] * one + to[k] * two)),
+            stretch: at.map(|x| x * per),
+            inverse: [0.5 * (one + two), one * two],
+        }
+    }
+
+    /// The gradient of `director.t` by the chord.
+    fn across(&self, director: &[f64; 3]) -> [f64; 3] {
+        let along = self.inverse[1] * dot(&self.at, director);
+        [0, 1, 2].map(|k| self.inverse[0] * director[k] - along * self.stretch[k])
+    }
+}
+
+/// The gradient of the deformations by the chord and the rotations of both ends, with the triads of the middle of a step or,
+/// in statics, of its end.
+pub(crate) fn gradient<const R: usize, const Q: usize>(
+    chord: &Chord,
+    [a, b]: [&Triad; 2],
+) -> [[f64; Q]; R] {
+    let t = &chord.direction;
+    let mut rows = [[0.0; Q]; R];
+    if R == 3 {
+        rows[0][..2].copy_from_slice(&chord.stretch[..2]);
+        for (row, (director, place)) in [(&a[1], 2), (&b[1], 3)].into_iter().enumerate() {
+            let across = chord.across(director);
+            rows[row + 1][0] = -across[0];
+            rows[row + 1][1] = -across[1];
+            rows[row + 1][place] = t[0] * director[1] - t[1] * director[0];
+        }
+        return rows;
+    }
+    rows[0][..3].copy_from_slice(&chord.stretch);
+    let bending = [
+        (&a[1], 3, -1.0),
+        (&b[1], 6, -1.0),
+        (&a[2], 3, 1.0),
+        (&b[2], 6, 1.0),
+    ];
+    for (row, (director, place, sign)) in bending.into_iter().enumerate() {
+        let lever = cross(director, t);
+        let across = chord.across(director);
+        for i in 0..3 {
+            rows[row + 1][i] = sign * across[i];
+            rows[row + 1][place + i] = sign * lever[i];
+        }
+    }
+    let (first, second) = (cross(&b[1], &a[2]), cross(&b[2], &a[1]));
+    for i in 0..3 {
+        let axis = 0.5 * (first[i] - second[i]);
+        rows[5][3 + i] = -axis;
+        rows[5][6 + i] = axis;
+    }
+    rows
+}
+
+/// The derivative of `gradient' S` with the forces `S` held, symmetric; `share` is the share of an increment that reaches
+/// the place where the gradient is taken.
+pub(crate) fn geometric<const R: usize, const Q: usize>(
+    chord: &Chord,
+    [a, b]: [&Triad; 2],
+    forces: &[f64; R],
+    share: f64,
+    into: &mut [[f64; Q]; Q],
+) {
+    let l = length(&chord.at);
+    let t = chord.at.map(|x| x / l);
+    let dim = if R == 3 { 2 } else { 3 };
+    let bending: [(&[f64; 3], usize, f64); 4] = if R == 3 {
+        [
+            (&a[1], 2, -forces[1]),
+            (&b[1], 3, -forces[2]),
+            (&a[1], 2, 0.0),
+            (&a[1], 2, 0.0),
+        ]
+    } else {
+        [
+            (&a[1], 3, -forces[1]),
+            (&b[1], 6, -forces[2]),
+            (&a[2], 3, forces[3]),
+            (&b[2], 6, forces[4]),
+        ]
+    };
+    // By the chord twice: `N (I - t t') / l` and, for each `F a.t`, `-F (p t' + t p' + (a.t) (I - t t')) / l^2`.
+    let mut pull = share * forces[0] / l;
+    let mut across = [0.0; 3];
+    let bending = &bending[..if R == 3 { 2 } else { 4 }];
+    for &(director, _, force) in bending {
+        let per = share * force / (l * l);
+        let along = dot(director, &t);
+        pull -= per * along;
+        for k in 0..3 {
+            across[k] += per * (director[k] - along * t[k]);
+        }
+    }
+    for i in 0..dim {
+        for j in 0..dim {
+            let unit = if i == j { 1.0 } else { 0.0 };
+            into[i][j] += pull * (unit - t[i] * t[j]) - across[i] * t[j] - t[i] * across[j];
+        }
+    }
+    for &(director, place, force) in bending {
+        let force = share * force;
+        let along = force * dot(director, &t);
+        if R == 3 {
+            // d(director) = psi x director, across the chord.
+            let turned = [-director[1] * force / l, director[0] * force / l];
+            let part = turned[0] * t[0] + turned[1] * t[1];
+            for i in 0..2 {
+                let value = turned[i] - part * t[i];
+                into[i][place] += value;
+                into[place][i] += value;
+            }
+            into[place][place] -= along;
+            continue;
+        }
+        let [x, y, z] = director.map(|x| x * force / l);
+        let by_rotation = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
+        for j in 0..3 {
+            let part = by_rotation[0][j] * t[0] + by_rotation[1][j] * t[1] + by_rotation[2][j] * t[2];
+            for i in 0..3 {
+                let value = by_rotation[i][j] - part * t[i];
+                into[i][place + j] += value;
+                into[place + j][i] += value;
+                into[place + i][place + j] +=
+                    0.5 * force * (director[i] * t[j] + t[i] * director[j]);
+            }
+            into[place + j][place + j] -= along;
+        }
+    }
+}

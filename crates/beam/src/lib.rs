@@ -1,0 +1,21 @@
+#![doc = include_str!("../README.md")]
+
+mod beam;
+mod column;
+mod contact;
+mod damage;
+mod element;
+mod mesh;
+mod newton;
+mod opinion;
+mod rate;
+mod response;
+mod section;
+mod statics;
+mod torsion;
+mod tridiagonal;
+
+pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
+pub use damage::Damage;
+pub use opinion::{BeamModel, BeamOutcome, Hit, Outcome};
+pub use section::{Shape, Steel};

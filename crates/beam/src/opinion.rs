@@ -1,0 +1,389 @@
+//! The second opinion: an impact on a column, computed as a beam.
+
+use column_mechanics::Impact;
+use serde::{Deserialize, Serialize};
+
+use super::beam::{Beam, State};
+use super::column::{BeamColumn, BeamError};
+use super::damage::Damage;
+use super::newton::Solver;
+use super::response::{Course, MAX_STEPS, Run};
+use super::section::Section;
+use super::statics::{push_down, push_sideways, settle};
+
+/// Step of a response with a rigid vehicle \[ns\]: a fifth of the period of the contact.
+const RIGID_STEP: u64 = 40_000;
+
+/// Step with a vehicle that crushes \[ns\].
+const COMPLIANT_STEP: u64 = 100_000;
+
+/// Factor of the elements and of the step of the coarser run that estimates the error.
+const COARSER: f64 = 1.6;
+
+/// A hit from a direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Hit {
+    /// The vehicle and its speed.
+    pub impact: Impact,
+    /// Direction of travel \[rad\]: 0 bends the column about its strong axis; positive turns towards positive z.
+    pub direction: f64,
+}
+
+/// How a response ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// No fibre has yielded.
+    Elastic,
+    /// The column stands, bent.
+    Plastic,
+    /// The column gives way under its load.
+    Collapse,
+}
+
+/// What the beam says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BeamOutcome {
+    /// Largest displacement of the impact point along the direction of the hit, from where it was before \[m\].
+    pub max_displacement_m: f64,
+    /// Largest displacement at right angles to it, as a magnitude \[m\].
+    pub max_sideways_m: f64,
+    /// What remains along the direction \[m\]; NaN after a collapse.
+    pub residual_displacement_m: f64,
+    /// What remains at right angles, as a magnitude \[m\].
+    pub residual_sideways_m: f64,
+    /// When the largest displacement is reached \[s\].
+    pub max_displacement_time_s: f64,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Largest axial force that the undamaged column bears, bowed about the strong axis and about the weak axis \[N\].
+    pub undamaged_capacity_n: [f64; 2],
+    /// The same of the damaged column \[N\]; 0 after a collapse.
+    pub residual_capacity_n: [f64; 2],
+    /// Largest base shear along the direction, as a mean over 1 ms \[N\].
+    pub base_shear_n: f64,
+    /// Estimated relative error of the largest displacement, from a run with fewer elements and longer steps.
+    pub error_estimate: f64,
+    /// Elements along the column.
+    pub elements: usize,
+    /// Steps of the response.
+    pub steps: u64,
+    /// Change of the whole energy over the energy of the vehicle: what the solution of the equations has lost.
+    pub energy_error: f64,
+}
+
+/// A column prepared for hits.
+#[derive(Debug, Clone)]
+pub struct BeamModel {
+    column: BeamColumn,
+    undamaged: [f64; 2],
+}
+
+/// What one run has left.
+struct Passed {
+    course: Course,
+    residual: Option<([f64; 2], Damage)>,
+    elements: usize,
+}
+
+/// A response that found no end, or none to begin with.
+enum Stopped {
+    Unstable,
+    Budget,
+}
+
+impl BeamModel {
+    /// Checks a column and pushes it down undamaged.
+    ///
+    /// # Errors
+    /// Numbers out of range, or a load that the column does not bear.
+    pub fn new(column: &BeamColumn) -> Result<Self, BeamError> {
+        column.check()?;
+        let mut model = Self {
+            column: *column,
+            undamaged: [0.0; 2],
+        };
+        model.undamaged = model.capacities(None);
+        Ok(model)
+    }
+
+    /// Largest axial force that the undamaged column bears, bowed about the strong and about the weak axis \[N\].
+    #[must_use]
+    pub fn undamaged_capacity(&self) -> [f64; 2] {
+        self.undamaged
+    }
+
+    /// The same with these bows along y and z at once \[m\].
+    #[must_use]
+    pub fn capacity_bowed(&self, bows: [f64; 2]) -> f64 {
+        self.pushed::<6, 6, 9>(bows, None)
+    }
+
+    /// The largest static force with which the column resists at the edges of the bumper, or at the impact point, while it is
+    /// pushed by `way` \[m\] in the plane of its web \[N\]; `None` where there is no equilibrium.
+    #[must_use]
+    pub fn lateral_resistance(&self, way: f64) -> Option<f64> {
+        let column = &self.column;
+        let heights = column.heights(column.elements);
+        let beam: Beam<3, 3, 4> = column.beam(&heights, column.bows());
+        let mut state = beam.virgin();
+        let mut solver = Solver::new(&beam);
+        if !settle(&beam, &mut state, &mut solver) {
+            return None;
+        }
+        let half = 0.5 * column.bumper_height;
+        let low = nearest(&heights, column.length_below - half);
+        let high = nearest(&heights, column.length_below + half);
+        let nodes = [low, high];
+        push_sideways(&beam, &state, &nodes[..1 + usize::from(low != high)], way, &mut solver)
+    }
+
+    /// Computes a hit on a column that may be damaged; returns what the beam says and the damage then.
+    ///
+    /// # Errors
+    /// A direction or an impact out of range, no equilibrium before it, damage of another mesh, no end within the budget.
+    pub fn simulate(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+    ) -> Result<(BeamOutcome, Option<Damage>), BeamError> {
+        hit.impact.check()?;
+        let pi = std::f64::consts::PI;
+        if !(hit.direction > -pi && hit.direction <= pi) {
+            return Err(BeamError::Direction {
+                found: hit.direction,
+            });
+        }
+        let expected = super::beam::POINTS * (self.column.heights(self.column.elements).len() - 1);
+        if let Some(damage) = damage
+            && damage.sections() != expected
+        {
+            return Err(BeamError::Damage {
+                found: damage.sections(),
+                expected,
+            });
+        }
+        let step = self.step(hit);
+        let Passed {
+            course,
+            residual,
+            elements,
+        } = self
+            .pass(hit, damage, self.column.elements, step)
+            .map_err(|stopped| self.error(&stopped))?;
+        let coarse = ((elements as f64 / COARSER) as usize).max(4);
+        let error_estimate = match (course.collapsed, damage) {
+            (false, None) => {
+                let coarser = self.pass(hit, None, coarse, COARSER * step);
+                coarser.map_or(f64::NAN, |coarser| {
+                    let [fine, other] = [&course, &coarser.course].map(|it| it.largest[0]);
+                    // The error falls with the square of the length of an element.
+                    ((other - fine) / fine).abs() / (COARSER * COARSER - 1.0)
+                })
+            }
+            _ => f64::NAN,
+        };
+        let (remains, damage) = match residual {
+            Some((remains, damage)) => (remains, Some(damage)),
+            None => ([f64::NAN; 2], None),
+        };
+        let residual_capacity_n = match &damage {
+            Some(damage) if course.yielded => self.capacities(Some(damage)),
+            Some(_) => self.undamaged,
+            None => [0.0; 2],
+        };
+        let outcome = BeamOutcome {
+            max_displacement_m: course.largest[0],
+            max_sideways_m: course.largest[1].abs(),
+            residual_displacement_m: remains[0],
+            residual_sideways_m: remains[1].abs(),
+            max_displacement_time_s: course.time,
+            outcome: match (damage.is_none(), course.yielded) {
+                (true, _) => Outcome::Collapse,
+                (false, true) => Outcome::Plastic,
+                (false, false) => Outcome::Elastic,
+            },
+            undamaged_capacity_n: self.undamaged,
+            residual_capacity_n,
+            base_shear_n: course.base_shear,
+            error_estimate,
+            elements,
+            steps: course.steps,
+            energy_error: course.energy_error / course.energy_in,
+        };
+        Ok((outcome, damage))
+    }
+
+    /// The response alone, without the error estimate and the push-downs: for benchmarks.
+    ///
+    /// # Errors
+    /// As [`BeamModel::simulate`].
+    pub fn respond(&self, hit: &Hit) -> Result<[f64; 3], BeamError> {
+        let passed = self.pass(hit, None, self.column.elements, self.step(hit));
+        let passed = passed.map_err(|stopped| self.error(&stopped))?;
+        let residual = passed.residual.map_or(f64::NAN, |(remains, _)| remains[0]);
+        Ok([passed.course.largest[0], residual, passed.course.time])
+    }
+
+    fn error(&self, stopped: &Stopped) -> BeamError {
+        match stopped {
+            Stopped::Unstable => BeamError::Unstable {
+                load: self.column.top_load,
+            },
+            Stopped::Budget => BeamError::Budget { steps: MAX_STEPS },
+        }
+    }
+
+    fn step(&self, hit: &Hit) -> f64 {
+        let nanos = match (self.column.step_nanos, hit.impact.vehicle) {
+            (0, Some(_)) => COMPLIANT_STEP,
+            (0, None) => RIGID_STEP,
+            (given, _) => given,
+        };
+        nanos as f64 * 1e-9
+    }
+
+    fn is_plane(hit: &Hit, damage: Option<&Damage>) -> bool {
+        libm::sin(hit.direction).abs() < 1e-9 && damage.is_none_or(Damage::is_plane)
+    }
+
+    fn pass(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+        elements: usize,
+        secs: f64,
+    ) -> Result<Passed, Stopped> {
+        if Self::is_plane(hit, damage) {
+            self.pass_in::<3, 3, 4>(hit, damage, elements, secs)
+        } else {
+            self.pass_in::<6, 6, 9>(hit, damage, elements, secs)
+        }
+    }
+
+    fn pass_in<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+        elements: usize,
+        secs: f64,
+    ) -> Result<Passed, Stopped> {
+        let column = &self.column;
+        let heights = column.heights(elements);
+        let beam: Beam<D, R, Q> = column.beam(&heights, column.bows());
+        let mut state = self.state(&beam, damage);
+        let mut solver = Solver::new(&beam);
+        if !settle(&beam, &mut state, &mut solver) || solver.negative_pivots > 0 {
+            return Err(Stopped::Unstable);
+        }
+        let at = |x: f64| nearest(&heights, x);
+        let node = at(column.length_below);
+        let half = 0.5 * column.bumper_height;
+        let (low, high) = (at(column.length_below - half), at(column.length_below + half));
+        // Each node behind the bumper has the share of its part of the height.
+        let touches: Vec<(usize, f64)> = (low..=high)
+            .map(|k| {
+                if low == high {
+                    return (k, 1.0);
+                }
+                let (before, after) = (k.max(low + 1) - 1, k.min(high - 1) + 1);
+                let part = 0.5 * (heights[after] - heights[before]);
+                (k, part / column.bumper_height)
+            })
+            .collect();
+        let rest = state.moved[node];
+        let mut run = Run::new(
+            &beam,
+            state,
+            &hit.impact,
+            hit.direction,
+            &touches,
+            node,
+        );
+        if !run.follow(secs, &rest) {
+            return Err(Stopped::Budget);
+        }
+        let mut residual = None;
+        if !run.course.collapsed {
+            let stands = settle(&beam, &mut run.state, &mut run.solver);
+            if stands && run.solver.negative_pivots == 0 {
+                residual = Some((run.displacement(&rest), Damage::of(&run.state)));
+            }
+        }
+        Ok(Passed {
+            course: run.course,
+            residual,
+            elements: heights.len() - 1,
+        })
+    }
+
+    fn state<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        beam: &Beam<D, R, Q>,
+        damage: Option<&Damage>,
+    ) -> State<D, R> {
+        let mut state = beam.virgin();
+        if let Some(damage) = damage {
+            if damage.is_plane() && D == 6 {
+                let plane = self.column.section(true);
+                let spread = spread(&plane, &beam.section);
+                damage.apply(&mut state, Some(&spread));
+            } else {
+                damage.apply(&mut state, None);
+            }
+        }
+        state
+    }
+
+    /// Push-downs bowed about the strong and about the weak axis.
+    fn capacities(&self, damage: Option<&Damage>) -> [f64; 2] {
+        let [y, z] = self.column.bows();
+        let strong = if damage.is_none_or(Damage::is_plane) {
+            self.pushed::<3, 3, 4>([y, 0.0], damage)
+        } else {
+            self.pushed::<6, 6, 9>([y, 0.0], damage)
+        };
+        [strong, self.pushed::<6, 6, 9>([0.0, z], damage)]
+    }
+
+    fn pushed<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        bows: [f64; 2],
+        damage: Option<&Damage>,
+    ) -> f64 {
+        let heights = self.column.heights(self.column.elements);
+        let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
+        let mut state = self.state(&beam, damage);
+        let mut solver = Solver::new(&beam);
+        if !settle(&beam, &mut state, &mut solver) {
+            return 0.0;
+        }
+        push_down(&beam, &state, &mut solver).unwrap_or(0.0)
+    }
+}
+
+/// For each fibre in space the fibre in the plane at the same height.
+fn spread(plane: &Section, space: &Section) -> [Vec<usize>; 2] {
+    let find = |from: &[f64], to: &[f64]| {
+        to.iter()
+            .map(|y| {
+                let same = from.iter().position(|other| (other - y).abs() < 1e-12);
+                same.unwrap_or(0)
+            })
+            .collect()
+    };
+    [
+        find(&plane.plain.y, &space.plain.y),
+        find(&plane.web.y, &space.web.y),
+    ]
+}
+
+/// The node nearest to a height.
+fn nearest(heights: &[f64], x: f64) -> usize {
+    let distance = |height: &f64| (height - x).abs();
+    let nearest = heights
+        .iter()
+        .enumerate()
+        .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+    nearest.map_or(0, |(node, _)| node)
+}

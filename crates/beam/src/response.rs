@@ -1,0 +1,218 @@
+//! One impact, from the touch to the largest displacement, and what remains after it.
+
+use column_mechanics::Impact;
+
+use super::beam::{Beam, Kind, State};
+use super::contact::Striker;
+use super::newton::Solver;
+
+/// Halvings of a step that does not converge.
+const MAX_HALVINGS: u32 = 10;
+
+/// Time over which a base shear is averaged \[s\].
+const WINDOW: f64 = 1e-3;
+
+/// Displacement over the length of the column beyond which it has collapsed.
+const COLLAPSED: f64 = 0.5;
+
+/// Descent of the top over the length beyond which the column has collapsed.
+const DESCENDED: f64 = 0.25;
+
+/// Most steps of a response.
+pub(crate) const MAX_STEPS: u64 = 200_000;
+
+/// Share of the largest displacement by which the column comes back before a response ends.
+const BACK: f64 = 0.02;
+
+/// What a response has found.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Course {
+    /// Largest displacement along and at right angles to the direction \[m\], and when the first \[s\].
+    pub largest: [f64; 2],
+    pub time: f64,
+    pub yielded: bool,
+    pub collapsed: bool,
+    pub base_shear: f64,
+    pub steps: u64,
+    pub secs: f64,
+    /// Energy of vehicle and column that the equations have lost \[J\], and energy put in.
+    pub energy_error: f64,
+    pub energy_in: f64,
+    pub impulse: f64,
+}
+
+/// A running response.
+pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
+    pub beam: &'a Beam<D, R, Q>,
+    pub state: State<D, R>,
+    pub solver: Solver<D, R>,
+    pub striker: Striker,
+    pub normal: [f64; 2],
+    /// Node of the impact point.
+    pub node: usize,
+    pub course: Course,
+    internal: f64,
+    last_secs: f64,
+    window: [f64; 2],
+}
+
+impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
+    pub fn new(
+        beam: &'a Beam<D, R, Q>,
+        state: State<D, R>,
+        impact: &Impact,
+        direction: f64,
+        touches: &[(usize, f64)],
+        node: usize,
+    ) -> Self {
+        let mut solver = Solver::new(beam);
+        let striker = Striker::new(impact, touches);
+        let energy_in = 0.5 * impact.mass * impact.velocity * impact.velocity;
+        // The energy of a step errs by residual times movement; this keeps the sum below 1e-8 of the energy put in.
+        solver.tolerance = 3e-5 * energy_in / (0.001 + 0.01 * impact.velocity);
+        let squash = beam.section.steel.yield_strength * beam.section.area;
+        solver.tolerance = solver.tolerance.min(1e-5 * squash).max(1e-11 * squash);
+        Self {
+            beam,
+            state,
+            solver,
+            striker,
+            normal: [libm::cos(direction), libm::sin(direction)],
+            node,
+            course: Course {
+                energy_in,
+                ..Course::default()
+            },
+            internal: 0.0,
+            last_secs: 1.0,
+            window: [0.0; 2],
+        }
+    }
+
+    /// One step, in halves where it does not converge; whether it succeeded.
+    fn advance(&mut self, secs: f64, depth: u32) -> bool {
+        let kind = Kind::Motion { secs };
+        for (increment, (velocity, triad)) in self
+            .solver
+            .increments
+            .iter_mut()
+            .zip(self.state.velocity.iter().zip(&self.state.triads))
+        {
+            if D == 3 {
+                increment[0] = secs * velocity[0];
+                increment[1] = secs * velocity[1];
+                increment[2] = secs * velocity[5];
+            } else {
+                for k in 0..3 {
+                    increment[k] = secs * velocity[k];
+                    increment[3 + k] = secs
+                        * (triad[0][k] * velocity[3]
+                            + triad[1][k] * velocity[4]
+                            + triad[2][k] * velocity[5]);
+                }
+            }
+        }
+        // The shear goes on as it did.
+        for angle in &mut self.solver.shear {
+            *angle *= secs / self.last_secs;
+        }
+        self.last_secs = secs;
+        self.striker.begin(secs);
+        let contact = Some((&mut self.striker, self.normal));
+        if self.solver.solve(self.beam, &self.state, kind, contact) {
+            self.internal += self.beam.commit(
+                &mut self.state,
+                self.solver.increment(),
+                kind,
+                &self.solver.work,
+            );
+            self.striker.commit(secs);
+            self.course.impulse += secs * self.striker.force();
+            self.course.secs += secs;
+            self.record(secs);
+            return true;
+        }
+        depth < MAX_HALVINGS
+            && self.advance(0.5 * secs, depth + 1)
+            && self.advance(0.5 * secs, depth + 1)
+    }
+
+    fn record(&mut self, secs: f64) {
+        let base = &self.solver.work.base;
+        let shear = if D == 3 {
+            base[1] * self.normal[0]
+        } else {
+            base[1] * self.normal[0] + base[2] * self.normal[1]
+        };
+        self.window[0] += secs * shear;
+        self.window[1] += secs;
+        if self.window[1] >= WINDOW {
+            let mean = self.window[0] / self.window[1];
+            self.course.base_shear = self.course.base_shear.max(mean.abs());
+            self.window = [0.0; 2];
+        }
+    }
+
+    /// Displacement of the impact point along and at right angles to the direction, from `rest` \[m\].
+    pub fn displacement(&self, rest: &[f64; 3]) -> [f64; 2] {
+        let moved = &self.state.moved[self.node];
+        let (y, z) = (moved[1] - rest[1], moved[2] - rest[2]);
+        let [c, s] = self.normal;
+        [c * y + s * z, c * z - s * y]
+    }
+
+    /// Follows the impact until the column comes back.
+    pub fn follow(&mut self, secs: f64, rest: &[f64; 3]) -> bool {
+        let length = self.beam.places[self.beam.places.len() - 1][0];
+        let before = self.energy();
+        let (mut along_now, mut sideways_now) = (0.0_f64, 0.0_f64);
+        while self.course.steps < MAX_STEPS {
+            self.course.steps += 1;
+            if !self.advance(secs, 0) {
+                self.course.collapsed = true;
+                break;
+            }
+            let [along, across] = self.displacement(rest);
+            if along > self.course.largest[0] {
+                self.course.largest[0] = along;
+                self.course.time = self.course.secs;
+            }
+            if across.abs() > self.course.largest[1].abs() {
+                self.course.largest[1] = across;
+            }
+            let along_before = std::mem::replace(&mut along_now, along);
+            let falls = across.abs() < sideways_now;
+            sideways_now = across.abs();
+            let top = self.state.moved[self.beam.places.len() - 1][0];
+            if along > COLLAPSED * length
+                || across.abs() > COLLAPSED * length
+                || -top > DESCENDED * length
+            {
+                self.course.collapsed = true;
+                break;
+            }
+            if along >= self.course.largest[0] || self.striker.velocity() > 0.0 {
+                continue;
+            }
+            // A rigid vehicle lets go soon, and what the column flings back yields once more; one that crushes unloads slowly.
+            let came_back = along < (1.0 - BACK) * self.course.largest[0];
+            let over = if self.striker.is_compliant() {
+                self.striker.is_gone() || came_back
+            } else {
+                self.striker.is_gone() && along > along_before
+            };
+            if over && (D == 3 || falls) {
+                break;
+            }
+        }
+        self.course.yielded = self.state.yielded.iter().any(|yielded| *yielded);
+        self.course.energy_error = self.energy() - before - self.striker.pushed;
+        self.course.steps < MAX_STEPS
+    }
+
+    /// Energy of column and vehicle with the work done on the fibres \[J\].
+    fn energy(&self) -> f64 {
+        let [kinetic, _, outside] = self.beam.energies(&self.state);
+        kinetic + outside + self.internal + self.striker.energy() + self.striker.crushed
+    }
+}

@@ -1,0 +1,46 @@
+//! Plane hits against OpenSees (`data/fibre_cases.csv`).
+
+mod reference;
+
+use column_beam::BeamModel;
+use reference::{column, hit, support, vehicle};
+
+#[test]
+fn plane_hits_agree_with_opensees() {
+    let mut reader = csv::Reader::from_reader(include_str!("data/fibre_cases.csv").as_bytes());
+    let mut wrong = Vec::new();
+    for record in reader.records() {
+        let record = record.unwrap();
+        let number = |k: usize| record[k].parse::<f64>().ok();
+        let hardening = match &record[14] {
+            "b=1e-4" => 1e-4,
+            "b=1e-2" => 1e-2,
+            _ => continue,
+        };
+        let mut it = column(&record[1], number(2).unwrap(), hardening);
+        (it.length_below, it.length_above) = (number(3).unwrap(), number(4).unwrap());
+        (it.base, it.top) = (support(&record[5]), support(&record[6]));
+        it.top_spring_stiffness = number(7).unwrap();
+        it.top_load = number(8).unwrap();
+        let mass = number(9).unwrap();
+        let vehicle = number(12).map(|stiffness| vehicle(mass, stiffness, number(13)));
+        let hit = hit(mass, number(10).unwrap(), vehicle, 0.0);
+        let began = std::time::Instant::now();
+        let model = BeamModel::new(&it).unwrap();
+        let made = began.elapsed();
+        let began = reference::cpu();
+        let alone = model.respond(&hit).unwrap();
+        let took = reference::cpu() - began;
+        let (outcome, _) = model.simulate(&hit, None).unwrap();
+        let ratio = alone[0] / number(15).unwrap();
+        let (remains, expected) = (alone[1], number(17).unwrap());
+        println!(
+            "{:16} {:7} v1 {ratio:.4} t {:.4} res {:.4} | {made:?} {took:.1} ms n {} steps {} err {:.1e} ledger {:.1e} cap {:.3e} -> {:.3e}",
+            &record[0], &record[14], alone[2] / number(16).unwrap(), remains / expected, outcome.elements, outcome.steps, outcome.error_estimate, outcome.energy_error, outcome.undamaged_capacity_n[0], outcome.residual_capacity_n[0]
+        );
+        if (ratio - 1.0).abs() > 0.01 || (remains - expected).abs() > 0.01 * expected + 1e-5 {
+            wrong.push(format!("{} {}: {ratio} {}", &record[0], &record[14], remains / expected));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

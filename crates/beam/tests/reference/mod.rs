@@ -1,0 +1,97 @@
+//! The reference cases as columns and hits of the beam.
+
+use column_beam::{BeamColumn, BowAxes, Hit, Shape, Steel, Torsion};
+use column_mechanics::{CrushCurve, CrushSpring, Impact, RolledSection, Support, Vehicle};
+
+pub fn section(name: &str) -> RolledSection {
+    let table = include_str!("../../../../config/sections.csv");
+    let line = table
+        .lines()
+        .find(|line| line.split(',').next() == Some(name))
+        .unwrap_or_else(|| panic!("{name} is not in config/sections.csv"));
+    let mm: Vec<f64> = line
+        .split(',')
+        .skip(1)
+        .take(5)
+        .map(|x| x.parse::<f64>().unwrap() * 1e-3)
+        .collect();
+    RolledSection {
+        depth: mm[0],
+        width: mm[1],
+        web_thickness: mm[2],
+        flange_thickness: mm[3],
+        root_radius: mm[4],
+    }
+}
+
+pub fn support(name: &str) -> Support {
+    if name.starts_with("pinned") {
+        Support::Pinned
+    } else {
+        Support::BuiltIn
+    }
+}
+
+/// As the references know a column: straight, without shear, residual stress and rate.
+pub fn column(name: &str, yield_strength: f64, hardening_ratio: f64) -> BeamColumn {
+    BeamColumn {
+        shape: Shape::Rolled(section(name)),
+        steel: Steel {
+            young_modulus: 210e9,
+            poisson_ratio: 0.3,
+            yield_strength,
+            hardening_ratio,
+            density: 7850.0,
+        },
+        length_below: 1.0,
+        length_above: 3.0,
+        base: Support::BuiltIn,
+        top: Support::BuiltIn,
+        top_spring_stiffness: 0.0,
+        top_mass: 0.0,
+        top_load: 0.0,
+        rate: None,
+        shear: false,
+        torsion: Torsion::SaintVenant,
+        torsion_constant: None,
+        residual_stress: false,
+        bow: 0.0,
+        bow_axes: BowAxes::Both,
+        bumper_height: 0.0,
+        elements: 0,
+        fibres: 0,
+        step_nanos: 0,
+    }
+}
+
+/// A vehicle with one spring: elastic, or elastic up to a force that then stays.
+pub fn vehicle(mass: f64, stiffness: f64, crush_force: Option<f64>) -> Vehicle {
+    let points = match crush_force {
+        None => vec![[1.0, stiffness]],
+        Some(force) => vec![[force / stiffness, force], [10.0, force]],
+    };
+    let spring = CrushSpring {
+        envelope: CrushCurve::new(&points).unwrap(),
+        unloading_stiffness: stiffness,
+        slack: 0.0,
+    };
+    Vehicle::new(&[mass], &[spring]).unwrap()
+}
+
+pub fn hit(mass: f64, velocity: f64, vehicle: Option<Vehicle>, degrees: f64) -> Hit {
+    let impact = Impact {
+        vehicle,
+        ..Impact::rigid(mass, velocity)
+    };
+    Hit {
+        impact,
+        direction: degrees.to_radians(),
+    }
+}
+
+/// CPU time of this thread \[ms\].
+pub fn cpu() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanos = text.split(' ').next().and_then(|x| x.parse::<f64>().ok());
+    nanos.unwrap_or(f64::NAN) * 1e-6
+}
