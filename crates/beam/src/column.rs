@@ -115,7 +115,7 @@ pub enum BeamError {
         steps: u64,
     },
     /// Damage of another column.
-    #[error("no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as its mesh has them")]
+    #[error("no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh")]
     Damage {
         /// How many sections it has.
         found: usize,
@@ -232,14 +232,16 @@ impl BeamColumn {
         Ok(())
     }
 
-    /// Heights of the nodes \[m\].
-    pub(crate) fn heights(&self, elements: usize) -> Vec<f64> {
+    /// Heights of the nodes for a vehicle that is compliant or not \[m\]; `elements` 0 for automatic.
+    pub(crate) fn heights(&self, elements: usize, compliant: bool) -> Vec<f64> {
         let half = 0.5 * self.bumper_height;
         let (at, top) = (self.length_below, self.length());
+        let density = if compliant { mesh::FINE } else { mesh::COARSE };
         if half > 0.0 {
-            mesh::nodes(&[0.0, at - half, at, at + half, top], self.depth(), elements)
+            let keys = [0.0, at - half, at, at + half, top];
+            mesh::nodes(&keys, self.depth(), elements, density)
         } else {
-            mesh::nodes(&[0.0, at, top], self.depth(), elements)
+            mesh::nodes(&[0.0, at, top], self.depth(), elements, density)
         }
     }
 
