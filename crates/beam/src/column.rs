@@ -114,6 +114,12 @@ pub enum BeamError {
         /// How many.
         steps: u64,
     },
+    /// Equations that were not solved.
+    #[error("no second opinion: a step of the beam was not solved {time:.6} s after the touch; choose shorter steps with beam.dt")]
+    NotSolved {
+        /// When \[s\].
+        time: f64,
+    },
     /// Damage of another column.
     #[error("no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh")]
     Damage {

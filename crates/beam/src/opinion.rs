@@ -90,6 +90,7 @@ struct Passed {
 enum Stopped {
     Unstable,
     Budget,
+    NotSolved { time: f64 },
 }
 
 impl BeamModel {
@@ -230,6 +231,7 @@ impl BeamModel {
             Stopped::Unstable => BeamError::Unstable {
                 load: self.column.top_load,
             },
+            Stopped::NotSolved { time } => BeamError::NotSolved { time: *time },
             Stopped::Budget => BeamError::Budget { steps: MAX_STEPS },
         }
     }
@@ -306,6 +308,11 @@ impl BeamModel {
         );
         if !run.follow(secs, &rest) {
             return Err(Stopped::Budget);
+        }
+        if run.course.stuck {
+            return Err(Stopped::NotSolved {
+                time: run.course.secs,
+            });
         }
         let mut residual = None;
         if !run.course.collapsed {
