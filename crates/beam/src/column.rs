@@ -114,8 +114,14 @@ pub enum BeamError {
         /// How many.
         steps: u64,
     },
+    /// Equations that were not solved.
+    #[error("no second opinion: a step of the beam was not solved {time:.6} s after the touch; choose shorter steps with beam.dt")]
+    NotSolved {
+        /// When \[s\].
+        time: f64,
+    },
     /// Damage of another column.
-    #[error("no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as its mesh has them")]
+    #[error("no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh")]
     Damage {
         /// How many sections it has.
         found: usize,
@@ -232,14 +238,16 @@ impl BeamColumn {
         Ok(())
     }
 
-    /// Heights of the nodes \[m\].
-    pub(crate) fn heights(&self, elements: usize) -> Vec<f64> {
+    /// Heights of the nodes for a vehicle that is compliant or not \[m\]; `elements` 0 for automatic.
+    pub(crate) fn heights(&self, elements: usize, compliant: bool) -> Vec<f64> {
         let half = 0.5 * self.bumper_height;
         let (at, top) = (self.length_below, self.length());
+        let density = if compliant { mesh::FINE } else { mesh::COARSE };
         if half > 0.0 {
-            mesh::nodes(&[0.0, at - half, at, at + half, top], self.depth(), elements)
+            let keys = [0.0, at - half, at, at + half, top];
+            mesh::nodes(&keys, self.depth(), elements, density)
         } else {
-            mesh::nodes(&[0.0, at, top], self.depth(), elements)
+            mesh::nodes(&[0.0, at, top], self.depth(), elements, density)
         }
     }
 

@@ -44,6 +44,18 @@ impl Damage {
         self.plane
     }
 
+    /// Bytes of its numbers.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        let nodes = 8 * (3 + 9) * self.moved.len();
+        let sliders = 8 * 2 * self.sliders.len();
+        let fibres = self.points.iter().map(|(_, point)| {
+            let [plain, web] = [point.plain.len(), 2 * point.web.len()];
+            8 * (plain + web + point.locked.len())
+        });
+        nodes + sliders + fibres.sum::<usize>()
+    }
+
     pub(crate) fn sections(&self) -> usize {
         self.sections as usize
     }

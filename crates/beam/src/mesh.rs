@@ -3,22 +3,35 @@
 /// Elements over the depth of the section at base, impact and top.
 const PER_DEPTH: f64 = 5.0;
 
-/// Growth of the length of an element per distance from there.
-const GROWTH: f64 = 0.25;
+/// How an element may grow per distance from there, and how large it may become over the length of the column.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Density {
+    growth: f64,
+    largest: f64,
+}
 
-/// Largest element over the length of the column.
-const LARGEST: f64 = 1.0 / 24.0;
+/// For a rigid vehicle, whose energy the column must take in any case.
+pub(crate) const COARSE: Density = Density {
+    growth: 0.5,
+    largest: 1.0 / 12.0,
+};
+
+/// For one that crushes: near the force at which the column yields, a little strength decides on large displacements.
+pub(crate) const FINE: Density = Density {
+    growth: 0.25,
+    largest: 1.0 / 24.0,
+};
 
 /// Heights of the nodes \[m\]. `keys` are places that get a node, in rising order from the base to the top; about `count`
 /// elements in all, or as many as the rule gives if 0.
-pub(crate) fn nodes(keys: &[f64], depth: f64, count: usize) -> Vec<f64> {
+pub(crate) fn nodes(keys: &[f64], depth: f64, count: usize, density: Density) -> Vec<f64> {
     let length = keys[keys.len() - 1];
     // Elements are as long as their mean size, so that the first one is longer than the size at its beginning.
-    let first = depth / PER_DEPTH * GROWTH / libm::expm1(GROWTH);
+    let first = depth / PER_DEPTH * density.growth / libm::expm1(density.growth);
     let size = |x: f64| {
         let near = keys.iter().map(|key| (key - x).abs());
         let distance = near.fold(f64::INFINITY, f64::min);
-        (first + GROWTH * distance).min(length * LARGEST)
+        (first + density.growth * distance).min(length * density.largest)
     };
     // How many elements fit between two places, by the middle of fine parts.
     const PARTS: usize = 400;

@@ -90,6 +90,7 @@ struct Passed {
 enum Stopped {
     Unstable,
     Budget,
+    NotSolved { time: f64 },
 }
 
 impl BeamModel {
@@ -103,7 +104,7 @@ impl BeamModel {
             column: *column,
             undamaged: [0.0; 2],
         };
-        model.undamaged = model.capacities(None);
+        model.undamaged = model.capacities(None, true);
         Ok(model)
     }
 
@@ -116,7 +117,7 @@ impl BeamModel {
     /// The same with these bows along y and z at once \[m\].
     #[must_use]
     pub fn capacity_bowed(&self, bows: [f64; 2]) -> f64 {
-        self.pushed::<6, 6, 9>(bows, None)
+        self.pushed::<6, 6, 9>(bows, None, true)
     }
 
     /// The largest static force with which the column resists at the edges of the bumper, or at the impact point, while it is
@@ -124,7 +125,7 @@ impl BeamModel {
     #[must_use]
     pub fn lateral_resistance(&self, way: f64) -> Option<f64> {
         let column = &self.column;
-        let heights = column.heights(column.elements);
+        let heights = column.heights(column.elements, true);
         let beam: Beam<3, 3, 4> = column.beam(&heights, column.bows());
         let mut state = beam.virgin();
         let mut solver = Solver::new(&beam);
@@ -154,7 +155,7 @@ impl BeamModel {
                 found: hit.direction,
             });
         }
-        let expected = super::beam::POINTS * (self.column.heights(self.column.elements).len() - 1);
+        let expected = super::beam::POINTS * (self.heights(hit, self.column.elements).len() - 1);
         if let Some(damage) = damage
             && damage.sections() != expected
         {
@@ -188,7 +189,7 @@ impl BeamModel {
             None => ([f64::NAN; 2], None),
         };
         let residual_capacity_n = match &damage {
-            Some(damage) if course.yielded => self.capacities(Some(damage)),
+            Some(damage) if course.yielded => self.capacities(Some(damage), hit.impact.vehicle.is_some()),
             Some(_) => self.undamaged,
             None => [0.0; 2],
         };
@@ -230,6 +231,7 @@ impl BeamModel {
             Stopped::Unstable => BeamError::Unstable {
                 load: self.column.top_load,
             },
+            Stopped::NotSolved { time } => BeamError::NotSolved { time: *time },
             Stopped::Budget => BeamError::Budget { steps: MAX_STEPS },
         }
     }
@@ -241,6 +243,10 @@ impl BeamModel {
             (given, _) => given,
         };
         nanos as f64 * 1e-9
+    }
+
+    fn heights(&self, hit: &Hit, elements: usize) -> Vec<f64> {
+        self.column.heights(elements, hit.impact.vehicle.is_some())
     }
 
     fn is_plane(hit: &Hit, damage: Option<&Damage>) -> bool {
@@ -269,7 +275,7 @@ impl BeamModel {
         secs: f64,
     ) -> Result<Passed, Stopped> {
         let column = &self.column;
-        let heights = column.heights(elements);
+        let heights = self.heights(hit, elements);
         let beam: Beam<D, R, Q> = column.beam(&heights, column.bows());
         let mut state = self.state(&beam, damage);
         let mut solver = Solver::new(&beam);
@@ -302,6 +308,11 @@ impl BeamModel {
         );
         if !run.follow(secs, &rest) {
             return Err(Stopped::Budget);
+        }
+        if run.course.stuck {
+            return Err(Stopped::NotSolved {
+                time: run.course.secs,
+            });
         }
         let mut residual = None;
         if !run.course.collapsed {
@@ -336,22 +347,23 @@ impl BeamModel {
     }
 
     /// Push-downs bowed about the strong and about the weak axis.
-    fn capacities(&self, damage: Option<&Damage>) -> [f64; 2] {
+    fn capacities(&self, damage: Option<&Damage>, compliant: bool) -> [f64; 2] {
         let [y, z] = self.column.bows();
         let strong = if damage.is_none_or(Damage::is_plane) {
-            self.pushed::<3, 3, 4>([y, 0.0], damage)
+            self.pushed::<3, 3, 4>([y, 0.0], damage, compliant)
         } else {
-            self.pushed::<6, 6, 9>([y, 0.0], damage)
+            self.pushed::<6, 6, 9>([y, 0.0], damage, compliant)
         };
-        [strong, self.pushed::<6, 6, 9>([0.0, z], damage)]
+        [strong, self.pushed::<6, 6, 9>([0.0, z], damage, compliant)]
     }
 
     fn pushed<const D: usize, const R: usize, const Q: usize>(
         &self,
         bows: [f64; 2],
         damage: Option<&Damage>,
+        compliant: bool,
     ) -> f64 {
-        let heights = self.column.heights(self.column.elements);
+        let heights = self.column.heights(self.column.elements, compliant);
         let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
         let mut state = self.state(&beam, damage);
         let mut solver = Solver::new(&beam);

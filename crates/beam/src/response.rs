@@ -15,6 +15,9 @@ const WINDOW: f64 = 1e-3;
 /// Displacement over the length of the column beyond which it has collapsed.
 const COLLAPSED: f64 = 0.5;
 
+/// Displacement over the length without which a step that does not converge is an error and no collapse.
+const CONFIRMED: f64 = 0.08;
+
 /// Descent of the top over the length beyond which the column has collapsed.
 const DESCENDED: f64 = 0.25;
 
@@ -32,6 +35,8 @@ pub(crate) struct Course {
     pub time: f64,
     pub yielded: bool,
     pub collapsed: bool,
+    /// It did not converge, and the column has not moved far enough to have collapsed.
+    pub stuck: bool,
     pub base_shear: f64,
     pub steps: u64,
     pub secs: f64,
@@ -168,11 +173,14 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         let (mut along_now, mut sideways_now) = (0.0_f64, 0.0_f64);
         while self.course.steps < MAX_STEPS {
             self.course.steps += 1;
-            if !self.advance(secs, 0) {
-                self.course.collapsed = true;
+            let solved = self.advance(secs, 0);
+            let [along, across] = self.displacement(rest);
+            if !solved {
+                let far = along.abs().max(across.abs()) / length;
+                self.course.collapsed = far > CONFIRMED;
+                self.course.stuck = far <= CONFIRMED;
                 break;
             }
-            let [along, across] = self.displacement(rest);
             if along > self.course.largest[0] {
                 self.course.largest[0] = along;
                 self.course.time = self.course.secs;

@@ -1,0 +1,140 @@
+//! Random columns in three dimensions: energy, convergence, and what a second hit makes of the first.
+
+mod reference;
+
+use column_beam::{BeamError, BeamModel, Damage, Outcome, Torsion};
+use column_mechanics::Support;
+use reference::{column, hit, vehicle};
+
+/// Random numbers after Steele et al. (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    fn one_of<T: Copy>(&mut self, list: &[T]) -> T {
+        list[((self.next() * list.len() as f64) as usize).min(list.len() - 1)]
+    }
+}
+
+#[test]
+fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
+    let count = std::env::var("COLUMN_TWIN_EXPLORE").map_or(40, |n| n.parse().unwrap());
+    let mut random = Random(2026);
+    let (mut collapses, mut unstable, mut worst, mut failed) = (0, 0, 0.0_f64, Vec::new());
+    let mut slowest = 0.0_f64;
+    let mut whole = 0.0;
+    for number in 0..count {
+        let name = random.one_of(&["HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450"]);
+        let mut it = column(name, random.one_of(&[235e6, 355e6]), random.one_of(&[1e-4, 1e-3, 1e-2]));
+        let length = random.between(3.0, 6.0);
+        it.length_below = length * random.between(0.12, 0.5);
+        it.length_above = length - it.length_below;
+        it.base = random.one_of(&[Support::BuiltIn, Support::Pinned, Support::SemiRigid { stiffness: 5e6 }]);
+        let squash = reference::section(name).properties().area * it.steel.yield_strength;
+        it.top_load = squash * random.between(0.0, 0.35);
+        it.top_spring_stiffness = random.one_of(&[0.0, 1e5, 1e7, 5e7]);
+        it.shear = random.next() < 0.5;
+        it.torsion = random.one_of(&[Torsion::Warping, Torsion::SaintVenant, Torsion::None]);
+        it.residual_stress = random.next() < 0.5;
+        it.bow = random.one_of(&[0.0, -1.0]);
+        it.bumper_height = random.one_of(&[0.0, 0.2]);
+        let mass = random.between(300.0, 20e3);
+        let spring = match random.one_of(&[0, 1, 2]) {
+            0 => None,
+            1 => Some(vehicle(mass, random.between(2e5, 3e6), None)),
+            _ => Some(vehicle(mass, random.between(5e5, 3e6), Some(random.between(2e5, 1.5e6)))),
+        };
+        let degrees = random.one_of(&[0.0, random.between(-179.0, 180.0)]);
+        let hit = hit(mass, random.between(1.0, 20.0), spring, degrees);
+        let began = reference::cpu();
+        let result = BeamModel::new(&it).and_then(|model| model.simulate(&hit, None));
+        let took = reference::cpu() - began;
+        slowest = slowest.max(took);
+        whole += took;
+        match result {
+            Ok((found, damage)) => {
+                worst = worst.max(found.energy_error.abs());
+                if found.energy_error.abs() > 1e-8 {
+                    println!("{number} {name} ledger {:e} {:?}", found.energy_error, found.outcome);
+                }
+                match found.outcome {
+                    Outcome::Collapse => collapses += 1,
+                    _ => assert!(damage.is_some(), "{number}"),
+                }
+            }
+            Err(BeamError::Unstable { .. }) => unstable += 1,
+            Err(error) => failed.push(format!("{number} {name} {error} {hit:?}")),
+        }
+    }
+    println!("{count}: {collapses} collapses, {unstable} without equilibrium, {} not solved, ledger {worst:e}, mean {:.0} ms, slowest {slowest:.0} ms", failed.len(), whole / f64::from(count));
+    assert!(failed.is_empty(), "{failed:#?}");
+    assert!(worst <= 1e-8, "{worst:e}");
+}
+
+#[test]
+fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    it.top_load = 0.5e6;
+    it.top_spring_stiffness = 1e7;
+    let model = BeamModel::new(&it).unwrap();
+    for degrees in [0.0, 20.0] {
+        let first = hit(1500.0, 6.0, None, degrees);
+        let (one, damage) = model.simulate(&first, None).unwrap();
+        let damage = damage.unwrap();
+        let text = serde_json::to_string(&damage).unwrap();
+        let read: Damage = serde_json::from_str(&text).unwrap();
+        assert_eq!(read, damage);
+        let (again, _) = model.simulate(&first, Some(&damage)).unwrap();
+        let (same, _) = model.simulate(&first, Some(&read)).unwrap();
+        assert_eq!(again.max_displacement_m.to_bits(), same.max_displacement_m.to_bits());
+        println!("{degrees} {one:?}\n{again:?} {} bytes", damage.size());
+        // The second hit bends the column further, and less capacity remains.
+        assert!(again.residual_displacement_m > 0.3 * one.residual_displacement_m);
+        assert!(again.residual_capacity_n[0] < one.residual_capacity_n[0]);
+        assert!(damage.size() <= 20_000, "{}", damage.size());
+    }
+    // Damage in the plane of the web comes into space.
+    let (_, damage) = model.simulate(&hit(1500.0, 6.0, None, 0.0), None).unwrap();
+    let (oblique, _) = model.simulate(&hit(1500.0, 6.0, None, 45.0), damage.as_ref()).unwrap();
+    assert!(oblique.max_sideways_m > 0.0);
+}
+
+#[test]
+fn a_hit_from_the_other_side_is_its_mirror_image() {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    it.top_load = 0.5e6;
+    it.top_spring_stiffness = 1e7;
+    let model = BeamModel::new(&it).unwrap();
+    let mut found = [30.0, -30.0, 150.0].map(|degrees| {
+        let (outcome, _) = model.simulate(&hit(1500.0, 6.0, None, degrees), None).unwrap();
+        outcome.max_displacement_m
+    });
+    found.sort_by(f64::total_cmp);
+    assert!(found[2] - found[0] < 1e-6 * found[0], "{found:?}");
+}
+
+#[test]
+fn bad_input_is_refused_with_the_reason() {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    let model = BeamModel::new(&it).unwrap();
+    let error = model.simulate(&hit(1500.0, 6.0, None, 200.0), None).unwrap_err();
+    assert!(error.to_string().contains("direction of the impact is 3.49"), "{error}");
+    it.steel.hardening_ratio = 0.0;
+    let error = BeamModel::new(&it).unwrap_err();
+    assert!(error.to_string().contains("hardening ratio"), "{error}");
+    it.steel.hardening_ratio = 1e-3;
+    it.top_load = 5e6;
+    let error = BeamModel::new(&it).unwrap().simulate(&hit(1500.0, 6.0, None, 0.0), None);
+    assert!(matches!(error, Err(BeamError::Unstable { .. })), "{error:?}");
+}
