@@ -1,6 +1,8 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
-use super::element::{Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned, turned_in_plane};
+use super::element::{
+    Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned, turned_in_plane,
+};
 use super::section::{PointState, Section};
 use super::tridiagonal::Tridiagonal;
 
@@ -151,7 +153,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
 
     pub fn virgin(&self) -> State<D, R> {
         let (nodes, elements) = (self.places.len(), self.elements.len());
-        let initial = self.elements.iter().map(|element| element.initial).collect();
+        let initial = self
+            .elements
+            .iter()
+            .map(|element| element.initial)
+            .collect();
         State {
             moved: vec![[0.0; 3]; nodes],
             triads: vec![UPRIGHT; nodes],
@@ -234,7 +240,14 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             };
         }
         for element in 0..self.elements.len() {
-            self.add_element(state, (increments, shear), element, share, with_matrix, work);
+            self.add_element(
+                state,
+                (increments, shear),
+                element,
+                share,
+                with_matrix,
+                work,
+            );
         }
         if let Kind::Motion { secs } = kind {
             self.add_inertia(state, increments, secs, with_matrix, work);
@@ -614,7 +627,8 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             if *flows {
                 state.yielded[place] = true;
                 let strength = self.section.steel.yield_strength * state.rates[place][1];
-                self.section.flow(&work.strains[place], strength, &mut state.points[place]);
+                self.section
+                    .flow(&work.strains[place], strength, &mut state.points[place]);
             }
         }
         if let Kind::Motion { secs } = kind {
@@ -665,7 +679,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 let reach = self.section.reach();
                 let outer = axial.abs() + reach[0] * bent.abs() + reach[1] * weak.abs();
                 let web = sheared.abs() / 3.0_f64.sqrt();
-                rate.follow(&mut state.rates[POINTS * index + point], outer.max(web) / secs, secs);
+                rate.follow(
+                    &mut state.rates[POINTS * index + point],
+                    outer.max(web) / secs,
+                    secs,
+                );
             }
         }
     }

@@ -94,7 +94,9 @@ pub enum BeamError {
         expected: &'static str,
     },
     /// The direction of a hit.
-    #[error("no second opinion: the direction of the impact is {found} rad; expected a number in (-pi, pi]")]
+    #[error(
+        "no second opinion: the direction of the impact is {found} rad; expected a number in (-pi, pi]"
+    )]
     Direction {
         /// Its value \[rad\].
         found: f64,
@@ -103,25 +105,33 @@ pub enum BeamError {
     #[error("no second opinion: {0}")]
     Impact(#[from] column_mechanics::ImpactError),
     /// No equilibrium under the load before the impact.
-    #[error("no second opinion: the column has no equilibrium under its load of {load:e} N before the impact; expected a load below its capacity")]
+    #[error(
+        "no second opinion: the column has no equilibrium under its load of {load:e} N before the impact; expected a load below its capacity"
+    )]
     Unstable {
         /// The load \[N\].
         load: f64,
     },
     /// Too many steps.
-    #[error("no second opinion: the response did not end within {steps} steps; choose longer steps with beam.dt or fewer elements with beam.elements")]
+    #[error(
+        "no second opinion: the response did not end within {steps} steps; choose longer steps with beam.dt or fewer elements with beam.elements"
+    )]
     Budget {
         /// How many.
         steps: u64,
     },
     /// Equations that were not solved.
-    #[error("no second opinion: a step of the beam was not solved {time:.6} s after the touch; choose shorter steps with beam.dt")]
+    #[error(
+        "no second opinion: a step of the beam was not solved {time:.6} s after the touch; choose shorter steps with beam.dt"
+    )]
     NotSolved {
         /// When \[s\].
         time: f64,
     },
     /// Damage of another column.
-    #[error("no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh")]
+    #[error(
+        "no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh"
+    )]
     Damage {
         /// How many sections it has.
         found: usize,
@@ -336,7 +346,9 @@ impl BeamColumn {
             }
             match support {
                 Support::BuiltIn => held[node][dim..].fill(true),
-                Support::SemiRigid { stiffness } => springs.push(RotationSpring { node, stiffness }),
+                Support::SemiRigid { stiffness } => {
+                    springs.push(RotationSpring { node, stiffness })
+                }
                 Support::Pinned | Support::Free => {}
             }
             if !plane {

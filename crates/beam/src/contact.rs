@@ -29,6 +29,10 @@ pub(crate) struct Touch {
 
 /// What is behind the face.
 #[derive(Debug, Clone, Copy)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack of one response, where nothing may be allocated"
+)]
 enum Behind {
     Rigid { mass: f64, velocity: f64 },
     Chain { vehicle: Vehicle, chain: Chain },
@@ -148,7 +152,7 @@ impl Striker {
                 (None, Behind::Chain { .. }) => {}
             }
             *stiffness = slope + LOOSE;
-            if !(force.abs() > 4e-15 * size + 1e-9) {
+            if force.abs() <= 4e-15 * size + 1e-9 {
                 break;
             }
             if force > 0.0 {

@@ -24,7 +24,11 @@ pub struct Damage {
 
 impl Damage {
     pub(crate) fn of<const D: usize, const R: usize>(state: &State<D, R>) -> Self {
-        let yielded = state.yielded.iter().enumerate().filter(|(_, yielded)| **yielded);
+        let yielded = state
+            .yielded
+            .iter()
+            .enumerate()
+            .filter(|(_, yielded)| **yielded);
         Self {
             moved: state.moved.clone(),
             triads: state.triads.clone(),

@@ -231,7 +231,8 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
         let [x, y, z] = director.map(|x| x * force / l);
         let by_rotation = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
         for j in 0..3 {
-            let part = by_rotation[0][j] * t[0] + by_rotation[1][j] * t[1] + by_rotation[2][j] * t[2];
+            let part =
+                by_rotation[0][j] * t[0] + by_rotation[1][j] * t[1] + by_rotation[2][j] * t[2];
             for i in 0..3 {
                 let value = by_rotation[i][j] - part * t[i];
                 into[i][place + j] += value;

@@ -1,4 +1,8 @@
 #![doc = include_str!("../README.md")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices number degrees of freedom, which several matrices share"
+)]
 
 mod beam;
 mod column;

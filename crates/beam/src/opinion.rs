@@ -136,7 +136,13 @@ impl BeamModel {
         let low = nearest(&heights, column.length_below - half);
         let high = nearest(&heights, column.length_below + half);
         let nodes = [low, high];
-        push_sideways(&beam, &state, &nodes[..1 + usize::from(low != high)], way, &mut solver)
+        push_sideways(
+            &beam,
+            &state,
+            &nodes[..1 + usize::from(low != high)],
+            way,
+            &mut solver,
+        )
     }
 
     /// Computes a hit on a column that may be damaged; returns what the beam says and the damage then.
@@ -189,7 +195,9 @@ impl BeamModel {
             None => ([f64::NAN; 2], None),
         };
         let residual_capacity_n = match &damage {
-            Some(damage) if course.yielded => self.capacities(Some(damage), hit.impact.vehicle.is_some()),
+            Some(damage) if course.yielded => {
+                self.capacities(Some(damage), hit.impact.vehicle.is_some())
+            }
             Some(_) => self.undamaged,
             None => [0.0; 2],
         };
@@ -285,7 +293,10 @@ impl BeamModel {
         let at = |x: f64| nearest(&heights, x);
         let node = at(column.length_below);
         let half = 0.5 * column.bumper_height;
-        let (low, high) = (at(column.length_below - half), at(column.length_below + half));
+        let (low, high) = (
+            at(column.length_below - half),
+            at(column.length_below + half),
+        );
         // Each node behind the bumper has the share of its part of the height.
         let touches: Vec<(usize, f64)> = (low..=high)
             .map(|k| {
@@ -298,14 +309,7 @@ impl BeamModel {
             })
             .collect();
         let rest = state.moved[node];
-        let mut run = Run::new(
-            &beam,
-            state,
-            &hit.impact,
-            hit.direction,
-            &touches,
-            node,
-        );
+        let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
         if !run.follow(secs, &rest) {
             return Err(Stopped::Budget);
         }

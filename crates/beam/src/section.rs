@@ -267,8 +267,7 @@ impl Section {
             - 0.0725 * tw * tw / (tf * tf);
         let disc = ((tf + r) * (tf + r) + tw * (r + 0.25 * tw)) / (2.0 * r + tf);
         self.torsion = [
-            2.0 / 3.0 * b * cube(tf) + web_depth * cube(tw) / 3.0
-                + 2.0 * alpha * disc * cube(disc)
+            2.0 / 3.0 * b * cube(tf) + web_depth * cube(tw) / 3.0 + 2.0 * alpha * disc * cube(disc)
                 - 0.420 * tf * cube(tf),
             tf * cube(b) * (h - tf) * (h - tf) / 24.0,
         ];
@@ -284,8 +283,7 @@ impl Section {
         let inner = depth - 2.0 * t;
         for side in [-1.0, 1.0] {
             for layer in 0..division.layers {
-                let y = side
-                    * (0.5 * depth - t * (layer as f64 + 0.5) / division.layers as f64);
+                let y = side * (0.5 * depth - t * (layer as f64 + 0.5) / division.layers as f64);
                 for part in 0..across {
                     let z = width * ((part as f64 + 0.5) / across as f64 - 0.5);
                     let area = width * t / (division.layers * across) as f64;
@@ -359,7 +357,12 @@ impl Section {
     pub fn virgin(&self) -> PointState {
         let e = self.steel.young_modulus;
         let mut state = PointState {
-            plain: self.plain.initial.iter().map(|strain| -e * strain).collect(),
+            plain: self
+                .plain
+                .initial
+                .iter()
+                .map(|strain| -e * strain)
+                .collect(),
             web: vec![[0.0; 2]; self.web.len()],
             locked: [0.0; 3],
         };
@@ -518,10 +521,7 @@ impl Section {
         for k in 0..f.len() {
             let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
             let [p, q] = state.web[k];
-            let trial = [
-                e * (total - p) - h * p,
-                g * (strain[3] - q) - h / 3.0 * q,
-            ];
+            let trial = [e * (total - p) - h * p, g * (strain[3] - q) - h / 3.0 * q];
             if trial[0] * trial[0] + 3.0 * trial[1] * trial[1] > strength * strength {
                 let returned = return_to_surface(trial, strength, [e + h, 3.0 * g + h]);
                 let [ns, nt] = returned.stress;

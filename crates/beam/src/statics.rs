@@ -91,7 +91,12 @@ fn descend<const D: usize, const R: usize, const Q: usize>(
             solver.pushes[0].force = force_before;
             continue;
         }
-        pushed.commit(&mut state, solver.increment(), Kind::Equilibrium, &solver.work);
+        pushed.commit(
+            &mut state,
+            solver.increment(),
+            Kind::Equilibrium,
+            &solver.work,
+        );
         descent += step;
         let force = -solver.pushes[0].force;
         // The peak lies between the steps: go back and pass it with finer ones.
@@ -133,7 +138,8 @@ pub(crate) fn push_sideways<const D: usize, const R: usize, const Q: usize>(
     solver: &mut Solver<D, R>,
 ) -> Option<f64> {
     let steel = &beam.section.steel;
-    let stiffness = STIFFER * steel.young_modulus * beam.section.area / beam.places[beam.places.len() - 1][0];
+    let stiffness =
+        STIFFER * steel.young_modulus * beam.section.area / beam.places[beam.places.len() - 1][0];
     solver.pushes.extend(nodes.iter().map(|&node| Push {
         node,
         unknown: 1,
@@ -168,7 +174,12 @@ fn sideways<const D: usize, const R: usize, const Q: usize>(
             }
             continue;
         }
-        beam.commit(&mut state, solver.increment(), Kind::Equilibrium, &solver.work);
+        beam.commit(
+            &mut state,
+            solver.increment(),
+            Kind::Equilibrium,
+            &solver.work,
+        );
         most = most.max(solver.pushes.iter().map(|push| push.force).sum());
         gone += step;
         if gone >= way {

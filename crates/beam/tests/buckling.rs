@@ -10,7 +10,9 @@ use reference::{column, section};
 fn capacities_lie_on_the_buckling_curves() {
     let mut wrong = Vec::new();
     let mut extremes = [f64::INFINITY, 0.0_f64];
-    for name in ["HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450"] {
+    for name in [
+        "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
+    ] {
         for length in [2.0, 3.0, 4.0, 6.0, 8.0] {
             for (axis, bow, place) in [
                 (BendingAxis::Strong, BowAxes::Strong, 0),

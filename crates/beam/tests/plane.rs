@@ -36,10 +36,24 @@ fn plane_hits_agree_with_opensees() {
         let (remains, expected) = (alone[1], number(17).unwrap());
         println!(
             "{:16} {:7} v1 {ratio:.4} t {:.4} res {:.4} | {made:?} {took:.1} ms n {} steps {} err {:.1e} ledger {:.1e} cap {:.3e} -> {:.3e}",
-            &record[0], &record[14], alone[2] / number(16).unwrap(), remains / expected, outcome.elements, outcome.steps, outcome.error_estimate, outcome.energy_error, outcome.undamaged_capacity_n[0], outcome.residual_capacity_n[0]
+            &record[0],
+            &record[14],
+            alone[2] / number(16).unwrap(),
+            remains / expected,
+            outcome.elements,
+            outcome.steps,
+            outcome.error_estimate,
+            outcome.energy_error,
+            outcome.undamaged_capacity_n[0],
+            outcome.residual_capacity_n[0]
         );
         if (ratio - 1.0).abs() > 0.01 || (remains - expected).abs() > 0.01 * expected + 1e-5 {
-            wrong.push(format!("{} {}: {ratio} {}", &record[0], &record[14], remains / expected));
+            wrong.push(format!(
+                "{} {}: {ratio} {}",
+                &record[0],
+                &record[14],
+                remains / expected
+            ));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");

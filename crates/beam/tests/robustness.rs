@@ -35,12 +35,22 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
     let mut slowest = 0.0_f64;
     let mut whole = 0.0;
     for number in 0..count {
-        let name = random.one_of(&["HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450"]);
-        let mut it = column(name, random.one_of(&[235e6, 355e6]), random.one_of(&[1e-4, 1e-3, 1e-2]));
+        let name = random.one_of(&[
+            "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
+        ]);
+        let mut it = column(
+            name,
+            random.one_of(&[235e6, 355e6]),
+            random.one_of(&[1e-4, 1e-3, 1e-2]),
+        );
         let length = random.between(3.0, 6.0);
         it.length_below = length * random.between(0.12, 0.5);
         it.length_above = length - it.length_below;
-        it.base = random.one_of(&[Support::BuiltIn, Support::Pinned, Support::SemiRigid { stiffness: 5e6 }]);
+        it.base = random.one_of(&[
+            Support::BuiltIn,
+            Support::Pinned,
+            Support::SemiRigid { stiffness: 5e6 },
+        ]);
         let squash = reference::section(name).properties().area * it.steel.yield_strength;
         it.top_load = squash * random.between(0.0, 0.35);
         it.top_spring_stiffness = random.one_of(&[0.0, 1e5, 1e7, 5e7]);
@@ -53,7 +63,11 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
         let spring = match random.one_of(&[0, 1, 2]) {
             0 => None,
             1 => Some(vehicle(mass, random.between(2e5, 3e6), None)),
-            _ => Some(vehicle(mass, random.between(5e5, 3e6), Some(random.between(2e5, 1.5e6)))),
+            _ => Some(vehicle(
+                mass,
+                random.between(5e5, 3e6),
+                Some(random.between(2e5, 1.5e6)),
+            )),
         };
         let degrees = random.one_of(&[0.0, random.between(-179.0, 180.0)]);
         let hit = hit(mass, random.between(1.0, 20.0), spring, degrees);
@@ -66,7 +80,10 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
             Ok((found, damage)) => {
                 worst = worst.max(found.energy_error.abs());
                 if found.energy_error.abs() > 1e-8 {
-                    println!("{number} {name} ledger {:e} {:?}", found.energy_error, found.outcome);
+                    println!(
+                        "{number} {name} ledger {:e} {:?}",
+                        found.energy_error, found.outcome
+                    );
                 }
                 match found.outcome {
                     Outcome::Collapse => collapses += 1,
@@ -77,7 +94,11 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
             Err(error) => failed.push(format!("{number} {name} {error} {hit:?}")),
         }
     }
-    println!("{count}: {collapses} collapses, {unstable} without equilibrium, {} not solved, ledger {worst:e}, mean {:.0} ms, slowest {slowest:.0} ms", failed.len(), whole / f64::from(count));
+    println!(
+        "{count}: {collapses} collapses, {unstable} without equilibrium, {} not solved, ledger {worst:e}, mean {:.0} ms, slowest {slowest:.0} ms",
+        failed.len(),
+        whole / f64::from(count)
+    );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(worst <= 1e-8, "{worst:e}");
 }
@@ -97,7 +118,10 @@ fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
         assert_eq!(read, damage);
         let (again, _) = model.simulate(&first, Some(&damage)).unwrap();
         let (same, _) = model.simulate(&first, Some(&read)).unwrap();
-        assert_eq!(again.max_displacement_m.to_bits(), same.max_displacement_m.to_bits());
+        assert_eq!(
+            again.max_displacement_m.to_bits(),
+            same.max_displacement_m.to_bits()
+        );
         println!("{degrees} {one:?}\n{again:?} {} bytes", damage.size());
         // The second hit bends the column further, and less capacity remains.
         assert!(again.residual_displacement_m > 0.3 * one.residual_displacement_m);
@@ -106,7 +130,9 @@ fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
     }
     // Damage in the plane of the web comes into space.
     let (_, damage) = model.simulate(&hit(1500.0, 6.0, None, 0.0), None).unwrap();
-    let (oblique, _) = model.simulate(&hit(1500.0, 6.0, None, 45.0), damage.as_ref()).unwrap();
+    let (oblique, _) = model
+        .simulate(&hit(1500.0, 6.0, None, 45.0), damage.as_ref())
+        .unwrap();
     assert!(oblique.max_sideways_m > 0.0);
 }
 
@@ -117,7 +143,9 @@ fn a_hit_from_the_other_side_is_its_mirror_image() {
     it.top_spring_stiffness = 1e7;
     let model = BeamModel::new(&it).unwrap();
     let mut found = [30.0, -30.0, 150.0].map(|degrees| {
-        let (outcome, _) = model.simulate(&hit(1500.0, 6.0, None, degrees), None).unwrap();
+        let (outcome, _) = model
+            .simulate(&hit(1500.0, 6.0, None, degrees), None)
+            .unwrap();
         outcome.max_displacement_m
     });
     found.sort_by(f64::total_cmp);
@@ -128,13 +156,25 @@ fn a_hit_from_the_other_side_is_its_mirror_image() {
 fn bad_input_is_refused_with_the_reason() {
     let mut it = column("HEB220", 355e6, 1e-3);
     let model = BeamModel::new(&it).unwrap();
-    let error = model.simulate(&hit(1500.0, 6.0, None, 200.0), None).unwrap_err();
-    assert!(error.to_string().contains("direction of the impact is 3.49"), "{error}");
+    let error = model
+        .simulate(&hit(1500.0, 6.0, None, 200.0), None)
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("direction of the impact is 3.49"),
+        "{error}"
+    );
     it.steel.hardening_ratio = 0.0;
     let error = BeamModel::new(&it).unwrap_err();
     assert!(error.to_string().contains("hardening ratio"), "{error}");
     it.steel.hardening_ratio = 1e-3;
     it.top_load = 5e6;
-    let error = BeamModel::new(&it).unwrap().simulate(&hit(1500.0, 6.0, None, 0.0), None);
-    assert!(matches!(error, Err(BeamError::Unstable { .. })), "{error:?}");
+    let error = BeamModel::new(&it)
+        .unwrap()
+        .simulate(&hit(1500.0, 6.0, None, 0.0), None);
+    assert!(
+        matches!(error, Err(BeamError::Unstable { .. })),
+        "{error:?}"
+    );
 }

@@ -16,15 +16,24 @@ const AT_THE_THRESHOLD: [&str; 4] = [
 ];
 
 fn lines(text: &str) -> Vec<Value> {
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
 }
 
 fn number(case: &Value, name: &str) -> f64 {
-    case[name].as_f64().unwrap_or_else(|| panic!("{name} in {case}"))
+    case[name]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{name} in {case}"))
 }
 
 fn numbers(case: &Value, name: &str) -> Vec<f64> {
-    case[name].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    case[name]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
 }
 
 #[test]
@@ -69,7 +78,10 @@ fn hits_that_shear_the_web_agree_with_finite_elements() {
             found[1] / number(case, "residual_v1"),
         );
         let threshold = AT_THE_THRESHOLD.contains(&id);
-        println!("{id:34} v1 {ratio:.3} res {remains:.3} | {took:.1} ms {}", if threshold { "threshold" } else { "" });
+        println!(
+            "{id:34} v1 {ratio:.3} res {remains:.3} | {took:.1} ms {}",
+            if threshold { "threshold" } else { "" }
+        );
         if threshold {
             continue;
         }
@@ -115,7 +127,12 @@ fn limit_loads_agree_with_the_bounds_of_limit_analysis() {
         let found = model.lateral_resistance(1e-3).unwrap_or(f64::NAN);
         let middle = 0.5 * (number(case, "lower") + number(case, "upper"));
         let ratio = found / middle;
-        println!("{name:8} La {:.2} n {:.2} bumper {:.1} ratio {ratio:.3}", it.length_below, number(case, "n"), it.bumper_height);
+        println!(
+            "{name:8} La {:.2} n {:.2} bumper {:.1} ratio {ratio:.3}",
+            it.length_below,
+            number(case, "n"),
+            it.bumper_height
+        );
         sum += ratio;
         squares += ratio * ratio;
         count += 1.0;
@@ -125,7 +142,10 @@ fn limit_loads_agree_with_the_bounds_of_limit_analysis() {
         }
     }
     let mean: f64 = sum / count;
-    println!("{count}: mean {mean:.4} sd {:.4} {extreme:?}", (squares / count - mean * mean).sqrt());
+    println!(
+        "{count}: mean {mean:.4} sd {:.4} {extreme:?}",
+        (squares / count - mean * mean).sqrt()
+    );
     assert!((mean - 1.0).abs() <= 0.03, "{mean}");
     assert!(wrong.is_empty(), "{wrong:#?}");
 }

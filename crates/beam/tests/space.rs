@@ -30,7 +30,9 @@ fn described(case: &Value) -> (BeamColumn, Option<Hit>) {
     it.top = support(p["top"].as_str().unwrap());
     it.top_spring_stiffness = number(&p["vertical_spring_top_N_m"]);
     it.top_load = number(&p["axial_load_N"]);
-    it.torsion_constant = p["torsion_GJ_Nm2"].as_f64().map(|gj| gj / it.steel.shear_modulus());
+    it.torsion_constant = p["torsion_GJ_Nm2"]
+        .as_f64()
+        .map(|gj| gj / it.steel.shear_modulus());
     let v = &p["vehicle"];
     if v.is_null() {
         return (it, None);
@@ -39,7 +41,9 @@ fn described(case: &Value) -> (BeamColumn, Option<Hit>) {
     let spring = v["stiffness_N_m"]
         .as_f64()
         .map(|stiffness| vehicle(mass, stiffness, v["crush_force_N"].as_f64()));
-    let angle = p["angle_from_strong_axis_bending_deg"].as_f64().unwrap_or(0.0);
+    let angle = p["angle_from_strong_axis_bending_deg"]
+        .as_f64()
+        .unwrap_or(0.0);
     (it, Some(hit(mass, number(&v["speed_m_s"]), spring, angle)))
 }
 
@@ -55,7 +59,11 @@ fn plane_hits_at_the_edge_of_yielding_agree_with_opensees() {
         let r = &case["reference"];
         let ratio = found[0] / number(&r["max_displacement_m"]);
         let remains = found[1] / number(&r["residual_m"]);
-        println!("{:18} v1 {ratio:.4} res {remains:.4} t {:.4} | {took:.1} ms", case["name"].as_str().unwrap(), found[2] / number(&r["time_of_max_s"]));
+        println!(
+            "{:18} v1 {ratio:.4} res {remains:.4} t {:.4} | {took:.1} ms",
+            case["name"].as_str().unwrap(),
+            found[2] / number(&r["time_of_max_s"])
+        );
         if (ratio - 1.0).abs() > 0.01 || (remains - 1.0).abs() > 0.01 {
             wrong.push(format!("{} {ratio} {remains}", case["name"]));
         }
@@ -86,7 +94,16 @@ fn oblique_hits_agree_with_opensees() {
             let along = alone[0] / number(&r["max_displacement_along_hit_m"]);
             let across = found.max_sideways_m / number(&r["max_displacement_across_hit_m"]).abs();
             let remains = found.residual_displacement_m / number(&r["residual_along_hit_m"]);
-            println!("{:36} {torsion:?} along {along:.4} across {across:.4} res {remains:.4} sideways {:.4} t {:.4} cap {:?} ({:?}) | {took:.1} ms steps {} ledger {:.1e}", case["name"].as_str().unwrap(), found.residual_sideways_m / number(&r["residual_across_hit_m"]).abs(), found.max_displacement_time_s / number(&r["time_of_max_s"]), found.residual_capacity_n, r["residual_capacity_N_u_after_impact_N"], found.steps, found.energy_error);
+            println!(
+                "{:36} {torsion:?} along {along:.4} across {across:.4} res {remains:.4} sideways {:.4} t {:.4} cap {:?} ({:?}) | {took:.1} ms steps {} ledger {:.1e}",
+                case["name"].as_str().unwrap(),
+                found.residual_sideways_m / number(&r["residual_across_hit_m"]).abs(),
+                found.max_displacement_time_s / number(&r["time_of_max_s"]),
+                found.residual_capacity_n,
+                r["residual_capacity_N_u_after_impact_N"],
+                found.steps,
+                found.energy_error
+            );
             let tolerance = &case["tolerance_relative"];
             let allowed = |name: &str| number(&tolerance[name]).max(0.03);
             if (along - 1.0).abs() > allowed("max_displacement_along_hit_m") {
