@@ -10,7 +10,7 @@ use super::details::ReportDetails;
 use super::facts::fact;
 use super::felt_section;
 use super::impact_section;
-use super::limits;
+use super::limits_section;
 use super::pages;
 use super::provenance;
 #[cfg(feature = "record")]
@@ -94,7 +94,7 @@ impl ReportDocument {
             @for body in &bodies { (body) }
             (felt)
             @for annex in &annexes { (annex) }
-            @if bodies.is_empty() { (limits()) }
+            @if bodies.is_empty() { (limits_section::markup()) }
             (self.provenance())
         };
         Ok(page(&title, &body))
@@ -312,25 +312,6 @@ pub(super) fn changed_parameters(parameters: &Parameters) -> Markup {
                             td { (parameter.row.unit) }
                         }
                     }
-                }
-            }
-        }
-    }
-}
-
-/// What the model does not know.
-pub(super) fn limits() -> Markup {
-    html! {
-        section.model-limits {
-            h2 { "Limits of the model" }
-            p {
-                "The numbers are the answers of a model. It is validated against a reference solution of the same equations and \
-                 against a fibre beam model that was written independently, not against a crash test of a column."
-            }
-            dl.limits {
-                @for (limit, consequence) in &limits::limits() {
-                    dt { (limit) }
-                    dd { (consequence) }
                 }
             }
         }

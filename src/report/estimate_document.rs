@@ -2,9 +2,10 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::document::{changed_parameters, limits, page, parameters_json, program_facts};
+use super::document::{changed_parameters, page, parameters_json, program_facts};
 use super::estimate_section;
 use super::facts::fact;
+use super::limits_section;
 use super::words::short;
 use crate::figures::units::significant;
 use crate::figures::{EstimateFigures, FigureError, TimedEstimate, estimate_svg};
@@ -50,7 +51,7 @@ impl EstimateDocument<'_> {
                 (estimate_section::content(&estimates))
             }
             (self.figures(&drawings))
-            (limits())
+            (limits_section::markup())
             (self.provenance())
         };
         Ok(page(&title, &body))

@@ -28,6 +28,7 @@ mod felt_section;
 mod impact_section;
 mod inspection;
 mod limits;
+mod limits_section;
 mod pages;
 mod provenance;
 #[cfg(feature = "record")]

@@ -5,10 +5,10 @@ use maud::{Markup, html};
 use super::assessed::Assessed;
 use super::checks;
 use super::details::ReportDetails;
-use super::document::limits;
 use super::facts::fact;
 use super::impact_section::{facts, result_rows};
 use super::inspection;
+use super::limits_section;
 use super::reported_impact::ReportedImpact;
 use super::shape_drawing;
 use super::sketch;
@@ -64,7 +64,7 @@ pub(super) fn markup(
             div.sheet {
                 p.running { (heading) }
                 (uncertainty::markup(impact, assessed))
-                (limits())
+                (limits_section::markup())
             }
         }
     }

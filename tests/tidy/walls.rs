@@ -35,6 +35,7 @@ const fn room(
 #[rustfmt::skip]
 const ROOMS: &[Room] = &[
     room("mechanics", "the mechanics of the column", &[], "names of parameters, files, clocks, threads"),
+    room("beam", "the column as a fibre beam, the second opinion", &["mechanics"], "the two bars, names of parameters, files, clocks, threads"),
     room("ros_interface", "definitions and bytes of messages", &[], "columns, DDS"),
     room("recording crate", "recordings in MCAP", &[], "columns, DDS"),
     room("hexadecimal", "bytes as hexadecimal digits", &[], "everything else"),
