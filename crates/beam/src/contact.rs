@@ -152,7 +152,7 @@ impl Striker {
                 (None, Behind::Chain { .. }) => {}
             }
             *stiffness = slope + LOOSE;
-            if force.abs() <= 4e-15 * size + 1e-9 {
+            if force.is_nan() || force.abs() <= 4e-15 * size + 1e-9 {
                 break;
             }
             if force > 0.0 {

@@ -1,13 +1,12 @@
 //! Plane and oblique hits and push-downs against OpenSees (`data/beam_reference.json`).
 
-mod reference;
-
+use crate::reference;
+use crate::reference::{column, hit, support, vehicle};
 use column_beam::{BeamColumn, BeamModel, BowAxes, Hit, Torsion};
-use reference::{column, hit, support, vehicle};
 use serde_json::Value;
 
 fn cases(kind: &str) -> Vec<Value> {
-    let text = include_str!("data/beam_reference.json");
+    let text = include_str!("../data/beam_reference.json");
     let all: Value = serde_json::from_str(text).unwrap();
     let cases = all["cases"].as_array().unwrap().iter();
     cases.filter(|case| case["kind"] == kind).cloned().collect()

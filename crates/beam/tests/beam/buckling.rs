@@ -1,10 +1,8 @@
 //! The capacity of undamaged columns against the buckling curves of EN 1993-1-1.
 
-mod reference;
-
+use crate::reference::{column, section};
 use column_beam::{BeamModel, BowAxes};
 use column_mechanics::{BendingAxis, BucklingCurve, Support};
-use reference::{column, section};
 
 #[test]
 fn capacities_lie_on_the_buckling_curves() {

@@ -1,10 +1,9 @@
 //! Hits and limit loads in which the web yields in shear, against finite elements in plane stress.
 
-mod reference;
-
+use crate::reference;
+use crate::reference::{column, hit, section};
 use column_beam::BeamModel;
 use column_mechanics::{CrushCurve, CrushSpring, Vehicle};
-use reference::{column, hit, section};
 use serde_json::Value;
 
 /// Impacts in which 2 % of strength change the displacement by tens of per cent: the front gives just what the web bears.
@@ -38,7 +37,9 @@ fn numbers(case: &Value, name: &str) -> Vec<f64> {
 
 #[test]
 fn hits_that_shear_the_web_agree_with_finite_elements() {
-    let cases = lines(include_str!("../../mechanics/tests/data/shear_cases.jsonl"));
+    let cases = lines(include_str!(
+        "../../../mechanics/tests/data/shear_cases.jsonl"
+    ));
     let mut wrong = Vec::new();
     let mut means = [(0.0, 0), (0.0, 0)];
     for case in &cases {
@@ -105,7 +106,9 @@ fn hits_that_shear_the_web_agree_with_finite_elements() {
 
 #[test]
 fn limit_loads_agree_with_the_bounds_of_limit_analysis() {
-    let cases = lines(include_str!("../../mechanics/tests/data/limit_loads.jsonl"));
+    let cases = lines(include_str!(
+        "../../../mechanics/tests/data/limit_loads.jsonl"
+    ));
     let mut wrong = Vec::new();
     let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
     let mut extreme = [f64::INFINITY, 0.0_f64];

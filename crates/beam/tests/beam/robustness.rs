@@ -1,10 +1,9 @@
 //! Random columns in three dimensions: energy, convergence, and what a second hit makes of the first.
 
-mod reference;
-
+use crate::reference;
+use crate::reference::{column, hit, vehicle};
 use column_beam::{BeamError, BeamModel, Damage, Outcome, Torsion};
 use column_mechanics::Support;
-use reference::{column, hit, vehicle};
 
 /// Random numbers after Steele et al. (SplitMix64).
 struct Random(u64);
@@ -69,7 +68,8 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
                 Some(random.between(2e5, 1.5e6)),
             )),
         };
-        let degrees = random.one_of(&[0.0, random.between(-179.0, 180.0)]);
+        let oblique = random.between(-179.0, 180.0);
+        let degrees = random.one_of(&[0.0, oblique]);
         let hit = hit(mass, random.between(1.0, 20.0), spring, degrees);
         let began = reference::cpu();
         let result = BeamModel::new(&it).and_then(|model| model.simulate(&hit, None));

@@ -1,13 +1,12 @@
 //! Plane hits against OpenSees (`data/fibre_cases.csv`).
 
-mod reference;
-
+use crate::reference;
+use crate::reference::{column, hit, support, vehicle};
 use column_beam::BeamModel;
-use reference::{column, hit, support, vehicle};
 
 #[test]
 fn plane_hits_agree_with_opensees() {
-    let mut reader = csv::Reader::from_reader(include_str!("data/fibre_cases.csv").as_bytes());
+    let mut reader = csv::Reader::from_reader(include_str!("../data/fibre_cases.csv").as_bytes());
     let mut wrong = Vec::new();
     for record in reader.records() {
         let record = record.unwrap();

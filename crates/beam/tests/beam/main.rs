@@ -1,0 +1,8 @@
+//! The fibre beam against OpenSees, plane-stress finite elements, limit analyses and the buckling curves.
+
+mod buckling;
+mod plane;
+mod reference;
+mod robustness;
+mod shear;
+mod space;
