@@ -4,9 +4,10 @@ use column_mechanics::{RateProperties, Support};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::beam::{Beam, Element, RotationSpring, Slider};
+use super::beam::Beam;
 use super::element::{Ends, UPRIGHT, deformations, length};
 use super::mesh;
+use super::parts::{Element, RotationSpring, Slider};
 use super::rate::Rate;
 use super::section::{Division, Section, Shape, Steel};
 use super::torsion::effective_rigidity;

@@ -12,6 +12,7 @@ mod element;
 mod mesh;
 mod newton;
 mod opinion;
+mod parts;
 mod rate;
 mod response;
 mod section;
