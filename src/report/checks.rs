@@ -55,9 +55,8 @@ fn on_the_page(all: &[&Criterion]) -> usize {
     if lines(all.len()) <= MAX_LINES {
         return all.len();
     }
-    let counts = (0..=all.len()).rev();
-    counts
-        .into_iter()
+    (0..=all.len())
+        .rev()
         .find(|count| lines(*count) <= MAX_LINES_OF_MORE)
         .unwrap_or(0)
 }
