@@ -9,19 +9,20 @@ use crate::assessment::{Criterion, Severity, UNIT_OF_BOW};
 use crate::figures::units::significant;
 use crate::parameters::Provenance;
 
-/// Most rows on the page of the checks; of more checks that decide, the others stand in the annex.
-pub(super) const MAX_ROWS: usize = 21;
+/// Most rows and reasons why something was not evaluated on the page of the checks: what the default criteria fill.
+const MAX_LINES: usize = 23;
+
+/// The same where the others stand in the annex: their names and clauses may be longer.
+const MAX_LINES_OF_MORE: usize = 19;
 
 /// The checks that decide, on one page: those that are exceeded, those that could not be evaluated, and the others.
 pub(super) fn deciding(assessed: &Assessed) -> Markup {
     let all = ordered(assessed, true);
-    let shown = &all[..all.len().min(MAX_ROWS)];
+    let (shown, more) = all.split_at(on_the_page(&all));
     html! {
         h2 { "Checks that decide" }
         (table(assessed, shown))
-        @if all.len() > shown.len() {
-            p.note { (all.len() - shown.len()) " further checks, none of them used more, stand in the annex." }
-        }
+        @if !more.is_empty() { p.note { (more.len()) " further checks that decide stand in the annex." } }
         p.note {
             "Resistances are characteristic ones (γ_M = 1.0). Tags: "
             @for (index, tag) in Provenance::ALL.into_iter().enumerate() {
@@ -36,7 +37,7 @@ pub(super) fn deciding(assessed: &Assessed) -> Markup {
 /// The checks that do not stand on the page of the checks.
 pub(super) fn others(assessed: &Assessed) -> Markup {
     let all = ordered(assessed, true);
-    let more = all.get(MAX_ROWS..).unwrap_or_default();
+    let more = &all[on_the_page(&all)..];
     html! {
         @if !more.is_empty() {
             h3 { "Further checks that decide" }
@@ -46,6 +47,29 @@ pub(super) fn others(assessed: &Assessed) -> Markup {
         p { "They do not decide; the parameter " code { "assessment.criteria" } " chooses those that do." }
         (table(assessed, &ordered(assessed, false)))
     }
+}
+
+/// How many of these checks fit on their page.
+fn on_the_page(all: &[&Criterion]) -> usize {
+    let lines = |count: usize| count + reasons(&all[..count]).len();
+    if lines(all.len()) <= MAX_LINES {
+        return all.len();
+    }
+    (0..=all.len())
+        .rev()
+        .find(|count| lines(*count) <= MAX_LINES_OF_MORE)
+        .unwrap_or(0)
+}
+
+/// Why checks could not be evaluated, each reason once.
+fn reasons<'c>(rows: &[&'c Criterion]) -> Vec<&'c str> {
+    let mut reasons: Vec<&str> = Vec::new();
+    for it in rows.iter().filter(|it| it.exceeded.is_none()) {
+        if !reasons.contains(&it.statement.as_str()) {
+            reasons.push(&it.statement);
+        }
+    }
+    reasons
 }
 
 /// The most severe exceeded ones first, then those without data, then the others by their utilisation.
@@ -74,12 +98,7 @@ fn ordered(assessed: &Assessed, decides: bool) -> Vec<&Criterion> {
 fn table(assessed: &Assessed, rows: &[&Criterion]) -> Markup {
     let deciding = assessed.assessment.deciding_criterion;
     let is_none = assessed.assessment.severity == Severity::None;
-    let mut reasons: Vec<&str> = Vec::new();
-    for it in rows.iter().filter(|it| it.exceeded.is_none()) {
-        if !reasons.contains(&it.statement.as_str()) {
-            reasons.push(&it.statement);
-        }
-    }
+    let reasons = reasons(rows);
     let note = |it: &Criterion| reasons.iter().position(|reason| *reason == it.statement);
     html! {
         table.checks {

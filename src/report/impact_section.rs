@@ -132,9 +132,26 @@ pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>
                 (fact("Speed", format!("{} km/h ({} m/s)", significant(3.6 * impact.impact.velocity, 4),
                     significant(impact.impact.velocity, 4))))
                 (fact("Height of the impact", format!("{} m above the base", significant(properties.length_below, 4))))
+                (fact("Largest utilisation", utilisations(impact)))
             }
         }
     }
+}
+
+/// How close the column comes to yielding, whatever decides.
+fn utilisations(impact: &ReportedImpact) -> String {
+    let report = &impact.report;
+    let share = |value: f64| format!("{:.0} %", 100.0 * value.min(1.0));
+    let bending = report.hinges.iter().map(|it| it.max_utilisation);
+    let web = report.webs.iter().map(|it| it.max_utilisation);
+    let shear = match impact.model.properties.shear {
+        Some(_) => share(web.fold(0.0, f64::max)),
+        None => "not evaluated".to_owned(),
+    };
+    format!(
+        "bending with axial force {}, shear of the web {shear}; the column yields at 100 %",
+        share(bending.fold(0.0, f64::max))
+    )
 }
 
 /// Most characters of the name of an event on the page of the checks.

@@ -18,7 +18,7 @@ const GROUND: f64 = 300.0;
 const HIGHEST: f64 = 252.0;
 /// Axes of the straight column in both parts.
 const TRUE_AXIS: f64 = 110.0;
-const MAGNIFIED_AXIS: f64 = 440.0;
+const MAGNIFIED_AXIS: f64 = 356.0;
 /// How far the largest displacement may reach in the magnified part, as a share of the height.
 const LARGEST_SHARE: f64 = 0.22;
 
@@ -51,12 +51,13 @@ pub(super) fn markup(impact: &ReportedImpact) -> Markup {
 
 fn shapes(impact: &ReportedImpact) -> Vec<Shape> {
     let report = &impact.report;
+    let height = impact.height();
     let length = |v1: f64| {
-        format!(
-            "{} = {}",
-            Unit::length(v1).show(v1),
-            part_of(v1, impact.height())
-        )
+        let shown = Unit::length(v1).show(v1);
+        match v1.abs() < 1e-4 * height {
+            true => shown,
+            false => format!("{shown} = {}", part_of(v1, height)),
+        }
     };
     let mut shapes = Vec::new();
     let finite = impact.samples.iter().filter(|it| it.v1.is_finite());
@@ -167,7 +168,7 @@ fn magnified(impact: &ReportedImpact, shapes: &[Shape], factor: f64) -> Markup {
         _ => (bar, drawn),
     };
     html! {
-        (title((330.0, 14.0), &format!("Displacements x {}", short(factor))))
+        (title((286.0, 14.0), &format!("Displacements x {}", short(factor))))
         (line(&[(MAGNIFIED_AXIS - 70.0, GROUND), (MAGNIFIED_AXIS + 90.0, GROUND)], FAINT, 1.0, ""))
         (line(&[place(0.0, 0.0), place(0.0, total)], INK, 1.0, "4 3"))
         @for shape in shapes { (curve(shape)) }
@@ -175,9 +176,9 @@ fn magnified(impact: &ReportedImpact, shapes: &[Shape], factor: f64) -> Markup {
         (text((MAGNIFIED_AXIS - 62.0, GROUND - scale * below - 8.0), "start", RED, "hit"))
         @for (index, shape) in shapes.iter().enumerate() {
             @let y = 60.0 + 20.0 * index as f64;
-            (line(&[(548.0, y - 4.0), (568.0, y - 4.0)], shape.colour, 2.2, shape.dashes))
-            (text((574.0, y), "start", INK, &shape.words))
+            (line(&[(478.0, y - 4.0), (498.0, y - 4.0)], shape.colour, 2.2, shape.dashes))
+            (text((504.0, y), "start", INK, &shape.words))
         }
-        (scale_bar((330.0, SIZE.1 - 8.0), drawn, &format!("{} mm of displacement", short(1e3 * bar))))
+        (scale_bar((286.0, SIZE.1 - 8.0), drawn, &format!("{} mm of displacement", short(1e3 * bar))))
     }
 }

@@ -119,7 +119,7 @@ fn a_report_names_one_load_once() {
 #[test]
 fn the_title_block_has_lines_to_be_filled_in() {
     let folder = TempDir::new().unwrap();
-    let (path, html) = simulated(folder.path(), "plain", "");
+    let (path, html) = simulated(folder.path(), "plain", "--mass 1500");
     for label in ["Project", "Site", "Date", "Revision", "Author", "Checker"] {
         let empty = format!("<td colspan=\"2\"><small>{label}</small> </td>");
         assert!(html.contains(&empty), "{label}");
