@@ -239,7 +239,7 @@ impl BeamColumn {
                 expected: "less than 1.9 times the shorter part of the column",
             });
         }
-        if !self.bow.is_finite() || self.bow.abs() > 0.05 * self.length() {
+        if !self.bow.is_finite() || self.bow > 0.05 * self.length() {
             return Err(BeamError::Column {
                 name: "bow [m]",
                 found: self.bow,
