@@ -6,6 +6,7 @@
 //! results are those of a single twin, bit for bit, because a twin does not depend on when it is stepped.
 
 mod background;
+#[cfg(feature = "study")]
 mod fleet_news;
 mod keeper;
 mod readers;
