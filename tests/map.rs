@@ -536,7 +536,7 @@ fn figures_are_drawn_for_every_column_and_for_their_comparison() {
     let svg = fs::read_to_string(folder.path().join("plots/damage_map_HEB200.svg")).expect("SVG");
     for text in [
         "mass of the vehicle [kg]",
-        "velocity of the vehicle [m/s]",
+        "velocity of the vehicle [m/s (km/h)]",
         "evacuate",
     ] {
         assert!(svg.contains(text), "{text}");
