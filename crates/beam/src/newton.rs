@@ -28,7 +28,7 @@ pub(crate) struct Push {
 }
 
 impl Push {
-    /// Goes on by `step` \[m\].
+    /// Advances by `step` \[m\].
     pub fn aim(&mut self, step: f64) {
         self.target = step + self.force / self.stiffness;
     }

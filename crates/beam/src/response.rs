@@ -117,7 +117,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 }
             }
         }
-        // The shear goes on as it did.
+        // The shear angle continues at its previous rate.
         for angle in &mut self.solver.shear {
             *angle *= secs / self.last_secs;
         }

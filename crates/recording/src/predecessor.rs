@@ -78,7 +78,7 @@ pub(crate) fn find(file: &Path, seal: &Seal) -> Predecessor {
             changed.get_or_insert(directory);
         }
     }
-    // A recording of another run has another session, even with the same key, and stands in the place of the one before.
+    // A recording of another run has a different session, even with the same key: it replaced the predecessor.
     let in_its_place = named(folder, &name).filter(|it| beginning_of(it).is_some());
     match (changed.or(in_its_place), earlier) {
         (Some(directory), _) => Predecessor::Changed(directory),

@@ -340,7 +340,7 @@ impl Reader {
         self.contents.notes.ended()
     }
 
-    /// Whether what followed the last message was cut off before the recording was repaired: nobody knows how much that was.
+    /// Whether the recording was cut off before it was repaired, so that the number of lost messages is unknown.
     #[must_use]
     pub fn was_cut_off(&self) -> bool {
         self.contents.notes.was_cut_off()

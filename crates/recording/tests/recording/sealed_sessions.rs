@@ -123,7 +123,7 @@ fn the_oldest_recording_replaced_by_that_of_another_run_with_the_same_key_is_not
     fs::rename(&others[0], &found[0]).unwrap();
     let changed = Predecessor::Changed(fs::canonicalize(&found[0]).unwrap());
     assert_eq!(next.predecessor(), changed);
-    // The one in its place says so, too.
+    // Verifying the replacement itself reports it, too.
     assert!(seal_of(&replaced()).unwrap().holds());
     assert_eq!(
         replaced().contradicting_successor(),

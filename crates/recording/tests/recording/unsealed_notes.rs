@@ -52,7 +52,7 @@ fn a_repair_of_a_file_cut_at_a_flush_does_not_tell_that_nothing_was_lost() {
     let sealed = Sealed::new();
     let bytes = fs::read(&sealed.file).unwrap();
     let cut = sealed.folder.path().join("cut.mcap");
-    // Behind the second seal, and behind the losses that are told only at the end.
+    // After the second seal; losses are recorded only at the end.
     let mut seals = bytes
         .windows(17)
         .enumerate()
