@@ -367,6 +367,13 @@ fn converse<T>(
             Some(column_id) => column_id.clone(),
             None => only(&columns)?,
         };
+        // What is sent before the column's twin is known as a reader never reaches it.
+        let of_twins: Vec<_> = status.into_iter().chain(fleet).collect();
+        wait_until(signals, STATUS_WAIT, |until| {
+            matches
+                .wait_for_participants_of(publisher.guid(), &of_twins, until)
+                .then_some(())
+        })?;
         let is_known = columns.contains(&column_id);
         let event = options.request.event(column_id.clone());
         let event_id = event.event_id.clone();

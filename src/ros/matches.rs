@@ -88,6 +88,25 @@ impl Matches {
         })
     }
 
+    /// Waits until a writer has a peer in each participant with which one of `others` is matched; `false` if the deadline passes
+    /// first.
+    ///
+    /// The endpoints of a participant are discovered one by one: a twin whose status arrives may not be known as a reader yet.
+    #[must_use]
+    pub fn wait_for_participants_of(
+        &self,
+        writer: GUID,
+        others: &[GUID],
+        deadline: Instant,
+    ) -> bool {
+        self.wait_until(deadline, |peers| {
+            let of_endpoint = |it| peers.get(it).into_iter().flatten();
+            let reached: BTreeSet<_> = of_endpoint(&writer).map(|it| it.prefix).collect();
+            let mut wanted = others.iter().flat_map(of_endpoint);
+            wanted.all(|it| reached.contains(&it.prefix))
+        })
+    }
+
     fn wait_until(
         &self,
         deadline: Instant,

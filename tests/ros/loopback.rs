@@ -5,7 +5,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::Value;
 use column_twin::ros::qos::{self, Endpoint};
@@ -46,7 +46,7 @@ pub struct Outgoing<M: Serialize> {
     publisher: Publisher<M>,
     abort: AbortHandle,
     thread: Option<JoinHandle<()>>,
-    _node: Node,
+    pub node: Node,
 }
 
 impl<M: Serialize> Outgoing<M> {
@@ -71,7 +71,7 @@ impl<M: Serialize> Outgoing<M> {
             publisher,
             abort,
             thread,
-            _node: node,
+            node,
         }
     }
 
@@ -172,6 +172,38 @@ fn an_impact_reaches_its_column_among_ten() {
         other => panic!("{other:?}"),
     }
     twins.into_iter().for_each(RunningTwin::stop);
+}
+
+/// The client once sent the event as soon as the status of the column had arrived: a twin that it did not know as a reader of
+/// events yet never received it.
+#[test]
+fn an_impact_waits_until_its_twin_is_known_as_a_reader() {
+    let domain = Domain::fresh();
+    // With this one all endpoints of the client are matched.
+    let other = RunningTwin::start(&domain, &[]);
+    let outcome = std::thread::scope(|scope| {
+        let sender = scope.spawn(|| impact_on(&domain, Some("late"), 10.0, PATIENCE));
+        let mut late = Outgoing::<TwinStatus>::start(&domain, &qos::TWIN_STATUS);
+        let forecasts = late.node.publisher(&qos::IMPACT_FORECAST).unwrap();
+        assert!(late.publish(TwinStatus {
+            column_id: "late".to_owned(),
+            ..TwinStatus::default()
+        }));
+        std::thread::sleep(Duration::from_millis(500));
+        let events = Incoming::<ImpactEvent>::early(&mut late.node, &qos::IMPACT_EVENT);
+        let event = events.find("the event", |it| it.column_id == "late");
+        let answer = ImpactReport {
+            event_id: event.event_id,
+            ..ImpactReport::default()
+        };
+        forecasts.publish(answer).unwrap();
+        sender.join().unwrap()
+    });
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    other.stop();
 }
 
 /// Sends an impact of 1 m/s as `column-twin impact` does.
