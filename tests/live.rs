@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::live::{
     Clock, Grant, Live, LiveHandle, LiveOptions, MAX_CLOCK_STEP_BACK, OutputQueue, RealTime,
-    Receiver, SOLVER_THREAD, SimClock, SystemClock, WhenFull,
+    Receiver, SimClock, SystemClock, WhenFull,
 };
 use column_twin::parameters::{Parameters, Value};
 use column_twin::time::Nanos;
@@ -618,28 +618,5 @@ fn denied_real_time_properties_are_warnings() {
     assert!(warnings[0].contains("SCHED_FIFO not granted") && warnings[0].contains("limits.conf"));
     assert!(warnings[1].contains("no processor 100000"));
     assert!(live.snapshot().is_ok());
-    live.stop().expect("no panic");
-}
-
-/// The names are those of `top -H`, of which the system keeps 15 characters.
-#[cfg(target_os = "linux")]
-#[test]
-fn threads_have_names() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let state_file = Some(folder.path().join("column.json"));
-    let options = LiveOptions {
-        state_file,
-        ..options()
-    };
-    let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
-    live.snapshot().expect("an answer");
-    let names: Vec<_> = std::fs::read_dir("/proc/self/task")
-        .expect("readable")
-        .filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok())
-        .collect();
-    assert!(
-        names.iter().any(|it| it.trim() == &SOLVER_THREAD[..15]),
-        "{names:?}"
-    );
     live.stop().expect("no panic");
 }

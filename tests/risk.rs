@@ -162,8 +162,17 @@ fn wrong_input_is_rejected_with_what_is_expected() {
 }
 
 /// The result of an interrupted study is that of its first samples.
-#[test]
-fn ctrl_c_leaves_the_result_of_what_is_finished() {
+/// The time that the processors have spent on a process of ours, in the ticks of the system.
+fn ticks_of(process: u32) -> u64 {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).expect("it runs");
+    let after_name = stat.rsplit(')').next().expect("its name is in brackets");
+    // The 14th and 15th fields, of which two come before the state.
+    let fields = after_name.split_whitespace().skip(11).take(2);
+    fields.map(|it| it.parse::<u64>().expect("a count")).sum()
+}
+
+/// A study without end, interrupted once the program has computed for so long; what it printed.
+fn interrupted_after(ticks: u64) -> Output {
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["--samples", "1e9", "--exact", "--threads", "1", "--json"];
     let mut command = program(folder.path(), &street(&arguments));
@@ -180,27 +189,40 @@ fn ctrl_c_leaves_the_result_of_what_is_finished() {
         let mask = mask.and_then(|it| u64::from_str_radix(it.trim(), 16).ok());
         mask.is_some_and(|it| it & (1 << (2 - 1)) != 0)
     };
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !handles_sigint() {
-        assert!(Instant::now() < deadline, "the program ignores SIGINT");
+    let deadline = Instant::now() + Duration::from_secs(300);
+    while !handles_sigint() || ticks_of(child.id()) < ticks {
+        assert!(
+            Instant::now() < deadline,
+            "the program ignores SIGINT, or does not compute"
+        );
         std::thread::sleep(Duration::from_millis(10));
     }
-    // Whenever the signal comes, the result is whole; after this time it is likely to have samples.
-    std::thread::sleep(Duration::from_secs(2));
     interrupt(&child);
-    let output = child.wait_with_output().expect("ends");
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(3), "{errors}");
-    assert!(
-        errors.contains("of 1000000000 samples are finished"),
-        "{errors}"
-    );
-    let found: Json = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(found["complete"], false);
-    let done = found["counts"]["samples"].as_u64().expect("a count");
-    if done == 0 {
-        return;
-    }
+    child.wait_with_output().expect("ends")
+}
+
+#[test]
+fn ctrl_c_leaves_the_result_of_what_is_finished() {
+    // Whenever the signal comes, the result is whole; samples are finished once the program has computed for long enough.
+    let (mut ticks, most) = (50, 3_200);
+    let (found, done) = loop {
+        let output = interrupted_after(ticks);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{errors}");
+        assert!(
+            errors.contains("of 1000000000 samples are finished"),
+            "{errors}"
+        );
+        let found: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(found["complete"], false);
+        let done = found["counts"]["samples"].as_u64().expect("a count");
+        if done > 0 {
+            break (found, done);
+        }
+        ticks *= 2;
+        assert!(ticks <= most, "no sample is finished after {most} ticks");
+    };
+    let folder = tempfile::tempdir().expect("a folder");
     let samples = done.to_string();
     let again = json(&run(
         folder.path(),

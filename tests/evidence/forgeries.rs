@@ -9,6 +9,7 @@ use column_twin::evidence::{
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ColumnState, ImpactReport};
 use column_twin::messages::std_msgs;
+use column_twin::outgoing::Topic;
 use column_twin::recording::{Entry, Message, Writer, WriterOptions};
 use column_twin::twin::{ImpactCommand, Journal};
 use tempfile::TempDir;
@@ -228,7 +229,11 @@ fn inserted_messages_are_found() {
     let (_directory, path) = written(&all);
     let found = verify(&path).unwrap();
     assert!(!found.is_equal(), "{found}");
-    assert_eq!(found.topics[3].unexpected, 1, "{found}");
+    assert_eq!(
+        found.topics[Topic::ImpactReport.index()].unexpected,
+        1,
+        "{found}"
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Node and reader in Rust, on loopback.
 
+use std::sync::mpsc::sync_channel;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -246,8 +247,12 @@ fn a_node_with_readers_stops() {
     let twin = RunningTwin::start(&domain, &[]);
     let mut node = reader(&domain);
     let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
-    let start = Instant::now();
-    twin.stop();
-    println!("stopped within {:?}", start.elapsed());
+    let (stopped, end) = sync_channel(1);
+    let stopping = std::thread::spawn(move || {
+        twin.stop();
+        let _ = stopped.send(());
+    });
+    assert!(end.recv_timeout(PATIENCE).is_ok(), "the node does not stop");
+    stopping.join().expect("no panic");
     drop(states);
 }

@@ -9,11 +9,9 @@ use std::time::Duration;
 
 use super::super::clock::Clock;
 use super::super::notifier::Notifier;
+use super::super::state_writer::STATE_WRITER_THREAD;
 use super::readers::Readers;
 use crate::twin::{Notice, NoticeLevel, Output, SavedState, state_file};
-
-/// The thread's name.
-const KEEPER_THREAD: &str = "column_twin/state_file";
 
 /// Its stack \[B\]: a state is written as text, and the memory may be locked.
 const STACK: usize = 256 << 10;
@@ -44,7 +42,7 @@ impl Keeper {
         });
         let shared = Arc::clone(&keeper);
         let thread = thread::Builder::new()
-            .name(KEEPER_THREAD.to_owned())
+            .name(STATE_WRITER_THREAD.to_owned())
             .stack_size(STACK)
             .spawn(move || shared.run(&paths, &outputs, &*clock))?;
         Ok((keeper, thread))
