@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::evaluation::{band_properties, input_of, respond_and_rest};
 use super::{Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, Severity, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
-use crate::parameters::{Parameters, Value};
+use crate::parameters::{Parameters, Value, plate_in_words};
 
 /// What is assumed of an impact and its column, and not known exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -32,6 +32,8 @@ pub enum Assumption {
     YieldStrength,
     /// Spring at the top that takes a part of the load.
     TopSpring,
+    /// That the base holds the column as its support does, where no connection is given.
+    BasePlate,
 }
 
 /// The impact with one assumption changed.
@@ -92,6 +94,7 @@ impl Assumption {
             Self::Hardening => "hardening",
             Self::YieldStrength => "yield strength",
             Self::TopSpring => "top spring",
+            Self::BasePlate => "base plate",
         }
     }
 
@@ -107,12 +110,13 @@ impl Assumption {
             Self::Hardening => "the hardening of the steel",
             Self::YieldStrength => "the yield strength",
             Self::TopSpring => "the spring at the top",
+            Self::BasePlate => "the plate of the base",
         }
     }
 }
 
 impl ActionRange {
-    /// Computes one response, with its assessment, for each end of the range of each assumption: at most 13. `verdict` is the
+    /// Computes one response, with its assessment, for each end of the range of each assumption: at most 14. `verdict` is the
     /// assessment of the response of the virgin column with these `properties` to this impact.
     #[must_use]
     pub fn of(
@@ -328,6 +332,7 @@ impl Case<'_> {
         all.extend(self.hardening());
         all.push((Assumption::YieldStrength, self.yield_strength()));
         all.extend(self.top_spring());
+        all.extend(self.base_plate());
         all
     }
 
@@ -482,6 +487,12 @@ impl Case<'_> {
             [("steel.yield_strength", strength.into())],
         )?;
         Ok(Changed {
+            // The plate of the base is not of the same piece of steel.
+            properties: ColumnProperties {
+                base: self.properties.base,
+                base_connection: self.properties.base_connection,
+                ..changed.properties
+            },
             has_overstrength: true,
             ..changed
         })
@@ -493,6 +504,17 @@ impl Case<'_> {
             let changes = [("top.spring_stiffness", 0.0.into())];
             let changed = self.with_parameters("no spring".to_owned(), changes);
             (Assumption::TopSpring, changed)
+        })
+    }
+
+    /// The plate that is assumed where none is given: in the verdict it is judged, and the base holds the column without limit.
+    fn base_plate(&self) -> Option<Found> {
+        let base = ConnectedBase::of(self.parameters).ok()?;
+        (base.is_assumed && base.bears_moment).then(|| {
+            let instead = format!("{} [A]", plate_in_words(&base.plate));
+            let properties = self.properties.on_plate(base.resistance);
+            let changed = self.with(instead, properties, *self.impact);
+            (Assumption::BasePlate, Ok(changed))
         })
     }
 }

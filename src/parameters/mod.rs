@@ -99,9 +99,9 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    BasePlate, ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model,
-    RateLaw, RateProperties, RolledSection, SectionBackbone, SofteningProperties, Support, Vehicle,
-    YieldExponents,
+    BaseFactors, BasePlate, ColumnProperties, Impact, ImpactSpecification,
+    MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw, RateProperties, RolledSection, SectionBackbone,
+    SofteningProperties, Support, Vehicle, YieldExponents,
 };
 use crate::sensors::Sensor;
 use draft::Draft;
@@ -528,7 +528,7 @@ impl Parameters {
         } = &self.settings;
         let (section, steel) = (self.section(), self.steel());
         let given = |stiffness: f64| (stiffness > 0.0).then_some(stiffness);
-        ColumnProperties {
+        let column = ColumnProperties {
             length_below: geometry.length_below,
             length_above: geometry.length_above,
             axial_rigidity: steel.young_modulus * section.area,
@@ -558,11 +558,17 @@ impl Parameters {
             rate: self.rate(),
             hardening_ratio: hardening.ratio,
             softening: self.softening(),
+            base_connection: None,
             ultimate_rotation: assessment.ultimate_rotation,
             shear: self.shear().ok(),
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
-        }
+        };
+        // Loading has checked the plate.
+        let plate = self
+            .base_plate()
+            .and_then(|plate| plate.resistance(&BaseFactors::CHARACTERISTIC).ok());
+        plate.map_or(column, |plate| column.on_plate(plate))
     }
 
     /// Length of a step \[ns\], as given or as the mechanics chooses it for the hinges where the parameters have them; the

@@ -73,11 +73,20 @@ impl ReportDocument {
     /// A figure cannot be drawn.
     pub fn html(&self) -> Result<String, FigureError> {
         let several = self.impacts.len() > 1;
+        let notice = self.notice();
         let (mut bodies, mut annexes) = (Vec::new(), Vec::new());
         for (index, impact) in self.impacts.iter().enumerate() {
             let number = several.then_some(index + 1);
             let assessed = Assessed::of(impact);
-            bodies.push(pages::markup(impact, &assessed, &self.details, number));
+            // What is signed tells that the recording is not what it was.
+            let notice = (!several).then_some(&notice);
+            bodies.push(pages::markup(
+                impact,
+                &assessed,
+                &self.details,
+                number,
+                notice,
+            ));
             annexes.push(impact_section::annex(impact, &assessed, number)?);
         }
         let column = self.impacts.first().map(|impact| {
@@ -90,7 +99,7 @@ impl ReportDocument {
         };
         let felt = self.felt()?;
         let body = html! {
-            (self.cover())
+            (self.cover(&notice))
             @for body in &bodies { (body) }
             (felt)
             @for annex in &annexes { (annex) }
@@ -101,16 +110,27 @@ impl ReportDocument {
     }
 
     /// A page before the first impact, where there is more to say than about one impact.
-    fn cover(&self) -> Markup {
+    fn cover(&self, notice: &Markup) -> Markup {
         let overview = self.overview();
         let is_one = self.impacts.len() == 1;
+        let is_empty = |markup: &Markup| markup.0.trim().is_empty();
         html! {
-            @if !overview.0.trim().is_empty() {
+            @if !is_empty(&overview) || !(is_one || is_empty(notice)) {
                 div.cover {
+                    @if !is_one { (notice) }
                     (overview)
                     @if !is_one { (title_block::markup(&self.details, None)) }
                 }
             }
+        }
+    }
+
+    /// What is wrong with where the impacts come from.
+    fn notice(&self) -> Markup {
+        match &self.origin {
+            Origin::Simulation => html! {},
+            #[cfg(feature = "record")]
+            Origin::Recording(recorded) => recording_section::notice(recorded, &self.impacts),
         }
     }
 

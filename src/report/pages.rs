@@ -21,12 +21,14 @@ use crate::figures::units::{Unit, significant};
 /// Most characters of the description of an impact in a heading.
 const MAX_HEADING: usize = 110;
 
-/// The four pages; `number` among several impacts. The title block is on the first page of a report about one impact.
+/// The four pages; `number` among several impacts. The title block is on the first page of a report about one impact, and so is the
+/// `notice` of what has happened to the recording.
 pub(super) fn markup(
     impact: &ReportedImpact,
     assessed: &Result<Assessed, String>,
     details: &ReportDetails,
     number: Option<usize>,
+    notice: Option<&Markup>,
 ) -> Markup {
     let anchor = number.map_or("impact".to_owned(), |number| format!("impact-{number}"));
     let title = shortened(&impact.title, MAX_HEADING);
@@ -38,6 +40,7 @@ pub(super) fn markup(
     html! {
         section.impact id=(anchor) {
             div.sheet.first {
+                @if let Some(notice) = notice { (notice) }
                 (verdict.markup(""))
                 h1 { (heading) }
                 (verdict.people())

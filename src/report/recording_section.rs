@@ -17,8 +17,26 @@ use crate::study::{LIMIT_VELOCITIES, VehicleLimits};
 /// Maximum number of events in the overview; of more events, the last ones are listed.
 const MAX_ROWS: usize = 500;
 
-/// The head of the document: faults of the recording and, where it contains several impacts, the last verdict and a table
-/// of all of them.
+/// What is wrong with the recording, or missing in it: whoever signs a verdict on it must see that.
+pub(super) fn notice(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
+    html! {
+        @if let Some((headline, reason)) = faults(recorded) {
+            div.verdict.alarm {
+                p.headline { (headline) }
+                p { (reason) }
+            }
+        }
+        @let open = without_outcome(recorded, impacts);
+        @if !open.is_empty() {
+            p.fault {
+                "Accepted after the last impact with an outcome, without one in this recording: " (open.join(", "))
+                ". The verdict does not contain what they did to the column."
+            }
+        }
+    }
+}
+
+/// The head of the document: where it contains several impacts, the last verdict and a table of all of them.
 pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
     let faults = faults(recorded);
     let several = impacts.len() > 1;
@@ -26,21 +44,8 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
     let last = last.and_then(|last| Some((last, &last.event.as_ref()?.0)));
     let unreported = impacts.is_empty() || recorded.events.len() > impacts.len();
     html! {
-        @if let Some((headline, reason)) = &faults {
-            div.verdict.alarm {
-                p.headline { (headline) }
-                p { (reason) }
-            }
-        }
         @if let Some((last, event_id)) = last {
             (Verdict::of(last, &Assessed::of(last)).markup(&format!("After impact \"{event_id}\": ")))
-        }
-        @let open = without_outcome(recorded, impacts);
-        @if !open.is_empty() {
-            p.fault {
-                "Accepted after it, without an outcome in this recording: " (open.join(", ")) ". The verdict does not contain what "
-                "they did to the column."
-            }
         }
         @if impacts.is_empty() && faults.is_none() {
             div.verdict.warning {

@@ -400,6 +400,7 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         // The rotations are the damage; the strength that they leave follows from them.
         hardening_ratio: 0.0,
         softening: None,
+        base_connection: None,
         ultimate_rotation: 0.0,
         shear: properties.shear.map(|shear| ShearProperties {
             hardening: 0.0,

@@ -63,6 +63,19 @@ impl HingeFactors {
         self.dynamic * self.hardening
     }
 
+    /// With no more moment than `most` \[N m\] at a held normal force \[N\]; `surface` is the virgin one.
+    pub(crate) fn capped(self, surface: &YieldSurface, normal_force: f64, most: f64) -> Self {
+        let whole = self.whole();
+        let of_section = whole * surface.moment_resistance(normal_force / whole);
+        if self.moment * of_section <= most {
+            return self;
+        }
+        Self {
+            moment: (most / of_section).max(LEAST_STRENGTH),
+            ..self
+        }
+    }
+
     /// What softening has left of the moment of either of two hinges, at most 1.
     pub(crate) fn softest(hinges: [&Self; 2]) -> f64 {
         hinges[0].moment.min(hinges[1].moment).min(1.0)
@@ -97,7 +110,7 @@ pub(crate) struct StaticStrength {
     /// At its beginning.
     pub factors: [HingeFactors; 2],
     /// Growth of the moments, relative to them, with the plastic rotation \[1/rad\].
-    growth: [f64; 2],
+    pub growth: [f64; 2],
 }
 
 impl Backbone {

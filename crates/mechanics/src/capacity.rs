@@ -634,21 +634,26 @@ pub fn carried_load(model: &Model, state: &State) -> f64 {
 /// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
 /// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
 /// share away; with a free top `M(N)/L_a` is left. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar bears no more than its
-/// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts.
+/// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts. At the base no more than the moment of its connection counts.
 #[must_use]
 pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
     let at_impact = if model.frame.top_is_free { 0.0 } else { 1.0 };
-    [&model.frame.below, &model.frame.above]
-        .into_iter()
-        .map(|bar| {
-            let at_end = if bar.rotational[1][1] > 0.0 { 1.0 } else { 0.0 };
-            let hinges = at_impact + at_end;
-            let moments = hinges * bar.surface.moment_resistance(normal_force);
-            let n = bar.surface.relative_axial(normal_force).abs();
-            let web = bar.slider.as_ref().map(|slider| slider.limit(1.0, n));
-            web.map_or(moments, |web| moments.min(web)) / bar.length
-        })
-        .sum()
+    let connection = &model.properties.base_connection;
+    let most_at_base = connection.map_or(f64::INFINITY, |it| it.moment(-normal_force));
+    [
+        (&model.frame.below, most_at_base),
+        (&model.frame.above, f64::INFINITY),
+    ]
+    .into_iter()
+    .map(|(bar, most_at_end)| {
+        let at_end = if bar.rotational[1][1] > 0.0 { 1.0 } else { 0.0 };
+        let resistance = bar.surface.moment_resistance(normal_force);
+        let moments = at_impact * resistance + at_end * most_at_end.min(resistance);
+        let n = bar.surface.relative_axial(normal_force).abs();
+        let web = bar.slider.as_ref().map(|slider| slider.limit(1.0, n));
+        web.map_or(moments, |web| moments.min(web)) / bar.length
+    })
+    .sum()
 }
 
 /// `E(U0) - E(0)` with `U0 = (bow, 0, 0, 0)`.

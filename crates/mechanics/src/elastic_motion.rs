@@ -481,7 +481,8 @@ impl<'a> Run<'a> {
                 &self.state.strength.above,
             ),
         ];
-        if sizes[0].max(sizes[1]) < floor {
+        // What the connection of the base leaves to hinge 3 follows its normal force.
+        if sizes[0].max(sizes[1]) < floor && model.properties.base_connection.is_none() {
             return floor;
         }
         let factors = model.strength.as_ref().map(|law| {
@@ -607,7 +608,7 @@ impl<'a> Run<'a> {
         state.contact_force = 0.0;
         state.predictor.forget();
         if let Some(law) = &model.strength {
-            law.refresh(&mut state.strength, &mut state.webs);
+            law.refresh(&mut state.strength, &mut state.webs, &state.forces);
         }
         let step = state.step;
         if let Some(impactor) = &mut state.impactor {

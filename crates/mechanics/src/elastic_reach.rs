@@ -64,6 +64,10 @@ pub(crate) fn elastic_reach(
     state: &State,
     polygons: &PerBar<Polygon>,
 ) -> Option<[f64; 2]> {
+    // The lines of a connection are none of the polygon's sides.
+    if model.properties.base_connection.is_some() {
+        return None;
+    }
     let residual = statics::residual_state(model, state)?;
     let potential = |state: &State| {
         let energies = state.energies(model);

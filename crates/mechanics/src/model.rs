@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::bar::{Bar, PerBar};
+use super::base_plate::BaseResistance;
 use super::frame::Frame;
 use super::geometry::Displacement;
 use super::modes::{self, Damping, Masses};
@@ -422,12 +423,37 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
     if let Some(shear) = &p.shear {
         check_shear(p, shear)?;
     }
+    if let Some(connection) = &p.base_connection {
+        check_connection(connection)?;
+    }
     if p.step_nanos > MAX_STEP_NANOS {
         return Err(ModelError::OutOfRange {
             name: "length of a time step [ns]",
             found: p.step_nanos as f64,
             expected: "a whole number from 1 to 10 000 000, or 0 (chosen from the period of the column)",
         });
+    }
+    Ok(())
+}
+
+fn check_connection(connection: &BaseResistance) -> Result<(), ModelError> {
+    let [anchors, flange] = connection.lever;
+    for (name, found) in [
+        ("tension of the anchors of the base", connection.tension),
+        (
+            "compression under a flange at the base",
+            connection.compression,
+        ),
+        ("lever of the anchors of the base", anchors),
+        ("lever of a flange at the base", flange),
+    ] {
+        if !(found.is_finite() && found > 0.0) {
+            return Err(ModelError::OutOfRange {
+                name,
+                found,
+                expected: "a finite number > 0",
+            });
+        }
     }
     Ok(())
 }

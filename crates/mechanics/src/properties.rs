@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::base_plate::BaseResistance;
+
 /// A column, its supports, the mass and the load on it, and its time stepping. SI units throughout.
 ///
 /// Plain data; [`Model::new`](super::Model::new) checks it and derives the constants of the column.
@@ -49,6 +51,10 @@ pub struct ColumnProperties {
     /// How a hinge loses strength once its flanges and web buckle locally; `None` in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub softening: Option<SofteningProperties>,
+    /// What the plate and the anchors of the base bear, which caps the moment of hinge 3; `None` in the paper: the base bears
+    /// what the section does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_connection: Option<BaseResistance>,
     /// Absolute plastic rotation at which a hinge is severed, of hinges 1a and 1b together \[rad\], >= 0; 0 for no limit.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
@@ -124,6 +130,23 @@ impl ColumnProperties {
         Self {
             hardening_ratio,
             shear,
+            ..*self
+        }
+    }
+
+    /// The same column upon a base plate: its foot turns with the initial stiffness of the plate where it was built in, and bears no
+    /// more moment than the plate does.
+    #[must_use]
+    pub fn on_plate(&self, plate: BaseResistance) -> Self {
+        let base = match self.base {
+            Support::BuiltIn => Support::SemiRigid {
+                stiffness: plate.stiffness,
+            },
+            given => given,
+        };
+        Self {
+            base,
+            base_connection: Some(plate),
             ..*self
         }
     }
@@ -275,6 +298,7 @@ pub(crate) const PLAIN_COLUMN: ColumnProperties = ColumnProperties {
     rate: None,
     hardening_ratio: 0.0,
     softening: None,
+    base_connection: None,
     ultimate_rotation: 0.0,
     shear: None,
     scheme: Scheme::Midpoint,

@@ -16,8 +16,10 @@ use serde::{Deserialize, Serialize};
 use super::backbone::{Backbone, HingeFactors, StaticStrength};
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bar_strength::BarStrength;
+use super::base_plate::BaseResistance;
 use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
 use super::shear::SliderStrength;
+use super::yield_surface::YieldSurface;
 
 /// Least resistance of a web relative to that of a virgin one, in the direction in which kinematic hardening weakens it: an
 /// unloaded web never yields.
@@ -135,6 +137,29 @@ pub(crate) struct StrengthLaw {
     backbones: PerBar<Backbone>,
     /// Of the web of each bar; `None` where they do not yield.
     webs: Option<PerBar<WebLaw>>,
+    /// What caps the moment of hinge 3.
+    connection: Option<Connection>,
+}
+
+/// The connection of the base and the yield surface of the section above it. As softening does, it changes the moment alone, which is
+/// held over one part of a step, at the normal force of its beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Connection {
+    resistance: BaseResistance,
+    surface: YieldSurface,
+}
+
+impl Connection {
+    /// Caps the factors of hinge 3 under a normal force \[N\], and its growth within a part of a step: what hardens is the
+    /// section.
+    fn cap(&self, factors: &mut HingeFactors, growth: &mut f64, normal_force: f64) {
+        let most = self.resistance.moment(normal_force);
+        let capped = factors.capped(&self.surface, normal_force, most);
+        if capped != *factors {
+            *factors = capped;
+            *growth = 0.0;
+        }
+    }
 }
 
 /// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to a virgin one.
@@ -209,7 +234,12 @@ impl StrengthLaw {
     /// The law of a column; `None` where the resistances are constant.
     pub fn new(p: &ColumnProperties, step_secs: f64) -> Option<Self> {
         let web_hardens = p.shear.is_some_and(|shear| shear.hardening > 0.0);
-        if p.rate.is_none() && p.hardening_ratio == 0.0 && p.softening.is_none() && !web_hardens {
+        if p.rate.is_none()
+            && p.hardening_ratio == 0.0
+            && p.softening.is_none()
+            && p.base_connection.is_none()
+            && !web_hardens
+        {
             return None;
         }
         let [below, above] = p.clear_lengths();
@@ -222,6 +252,14 @@ impl StrengthLaw {
             webs: p.shear.as_ref().map(|shear| PerBar {
                 below: WebLaw::new(shear, below),
                 above: WebLaw::new(shear, above),
+            }),
+            connection: p.base_connection.map(|resistance| Connection {
+                resistance,
+                surface: YieldSurface::new(
+                    p.resistance_moment,
+                    p.resistance_axial,
+                    p.yield_surface,
+                ),
             }),
         })
     }
@@ -280,7 +318,7 @@ impl StrengthLaw {
                 )
             })
         };
-        Prediction {
+        let mut prediction = Prediction {
             growth: PerBar {
                 below: growth(
                     &self.backbones.below,
@@ -300,7 +338,15 @@ impl StrengthLaw {
             factors,
             webs: self.web_strengths(webs, turns, secs, collocation),
             held: PerBar::default(),
+        };
+        if let Some(connection) = &self.connection {
+            let Prediction {
+                factors, growth, ..
+            } = &mut prediction;
+            let [_, base] = &mut factors.below;
+            connection.cap(base, &mut growth.below[1], forces.below.normal);
         }
+        prediction
     }
 
     /// The dynamic factors of the webs and their strength before any flow, as [`StrengthLaw::predict`].
@@ -426,8 +472,8 @@ impl StrengthLaw {
         }
     }
 
-    /// The factors of hinges that do not flow, with the strain rate to which the filter has come.
-    pub fn refresh(&self, strengths: &mut Strengths, webs: &mut Webs) {
+    /// The factors of hinges that do not flow under the forces `forces`, with the strain rate to which the filter has come.
+    pub fn refresh(&self, strengths: &mut Strengths, webs: &mut Webs, forces: &PerBar<BarForces>) {
         for (backbone, hinges) in [
             (&self.backbones.below, &mut strengths.below),
             (&self.backbones.above, &mut strengths.above),
@@ -439,6 +485,7 @@ impl StrengthLaw {
                 hinge.factors = backbone.factors(dynamic, hinge.accumulated_rotation, 0.0);
             }
         }
+        self.cap_base(strengths, forces);
         if self.webs.is_some() {
             for web in [&mut webs.below, &mut webs.above] {
                 let rate = self.rate.as_ref();
@@ -465,17 +512,22 @@ impl StrengthLaw {
         forces: &PerBar<BarForces>,
     ) -> Option<PerBar<StaticStrength>> {
         let PerBar { below, above } = &self.backbones;
-        if below.is_constant() {
+        if below.is_constant() && self.connection.is_none() {
             return None;
         }
-        Some(PerBar {
+        let mut strength = PerBar {
             below: below.at_rest(accumulated.below, expected.below, forces.below.normal),
             above: above.at_rest(accumulated.above, expected.above, forces.above.normal),
-        })
+        };
+        if let Some(connection) = &self.connection {
+            let [_, base] = &mut strength.below.factors;
+            connection.cap(base, &mut strength.below.growth[1], forces.below.normal);
+        }
+        Some(strength)
     }
 
-    /// The factors of hinges at rest that have rotated by these accumulated plastic rotations \[rad\].
-    pub fn settle(&self, strengths: &mut Strengths, webs: &mut Webs) {
+    /// The factors of hinges at rest under the forces `forces` that have rotated by these accumulated plastic rotations \[rad\].
+    pub fn settle(&self, strengths: &mut Strengths, webs: &mut Webs, forces: &PerBar<BarForces>) {
         for (backbone, hinges) in [
             (&self.backbones.below, &mut strengths.below),
             (&self.backbones.above, &mut strengths.above),
@@ -484,9 +536,20 @@ impl StrengthLaw {
                 hinge.factors = backbone.factors(1.0, hinge.accumulated_rotation, 0.0);
             }
         }
+        self.cap_base(strengths, forces);
         for web in [&mut webs.below, &mut webs.above] {
             web.dynamic_gain = 0.0;
             web.held = 0.0;
+        }
+    }
+}
+
+impl StrengthLaw {
+    /// Caps the moment of hinge 3 of hinges that do not flow.
+    fn cap_base(&self, strengths: &mut Strengths, forces: &PerBar<BarForces>) {
+        if let Some(connection) = &self.connection {
+            let [_, base] = &mut strengths.below;
+            connection.cap(&mut base.factors, &mut 0.0, forces.below.normal);
         }
     }
 }

@@ -217,7 +217,7 @@ impl State {
             web.begin();
         }
         if let Some(law) = &model.strength {
-            law.settle(&mut self.strength, &mut self.webs);
+            law.settle(&mut self.strength, &mut self.webs, &self.forces);
         }
     }
 
@@ -240,7 +240,7 @@ impl State {
             });
         }
         if let Some(law) = &model.strength {
-            law.settle(&mut self.strength, &mut self.webs);
+            law.settle(&mut self.strength, &mut self.webs, &self.forces);
         }
     }
 

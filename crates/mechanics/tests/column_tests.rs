@@ -135,6 +135,7 @@ impl Sway {
             rate: None,
             hardening_ratio,
             softening: softens.then(|| self.softening()),
+            base_connection: None,
             ultimate_rotation: 0.0,
             shear: None,
             scheme: Scheme::ConservingMidpoint,

@@ -102,6 +102,7 @@ prop_compose! {
             rate: None,
             hardening_ratio: 0.0,
             softening: None,
+            base_connection: None,
             ultimate_rotation: 0.0,
             shear: None,
             scheme,

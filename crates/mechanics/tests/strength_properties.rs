@@ -104,6 +104,7 @@ prop_compose! {
             rate,
             hardening_ratio,
             softening,
+            base_connection: None,
             ultimate_rotation,
             shear: None,
             scheme,

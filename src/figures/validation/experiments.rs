@@ -340,6 +340,18 @@ fn evidence(falling: &[(String, Vec<f64>)], post: f64) -> String {
             does_not: "a narrow column, other cars, lorries, forklifts",
         },
         Evidence {
+            what: "Cofone, Rich and Scott, two vehicles against poles",
+            area: "force of a front behind a narrow object",
+            evidence: "measured; read in an excerpt",
+            confidence: "low: the masses are not stated, the vehicles are of other makes, one pole moved",
+            ratio: format!(
+                "{:.2} (mean of 2)",
+                mean(&super::analytic::pole_ratios().map(|it| it[0]))
+            ),
+            shows: "`vehicle.narrow_object` has the right size",
+            does_not: "the forces themselves, lorries, forklifts, a column that gives way",
+        },
+        Evidence {
             what: "fibre beam, rigid strikers",
             area: "the two bars against distributed mass and plasticity",
             evidence: "computed",
@@ -425,7 +437,7 @@ No published test covers what decides most strikes on steel columns. These measu
 | Anchor forces, uplift and rotation of a base plate under a lateral strike, with and without axial load | the hinge at the base, which the model builds in or makes an elastic spring | every column of a building stands on one |
 | A column under 20 to 60 % of its squash load, struck: load, shortening, displacement over time | the yield surface, the load's work, collapse | all falling weights here have no axial load |
 | The axial resistance of a column after a strike, pressed to failure | the remaining capacity | people decide by it whether to evacuate |
-| Force and crush of cars, lorries and forklifts against a rigid post of a column's width | the crush curves of the catalogue, `vehicle.narrow_object` | the catalogue halves the force of a wide wall, which is an assumption |
+| Force and crush of cars, lorries and forklifts against a rigid post of a column's width | the crush curves of the catalogue, `vehicle.narrow_object` | the catalogue halves the force of a wide wall, which is an assumption that two tests with poles support |
 | Strikes about the weak axis and oblique ones, with the twist | nothing yet: the model is plane | the direction of a parking car is arbitrary |
 | A bollard or cantilever: force, displacement of its top, angle that remains, rotation of the foundation | `support.top: free`, its mass | crash tests of bollards publish the penetration alone |
 | Strain over time at the hinge of a struck steel member, and coupons of the same steel at those rates | the rate law, apart from hardening | both raise the moment, and the peak tells only their sum |

@@ -32,6 +32,7 @@ pub fn paper() -> (ColumnProperties, Impact) {
         rate: None,
         hardening_ratio: 0.0,
         softening: None,
+        base_connection: None,
         ultimate_rotation: 0.0,
         shear: None,
         scheme: Scheme::ConservingMidpoint,
