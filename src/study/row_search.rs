@@ -36,7 +36,7 @@ pub enum RowBoundary {
     Always,
     /// The severity is not reached in the row, as far as it was looked at.
     Never,
-    /// No impact of the row can be computed, such as those of a vehicle with less than its front masses, or one between others
+    /// No impact of the row can be computed, such as those of a column that cannot bear its load, or one between others
     /// that can.
     Infeasible,
 }
@@ -200,8 +200,8 @@ impl<'a> Row<'a> {
         })
     }
 
-    /// Restricts the row to the part that can be computed, which is taken to be in one piece: no vehicle weighs less than its
-    /// front masses, for example. Returns why the rest cannot be computed, if there is a rest.
+    /// Restricts the row to the part that can be computed, which is taken to be in one piece: no column bears more than its
+    /// section does, for example. Returns why the rest cannot be computed, if there is a rest.
     ///
     /// # Errors
     /// No place of a scan can be computed.

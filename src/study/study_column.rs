@@ -231,7 +231,7 @@ impl StudyColumn {
     /// that of the parameters theirs. Gap and restitution are those of the parameters; the velocity is in m/s.
     ///
     /// # Errors
-    /// A vehicle that is not known, or a mass that leaves nothing for its rearmost mass.
+    /// A vehicle that is not known, or a mass that is not a finite number > 0.
     pub fn impact(
         &self,
         vehicle: Option<&str>,

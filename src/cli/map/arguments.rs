@@ -124,8 +124,7 @@ impl MapArgs {
             match number_or_axis(name, text, example)? {
                 NumberOrAxis::Number(number) => numbers[place] = Some(number),
                 NumberOrAxis::Axis(axis) => {
-                    // The impact of the parameters has to be admissible, too: a rigid mass has none of its own, and a vehicle
-                    // weighs more than its front masses.
+                    // The impact of the parameters has to be admissible, too: a rigid mass has none of its own.
                     if place < 4 {
                         numbers[place] = axis.number(axis.len() - 1);
                     }
