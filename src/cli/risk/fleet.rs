@@ -23,6 +23,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
     arguments.fleet.check(&[
         ("--config", !arguments.config.is_empty()),
         ("--samples-csv", arguments.samples_csv.is_some()),
+        ("--measures", arguments.measures),
         ("--plots", arguments.plots.is_some()),
     ])?;
     let columns = arguments.fleet.load(&arguments.parameter)?;
