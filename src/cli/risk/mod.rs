@@ -2,6 +2,7 @@
 
 mod fleet;
 mod measures;
+mod numbers;
 mod summary;
 mod tables;
 
@@ -21,8 +22,9 @@ use super::threads;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::Parameters;
 use column_twin::study::risk::{
-    CriticalSpeedSurface, DepartureSampler, Exposure, MAX_SCENARIO_FILE_BYTES, MeasureRisk,
-    RiskColumn, RiskError, RiskResult, RiskStudy, Scenario, ScenarioFault, StudyRunError, Tally,
+    CriticalSpeedSurface, DepartureSampler, Exposure, MAX_SCENARIO_FILE_BYTES, Measure,
+    MeasureRisk, RiskColumn, RiskError, RiskResult, RiskStudy, Scenario, ScenarioFault,
+    StudyRunError, Tally,
 };
 use column_twin::study::{Batch, BatchEnd};
 use column_twin::whole_file;
@@ -207,7 +209,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
         arguments.confidence,
     );
     let compared = match arguments.measures && outcome.end == BatchEnd::Complete {
-        true => measures::compare(&case, arguments, &outcome, &result, &interruption)?,
+        true => compare(&case, arguments, &outcome, &result, &interruption)?,
         false => Compared::default(),
     };
     drop(interruption);
@@ -395,6 +397,72 @@ impl Case {
         );
         Ok(found.map_err(StudyRunError::from)?)
     }
+}
+
+/// Computes the same samples behind each measure of the scenario.
+fn compare(
+    case: &Case,
+    arguments: &RiskArgs,
+    outcome: &Outcome,
+    without: &RiskResult,
+    interruption: &Interruption,
+) -> Result<Compared, RiskCommandError> {
+    let mut compared = Compared::default();
+    let sampler = DepartureSampler::new(&case.scenario, arguments.seed);
+    let own = RiskColumn::new(&case.parameters, &case.scenario)?;
+    for measure in &case.scenario.measures {
+        let parameters = match measure.column(&case.parameters) {
+            Ok(parameters) => parameters,
+            Err(reason) => {
+                let omitted = format!("{}: not computed for this column: {reason}", measure.name);
+                compared.omitted.push(omitted);
+                continue;
+            }
+        };
+        let ran = match &parameters {
+            None => {
+                let surface = outcome.surface.as_ref();
+                behind(measure, arguments, &sampler, &own, surface, interruption)?
+            }
+            Some(parameters) => {
+                let column = RiskColumn::new(parameters, &case.scenario)?;
+                let surface = case.surface(arguments, &column, &sampler, interruption)?;
+                let surface = surface.as_ref();
+                behind(measure, arguments, &sampler, &column, surface, interruption)?
+            }
+        };
+        // What has only a part of its samples is not comparable.
+        let Some(tally) = ran else {
+            compared.is_interrupted = true;
+            break;
+        };
+        let with = RiskResult::new(&case.scenario, &tally, case.exposure, arguments.confidence);
+        let section = parameters.and_then(|it| it.section().name.map(str::to_owned));
+        compared
+            .risks
+            .push(MeasureRisk::new(measure, section, without, &with));
+    }
+    Ok(compared)
+}
+
+/// The samples behind a measure; `None` after an interruption.
+fn behind(
+    measure: &Measure,
+    arguments: &RiskArgs,
+    sampler: &DepartureSampler,
+    column: &RiskColumn,
+    surface: Option<&CriticalSpeedSurface>,
+    interruption: &Interruption,
+) -> Result<Option<Tally>, RiskCommandError> {
+    let mut study = RiskStudy::new(sampler, column).behind(measure);
+    if let Some(surface) = surface {
+        study = study.with_predictions(surface);
+    }
+    let batch = threads::batch(arguments.threads, arguments.samples);
+    let (tally, end) = interruption.watch(&batch, arguments.samples, &measure.name, || {
+        study.run(&batch, 0..arguments.samples, |_| Ok::<_, StudyRunError>(()))
+    })?;
+    Ok((end == BatchEnd::Complete).then_some(tally))
 }
 
 fn read(path: &Path) -> Result<String, RiskCommandError> {
