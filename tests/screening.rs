@@ -52,6 +52,12 @@ fn plain(parameters: &Parameters, impact: &Impact) -> Screening {
         capacity_ratio: remaining.ratio,
         capacity_reserve: remaining.reserve,
         max_plastic_rotation: largest_plastic_rotation(&rotations),
+        max_plastic_shear: report
+            .webs
+            .iter()
+            .fold(0.0, |most, web| most.max(web.plastic_angle.abs())),
+        // The boundaries of maps are compared with the criteria of the base.
+        base_utilisation: None,
     }
 }
 

@@ -15,6 +15,7 @@ mod estimate;
 mod force_crush;
 mod histories;
 mod iso_lines;
+mod map_areas;
 mod map_marks;
 mod map_picture;
 mod measures;

@@ -52,6 +52,10 @@ pub struct MapArgs {
     /// Compute only the boundaries of the classes, to 1 %, with a small part of the responses
     #[arg(long, conflicts_with = "shard")]
     refine: bool,
+    /// Compute between which values each boundary lies if what is not known exactly differs, as the range of a verdict does; with
+    /// --refine in the files, otherwise in figures alone
+    #[arg(long, conflicts_with = "shard")]
+    pub bands: bool,
     /// Compute one of several contiguous parts of the map, such as 3/16, for batch systems
     #[arg(long, value_name = "PART/PARTS")]
     pub shard: Option<String>,
