@@ -2,17 +2,16 @@
 
 use plotters::style::RGBColor;
 
-use super::axis::PlotAxis;
 use super::chart::axes;
 use super::iso_lines::iso_lines;
 use super::map_areas::{Areas, Island, island};
-use super::map_marks::{METRES_PER_SECOND, Mark, marks};
+use super::map_axis::ShownAxis;
 use super::map_picture::{Level, NOT_COMPUTED, Picture, rgb};
 use super::page::{self, CANVAS, Drawn, LegendKey, Stroke};
 use super::units::{Unit, significant};
 use crate::assessment::Severity;
 use crate::study::{
-    DamageMap, Limit, MapAxis, MapBands, MapGrid, MapQuantity, RefinedMap, RowBoundary, SEVERITIES,
+    DamageMap, Limit, MapBands, MapGrid, MapQuantity, RefinedMap, RowBoundary, SEVERITIES,
 };
 
 /// Places along the axis of the rows at which a boundary is drawn.
@@ -41,13 +40,6 @@ pub struct MapFigures<'a> {
     pub assumptions: &'a str,
 }
 
-/// An axis of a map as a figure shows it.
-struct ShownAxis<'a> {
-    axis: &'a MapAxis,
-    symbol: String,
-    per_si: f64,
-}
-
 /// What a line that compares columns looks like: colour, and whether it is dashed.
 const COMPARED: [(RGBColor, bool); 8] = [
     (RGBColor(0, 114, 178), false),
@@ -59,93 +51,6 @@ const COMPARED: [(RGBColor, bool); 8] = [
     (RGBColor(30, 30, 30), true),
     (RGBColor(150, 150, 150), true),
 ];
-
-impl<'a> ShownAxis<'a> {
-    fn of(axis: &'a MapAxis) -> Self {
-        let last = axis.ends().map_or(0.0, |ends| ends[1]);
-        let fitting = |unit: Unit| (unit.symbol.to_owned(), unit.per_si);
-        let (symbol, per_si) = match axis.quantity().unit() {
-            "kg" if last >= 1e4 => ("t".to_owned(), 1e-3),
-            "N" => fitting(Unit::force(last)),
-            "N m" => fitting(Unit::moment(last)),
-            "Pa" => ("MPa".to_owned(), 1e-6),
-            unit => (unit.to_owned(), 1.0),
-        };
-        Self {
-            axis,
-            symbol,
-            per_si,
-        }
-    }
-
-    /// The place of a value of the axis, in the unit of the figure; of a name, its number.
-    fn at(&self, index: u64) -> f64 {
-        let number = self.axis.number(index);
-        number.map_or(index as f64, |number| number * self.per_si)
-    }
-
-    fn of_si(&self, value: f64) -> f64 {
-        value * self.per_si
-    }
-
-    fn plot_axis(&self, count: usize) -> PlotAxis {
-        match self.axis.ends() {
-            Some([from, to]) => {
-                let axis = PlotAxis::exactly(self.of_si(from), self.of_si(to), count);
-                match self.axis.quantity() {
-                    MapQuantity::Velocity => axis.with_second_unit(1.0 / METRES_PER_SECOND),
-                    _ => axis,
-                }
-            }
-            None => {
-                let names = (0..self.axis.len()).map(|index| self.axis.value(index).to_string());
-                PlotAxis::named(names.collect())
-            }
-        }
-    }
-
-    /// As [`plot_axis`](Self::plot_axis), up to a value in its SI unit where one is given.
-    fn plot_axis_to(&self, end: Option<f64>, count: usize) -> PlotAxis {
-        let (Some(end), Some([from, _])) = (end, self.axis.ends()) else {
-            return self.plot_axis(count);
-        };
-        let axis = PlotAxis::exactly(self.of_si(from), self.of_si(end), count);
-        match self.axis.quantity() {
-            MapQuantity::Velocity => axis.with_second_unit(1.0 / METRES_PER_SECOND),
-            _ => axis,
-        }
-    }
-
-    fn name(&self) -> String {
-        let title = self.axis.quantity().title();
-        match &*self.symbol {
-            "" => title.to_owned(),
-            "m/s" => format!("{title} [m/s (km/h)]"),
-            symbol => format!("{title} [{symbol}]"),
-        }
-    }
-
-    /// What is marked along the axis, in the unit of the figure.
-    fn marks(&self) -> Vec<Mark> {
-        let shown = |mark: Mark| Mark {
-            value: self.of_si(mark.value),
-            ..mark
-        };
-        marks(self.axis).into_iter().map(shown).collect()
-    }
-
-    /// The edges of the cells at these places of the axis: midway between them; the first and the last one reach to the ends of the
-    /// figure.
-    fn edges(&self, places: &[u64], plot: &PlotAxis) -> Vec<f64> {
-        let at: Vec<f64> = places.iter().map(|&index| self.at(index)).collect();
-        let between = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-        [plot.from]
-            .into_iter()
-            .chain(between)
-            .chain([plot.to])
-            .collect()
-    }
-}
 
 /// What the line of a limit looks like.
 fn limit_stroke(limit: Limit) -> Stroke {
@@ -505,10 +410,7 @@ impl MapFigures<'_> {
             return page::draw(|_| Ok(()));
         };
         let names: Vec<_> = bands.varied.iter().map(|it| it.name()).collect();
-        let key = format!(
-            "bands: one of these changed at a time to the ends of its range: {}",
-            names.join(", ")
-        );
+        let key = format!("bands: changed one at a time: {}", names.join(", "));
         let subject = match self.map.variants() {
             [_] => self.subject.to_owned(),
             variants => format!("{}: {}", variants[variant].label, self.subject),
@@ -577,7 +479,8 @@ impl MapFigures<'_> {
                 lower.split_horizontally(half),
             );
             for (panel, severity) in [a, b, c, d].iter().zip(SEVERITIES) {
-                let plot = axes(panel, &x, &y, [&rows.name(), &columns.name()])?;
+                let names = [rows.name(), columns.short_name()];
+                let plot = axes(panel, &x, &y, [&names[0], &names[1]])?;
                 let picture = Picture {
                     page,
                     plot: &plot,

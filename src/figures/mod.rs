@@ -16,6 +16,7 @@ mod force_crush;
 mod histories;
 mod iso_lines;
 mod map_areas;
+mod map_axis;
 mod map_marks;
 mod map_picture;
 mod measures;

@@ -171,6 +171,13 @@ pub(super) fn show_bands(map: &DamageMap, bands: &MapBands) -> String {
         words(&bands.varied),
         bands.responses,
     );
+    let ends = map.columns().ends().unwrap_or([f64::NAN; 2]);
+    // A band that reaches an end of the axis may go on.
+    let end = |value: f64| match value {
+        value if value >= ends[1] => format!("> {}", short(ends[1])),
+        value if value <= ends[0] => format!("<= {}", short(ends[0])),
+        value => significant(value, 3),
+    };
     let head = format!("{}{}", rows.name(), unit(rows.unit()));
     let _ = write!(text, "  {head:<24}");
     for severity in SEVERITIES {
@@ -193,8 +200,9 @@ pub(super) fn show_bands(map: &DamageMap, bands: &MapBands) -> String {
             let _ = write!(text, "  {value:<24}");
             for severity in SEVERITIES {
                 let band = bands.in_row(variant, severity, point.row);
-                let shown = band.map_or(String::new(), |it| {
-                    format!("{} to {}", significant(it.low, 3), significant(it.high, 3))
+                let shown = band.map_or(String::new(), |it| match it.low >= ends[1] {
+                    true => end(it.low),
+                    false => format!("{} to {}", end(it.low), end(it.high)),
                 });
                 let _ = write!(text, "{shown:>18}");
             }

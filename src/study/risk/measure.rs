@@ -1,18 +1,10 @@
-//! Measures that protect a column, and by how much they change its annual probability.
+//! Measures that protect a column, as scenarios describe them.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use super::departure::Departure;
-use super::estimate::Estimate;
 use super::law::Wrong;
-use super::reach::LEAST_SPEED;
-use super::result::RiskResult;
-use super::scenario::TrafficClass;
-use crate::assessment::Severity;
-use crate::parameters::{
-    CatalogueSection, CatalogueVehicle, ParameterFaults, Parameters, Provenance, readable,
-};
+use crate::parameters::{CatalogueSection, ParameterFaults, Parameters, Provenance};
 use crate::study::axis::{self, AxisValue, MapQuantity};
 
 /// Most measures of a scenario.
@@ -160,33 +152,6 @@ impl Measure {
         })
     }
 
-    /// The speed at the column of a vehicle of this class that has come past the measure \[m/s\]; 0 where it has not.
-    pub(super) fn speed_behind(&self, departure: &Departure, class: &TrafficClass) -> f64 {
-        let speed = departure.velocity;
-        let energy = |speed: f64| 0.5 * departure.mass * speed * speed;
-        let is_stopped = match self.effect {
-            MeasureEffect::TakesEnergy(taken) => {
-                let left = speed * speed - 2.0 * taken / departure.mass;
-                return match left > LEAST_SPEED * LEAST_SPEED {
-                    true => left.sqrt(),
-                    false => 0.0,
-                };
-            }
-            MeasureEffect::HoldsLateralEnergy(held) => {
-                energy(speed * libm::sin(departure.angle)) <= held
-            }
-            MeasureEffect::StopsUpTo(height) => {
-                let own = CatalogueVehicle::named(class.vehicle);
-                let strikes = class
-                    .height
-                    .or(own.map(|it| it.contact_height.value.height_m));
-                strikes.is_some_and(|it| it <= height)
-            }
-            MeasureEffect::SectionsHeavier(_) => false,
-        };
-        if is_stopped { 0.0 } else { speed }
-    }
-
     /// The column with the measure, where that changes the column.
     ///
     /// # Errors
@@ -204,81 +169,5 @@ impl Measure {
         let name = AxisValue::Name(&heavier.name);
         let changes = axis::changes(MapQuantity::Section, parameters, name);
         Ok(Some(parameters.with_changes(changes)?))
-    }
-}
-
-/// The annual probability with a measure beside that without it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MeasureRisk {
-    /// The measure with its assumptions.
-    #[serde(flatten)]
-    pub measure: Measure,
-    /// The section that the column has with it, where that changes.
-    pub section: Option<String>,
-    /// Probability of at least one impact in a year.
-    pub impact: Estimate,
-    /// By severity that is reached or exceeded.
-    pub severities: Vec<MeasureSeverity>,
-}
-
-impl MeasureRisk {
-    /// What the measure is assumed to do, in a few words with its number and tag: `takes 98.8 kJ from a vehicle [C]`.
-    #[must_use]
-    pub fn assumption(&self) -> String {
-        let words = match self.measure.effect {
-            MeasureEffect::TakesEnergy(energy) => {
-                format!("takes {} kJ from a vehicle", readable(1e-3 * energy))
-            }
-            MeasureEffect::HoldsLateralEnergy(energy) => {
-                format!("holds {} kJ across the rail", readable(1e-3 * energy))
-            }
-            MeasureEffect::StopsUpTo(height) => {
-                format!("stops what strikes up to {} m", readable(height))
-            }
-            MeasureEffect::SectionsHeavier(sizes) => match &self.section {
-                Some(section) => format!("section {section}"),
-                None => format!("{sizes} sizes heavier"),
-            },
-        };
-        let tag = self
-            .measure
-            .tag
-            .map_or("user".to_owned(), |tag| tag.to_string());
-        format!("{words} [{tag}]")
-    }
-}
-
-/// The annual probability of a severity or a higher one with a measure.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MeasureSeverity {
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
-    /// The probability with the measure.
-    pub annual: Estimate,
-    /// The same over that without it; `None` where that is 0.
-    pub times: Option<f64>,
-}
-
-impl MeasureRisk {
-    /// Compares the result of a study behind a measure with that of the same study without it.
-    #[must_use]
-    pub fn new(
-        measure: &Measure,
-        section: Option<String>,
-        without: &RiskResult,
-        with: &RiskResult,
-    ) -> Self {
-        let severities = without.annual.iter().zip(&with.annual);
-        let compared = severities.map(|(without, with)| MeasureSeverity {
-            severity: with.severity,
-            annual: with.annual,
-            times: (without.annual.value > 0.0).then(|| with.annual.value / without.annual.value),
-        });
-        Self {
-            measure: measure.clone(),
-            section,
-            impact: with.annual_impact(),
-            severities: compared.collect(),
-        }
     }
 }

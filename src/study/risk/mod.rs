@@ -36,9 +36,11 @@ mod evaluation;
 mod fragility;
 mod law;
 mod measure;
+mod measure_risk;
 #[cfg(test)]
 mod measure_tests;
 mod normal;
+mod protection;
 mod random;
 mod reach;
 mod result;
@@ -60,7 +62,8 @@ pub use estimate::Estimate;
 pub use evaluation::{LimitState, RiskColumn, RiskError, SeverityAtSpeed};
 pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit, Refused};
 pub use law::Input;
-pub use measure::{Measure, MeasureEffect, MeasureFault, MeasureRisk, MeasureSeverity};
+pub use measure::{Measure, MeasureEffect, MeasureFault};
+pub use measure_risk::{MeasureRisk, MeasureSeverity};
 pub use reach::LEAST_SPEED;
 pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
 pub use scenario::{
