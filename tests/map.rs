@@ -449,15 +449,15 @@ fn a_boundary_along_a_parameter_of_the_column() {
     }
 }
 
-/// Below its front masses there is no lorry: the boundaries leave out the rows whose cells the map leaves out, for the same
-/// reason, and the program ends alike.
+/// A column of 3.23 MN carries no load above that: the boundaries leave out the rows whose cells the map leaves out, for the
+/// same reason, and the program ends alike.
 #[test]
 fn rows_that_cannot_be_computed_are_infeasible() {
     let axes = [
-        MapAxis::parse("mass=4000:12000:9").expect("an axis"),
+        MapAxis::parse("top.load=1e6:9e6:9").expect("an axis"),
         MapAxis::parse("velocity=5:15:3").expect("an axis"),
     ];
-    let map = DamageMap::new(&Parameters::default(), Some("lorry_8t"), axes).expect("a map");
+    let map = DamageMap::new(&Parameters::default(), None, axes).expect("a map");
     let table = map.table(&Batch::default()).expect("a table");
     let refined = map.refine(&Batch::default()).expect("boundaries");
     assert!(refined.complete);
@@ -476,20 +476,18 @@ fn rows_that_cannot_be_computed_are_infeasible() {
         }
     }
     assert!(infeasible > 0);
-    // The rows on both sides of the least mass are known.
+    // The rows on both sides of the largest load are known.
     let rows = |points: &[column_twin::study::BoundaryPoint]| {
         points.iter().map(|it| it.row).collect::<Vec<_>>()
     };
     let known = rows(&refined.boundaries[0].points);
-    assert!(known.contains(&1) && known.contains(&2), "{known:?}");
+    assert!(known.contains(&2) && known.contains(&3), "{known:?}");
 
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = [
         "map",
-        "--vehicle",
-        "lorry_8t",
-        "--mass",
-        "4000:12000:3",
+        "--vary",
+        "top.load=1e6:9e6:3",
         "--velocity",
         "5:15:3",
     ];
@@ -502,12 +500,29 @@ fn rows_that_cannot_be_computed_are_infeasible() {
         let errors = String::from_utf8_lossy(&ended.stderr);
         assert_eq!(ended.status.code(), Some(3), "{errors}");
         assert!(errors.contains("could not be computed"), "{errors}");
-        assert!(errors.contains("front masses"), "{errors}");
+        assert!(errors.contains("the load squashes the column"), "{errors}");
     }
     for row in of_csv(&folder.path().join("rows.csv")) {
-        let is_light = row["mass_kg"].parse::<f64>().expect("a mass") < 5500.0;
-        assert_eq!(row["boundary"] == "infeasible", is_light, "{row:?}");
-        assert_eq!(row["fault"].is_empty(), !is_light, "{row:?}");
+        let is_squashed = row["top_load_n"].parse::<f64>().expect("a load") > 3.3e6;
+        assert_eq!(row["boundary"] == "infeasible", is_squashed, "{row:?}");
+        assert_eq!(row["fault"].is_empty(), !is_squashed, "{row:?}");
+    }
+}
+
+/// A lorry of the catalogue may have any mass: its load and its lashing scale with it.
+#[test]
+fn a_lorry_lighter_than_its_own_cab_is_computed() {
+    let axes = [
+        MapAxis::parse("mass=4000:12000:9").expect("an axis"),
+        MapAxis::parse("velocity=5:15:3").expect("an axis"),
+    ];
+    let map = DamageMap::new(&Parameters::default(), Some("lorry_8t"), axes).expect("a map");
+    let table = map.table(&Batch::default()).expect("a table");
+    assert!(table.result.iter().all(Result::is_ok));
+    // Of equal speed, the heavier lorry is the worse one.
+    for column in 0..3 {
+        let largest = |row: usize| table.peak_contact_force[3 * row + column];
+        assert!(largest(8) >= largest(0), "{:?}", table.peak_contact_force);
     }
 }
 
@@ -608,57 +623,59 @@ fn ctrl_c_leaves_what_is_finished() {
     );
 }
 
-/// A car may weigh 2 t, but no lorry less than its front masses: both kinds of map leave out the same cells, and the
+/// HEB240 carries 3.5 MN and HEB200 no more than 7808 mm2 times 355 MPa: both kinds of map leave out the same cells, and the
 /// boundaries are those of the other cells.
 #[test]
 fn the_part_of_a_row_that_can_be_computed_has_its_boundaries() {
-    const POINTS: u64 = 15;
+    const POINTS: u64 = 13;
+    const FIRST: f64 = 5e5;
+    const STEP: f64 = 2.5e5;
     let axes = [
-        MapAxis::parse("vehicle=mid_car,lorry_8t").expect("an axis"),
-        MapAxis::parse("mass=2000:16000:15").expect("an axis"),
+        MapAxis::parse("section=HEB200,HEB240").expect("an axis"),
+        MapAxis::parse("top.load=5e5:3.5e6:13").expect("an axis"),
     ];
-    let velocity = [("impact.velocity", ParameterValue::Double(8.0))];
+    let velocity = [("impact.velocity", ParameterValue::Double(6.0))];
     let parameters = Parameters::default()
         .with_changes(velocity)
         .expect("admissible");
-    let map = DamageMap::new(&parameters, None, axes).expect("a map");
+    let map = DamageMap::new(&parameters, Some("mid_car"), axes).expect("a map");
     let refined = map.refine(&Batch::default()).expect("boundaries");
     let table = map.table(&Batch::default()).expect("a table");
     let cell = |row: u64, column: u64| &table.result[(row * POINTS + column) as usize];
-    assert!(cell(0, 0).is_ok() && cell(1, 0).is_err() && cell(1, POINTS - 1).is_ok());
+    assert!(cell(0, 0).is_ok() && cell(0, POINTS - 1).is_err() && cell(1, POINTS - 1).is_ok());
 
     let [fault] = &refined.faults[..] else {
         panic!("{:?}", refined.faults);
     };
-    assert_eq!(fault.row, 1);
-    let least = fault.computed.expect("a part of the row")[0];
-    assert!((5500.0..5600.0).contains(&least), "{least}");
+    assert_eq!(fault.row, 0);
+    let largest = fault.computed.expect("a part of the row")[1];
+    let squash_load = 7808e-6 * 355e6;
+    assert!(
+        (0.99 * squash_load..1.001 * squash_load).contains(&largest),
+        "{largest}"
+    );
     let mut between = 0;
     for (boundary, class) in refined.boundaries.iter().zip(SEVERITIES) {
         assert_eq!(boundary.points.len(), 2);
         for point in &boundary.points {
-            let holds = |mass: f64| {
-                let column = ((mass - 2000.0) / 1000.0) as u64;
-                let result = cell(point.row, column).as_ref();
+            let holds = |load: f64| {
+                let result = cell(point.row, ((load - FIRST) / STEP).round() as u64).as_ref();
                 result.expect("a result").severity >= class
             };
-            let lightest = if point.row == 0 { 2000.0 } else { 6000.0 };
+            let heaviest = if point.row == 0 { 2.75e6 } else { 3.5e6 };
             match point.place {
                 RowBoundary::Between { below, at, rising } => {
-                    assert!(at <= 1.0101 * below && below >= least.min(lightest));
-                    let upper = (at / 1000.0).ceil() * 1000.0;
-                    assert_eq!(holds(upper), rising, "{point:?}");
-                    if below >= lightest {
-                        assert_eq!(
-                            holds((below / 1000.0).floor() * 1000.0),
-                            !rising,
-                            "{point:?}"
-                        );
+                    assert!(at <= 1.0101 * below && at <= largest.max(heaviest));
+                    let lower = (below / STEP).floor() * STEP;
+                    assert_eq!(holds(lower), !rising, "{point:?}");
+                    let upper = (at / STEP).ceil() * STEP;
+                    if upper <= heaviest {
+                        assert_eq!(holds(upper), rising, "{point:?}");
                     }
                     between += 1;
                 }
-                RowBoundary::Always => assert!(holds(lightest) && holds(16_000.0)),
-                RowBoundary::Never => assert!(!holds(lightest) && !holds(16_000.0)),
+                RowBoundary::Always => assert!(holds(FIRST) && holds(heaviest)),
+                RowBoundary::Never => assert!(!holds(FIRST) && !holds(heaviest)),
                 RowBoundary::Infeasible => panic!("{:?}", refined.faults),
             }
         }

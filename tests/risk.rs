@@ -81,6 +81,61 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
+fn measures_and_targets_are_compared_and_say_what_they_assume() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = street(&[
+        "--samples",
+        "200",
+        "--measures",
+        "-p",
+        "section.name:=HEB220",
+    ]);
+    let found = json(&run(folder.path(), &[&arguments[..], &["--json"]].concat()));
+    let number = |it: &Json| it.as_f64().expect("a number");
+    let measures = found["measures"].as_array().expect("measures");
+    let names: Vec<_> = measures.iter().map(|it| it["name"].as_str()).collect();
+    let expected = [
+        "bollard",
+        "guard_rail_n2",
+        "heavier_section",
+        "concrete_base",
+    ];
+    assert_eq!(names, expected.map(Some));
+    assert_eq!(measures[2]["section"], "HEB280");
+    for measure in measures {
+        assert!(measure["source"].as_str().is_some_and(|it| it.len() > 20));
+        for (with, without) in
+            [0, 1, 2, 3].map(|it| (&measure["severities"][it], &found["annual"][it]))
+        {
+            let annual = number(&with["annual"]["value"]);
+            let base = number(&without["annual"]["value"]);
+            assert!(annual <= base, "{measure}");
+            let times = with["times"].as_f64().unwrap_or(0.0);
+            assert!((times * base - annual).abs() <= 1e-12 * base, "{measure}");
+        }
+    }
+    // n T lambda dx by hand, with dx = b / sin(10 degrees).
+    let evacuate = &found["annual"][3];
+    let departures = 10_000.0 * 365.25 * 1e-10 * 2.5 / 10_f64.to_radians().sin();
+    let given = number(&found["severities"][3]["given_departure"]["value"]);
+    let expected = 1.0 - (-departures * given).exp();
+    assert!((number(&evacuate["annual"]["value"]) / expected - 1.0).abs() < 1e-6);
+    assert_eq!(evacuate["target"]["beta"], 4.7);
+    assert_eq!(evacuate["comparison"], "exceeded");
+    // The summary states the same, and what is left out.
+    let text = run(folder.path(), &arguments);
+    let text = String::from_utf8_lossy(&text.stdout);
+    for expected in [
+        "takes 98.8 kJ from a vehicle [C]",
+        "target 1.30e-6 (beta 4.7) [M]: EXCEEDED",
+        "orientation and oblique hits: every hit bends the strong axis; x 5 on inspect",
+        "no curve: ",
+    ] {
+        assert!(text.contains(expected), "{text}");
+    }
+}
+
+#[test]
 fn the_summary_and_the_figures_of_a_column_that_is_not_hit_are_no_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = run(

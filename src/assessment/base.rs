@@ -162,6 +162,11 @@ impl ConnectedBase {
         }
     }
 
+    /// What is used most, as a ratio: above 1 the connection fails.
+    pub(super) fn utilisation(&self, demand: &BaseDemand) -> f64 {
+        self.worst(demand).ratio()
+    }
+
     /// What is used most.
     pub(super) fn worst(&self, demand: &BaseDemand) -> Utilisation {
         let mut worst = self.shear(demand);

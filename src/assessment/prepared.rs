@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use super::base::BaseDemand;
+use super::base::{BaseDemand, ConnectedBase};
 use super::criteria::{DEFINITIONS, Definition, share_of_limit};
 use super::remaining::{RemainingCapacity, VerdictBasis, imperfection};
 use super::{
@@ -33,6 +33,9 @@ pub struct PreparedAssessment {
     deciding: Vec<usize>,
     /// The capacity of the virgin column, once an impact has needed it.
     virgin: OnceLock<Capacity>,
+    /// Whether the steel of the column has the largest strength that it may have, so that the forces into the base contain its
+    /// overstrength.
+    has_overstrength: bool,
 }
 
 /// The part of an [`Assessment`](super::Assessment) that a study needs.
@@ -94,7 +97,38 @@ impl PreparedAssessment {
             basis,
             imperfection,
             virgin: OnceLock::new(),
+            has_overstrength: false,
         })
+    }
+
+    /// The same, where the steel has the largest strength that it may have: the forces into the base are not multiplied by the
+    /// overstrength once more, and the base bears no more than that of these parameters with the nominal strength.
+    #[must_use]
+    pub fn with_overstrength(mut self, nominal: &Parameters) -> Self {
+        self.input.base = ConnectedBase::of(nominal).ok();
+        self.has_overstrength = true;
+        self
+    }
+
+    /// Whether the base is checked.
+    #[must_use]
+    pub fn has_base(&self) -> bool {
+        self.input.base.is_some()
+    }
+
+    /// The largest utilisation of the base in a response, by shear, moment or uplift: above 1 its connection fails. `None` where
+    /// the base is not known.
+    #[must_use]
+    pub fn base_utilisation(&self, response: &AssessedResponse) -> Option<f64> {
+        let base = self.input.base.as_ref()?;
+        Some(base.utilisation(&self.demand(response)))
+    }
+
+    fn demand(&self, response: &AssessedResponse) -> BaseDemand {
+        BaseDemand {
+            report: response.base,
+            has_flowed: response.outcome != Outcome::Elastic && !self.has_overstrength,
+        }
     }
 
     /// The capacity of the virgin column, computed when it is needed for the first time.
@@ -200,10 +234,7 @@ impl PreparedAssessment {
             residual_v1: response.residual_v1,
             max_v1: response.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
-            base_demand: Some(BaseDemand {
-                report: response.base,
-                has_flowed: response.outcome != Outcome::Elastic,
-            }),
+            base_demand: Some(self.demand(response)),
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
             // Empty: nothing is allocated.

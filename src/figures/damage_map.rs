@@ -2,20 +2,26 @@
 
 use plotters::style::RGBColor;
 
-use super::axis::PlotAxis;
 use super::chart::axes;
 use super::iso_lines::iso_lines;
-use super::map_marks::{METRES_PER_SECOND, Mark, marks};
+use super::map_areas::{Areas, Island, island};
+use super::map_axis::ShownAxis;
 use super::map_picture::{Level, NOT_COMPUTED, Picture, rgb};
 use super::page::{self, CANVAS, Drawn, LegendKey, Stroke};
-use super::units::Unit;
+use super::units::{Unit, significant};
 use crate::assessment::Severity;
-use crate::study::{DamageMap, MapAxis, MapGrid, MapQuantity, RefinedMap, SEVERITIES};
+use crate::study::{
+    DamageMap, Limit, MapBands, MapGrid, MapQuantity, RefinedMap, RowBoundary, SEVERITIES,
+};
 
 /// Places along the axis of the rows at which a boundary is drawn.
 const BOUNDARY_POINTS: usize = 240;
 /// Most iso-lines of a figure.
 const MAX_LEVELS: usize = 5;
+/// Part of the axis of the columns above which a figure is not cut off: too little would be gained.
+const LEAST_CUT: f64 = 0.85;
+/// What a figure that is cut off shows beyond the last boundary.
+const BEYOND: f64 = 1.15;
 
 /// What the figures of a map show.
 #[derive(Debug, Clone, Copy)]
@@ -26,17 +32,12 @@ pub struct MapFigures<'a> {
     pub grid: Option<&'a MapGrid>,
     /// The boundaries of its classes.
     pub refined: Option<&'a RefinedMap>,
+    /// The bands of the boundaries.
+    pub bands: Option<&'a MapBands>,
     /// What the map is about, in one line.
     pub subject: &'a str,
     /// What it assumes, in one line.
     pub assumptions: &'a str,
-}
-
-/// An axis of a map as a figure shows it.
-struct ShownAxis<'a> {
-    axis: &'a MapAxis,
-    symbol: String,
-    per_si: f64,
 }
 
 /// What a line that compares columns looks like: colour, and whether it is dashed.
@@ -51,78 +52,11 @@ const COMPARED: [(RGBColor, bool); 8] = [
     (RGBColor(150, 150, 150), true),
 ];
 
-impl<'a> ShownAxis<'a> {
-    fn of(axis: &'a MapAxis) -> Self {
-        let last = axis.ends().map_or(0.0, |ends| ends[1]);
-        let fitting = |unit: Unit| (unit.symbol.to_owned(), unit.per_si);
-        let (symbol, per_si) = match axis.quantity().unit() {
-            "kg" if last >= 1e4 => ("t".to_owned(), 1e-3),
-            "N" => fitting(Unit::force(last)),
-            "N m" => fitting(Unit::moment(last)),
-            "Pa" => ("MPa".to_owned(), 1e-6),
-            unit => (unit.to_owned(), 1.0),
-        };
-        Self {
-            axis,
-            symbol,
-            per_si,
-        }
-    }
-
-    /// The place of a value of the axis, in the unit of the figure; of a name, its number.
-    fn at(&self, index: u64) -> f64 {
-        let number = self.axis.number(index);
-        number.map_or(index as f64, |number| number * self.per_si)
-    }
-
-    fn of_si(&self, value: f64) -> f64 {
-        value * self.per_si
-    }
-
-    fn plot_axis(&self, count: usize) -> PlotAxis {
-        match self.axis.ends() {
-            Some([from, to]) => {
-                let axis = PlotAxis::exactly(self.of_si(from), self.of_si(to), count);
-                match self.axis.quantity() {
-                    MapQuantity::Velocity => axis.with_second_unit(1.0 / METRES_PER_SECOND),
-                    _ => axis,
-                }
-            }
-            None => {
-                let names = (0..self.axis.len()).map(|index| self.axis.value(index).to_string());
-                PlotAxis::named(names.collect())
-            }
-        }
-    }
-
-    fn name(&self) -> String {
-        let title = self.axis.quantity().title();
-        match &*self.symbol {
-            "" => title.to_owned(),
-            "m/s" => format!("{title} [m/s (km/h)]"),
-            symbol => format!("{title} [{symbol}]"),
-        }
-    }
-
-    /// What is marked along the axis, in the unit of the figure.
-    fn marks(&self) -> Vec<Mark> {
-        let shown = |mark: Mark| Mark {
-            value: self.of_si(mark.value),
-            ..mark
-        };
-        marks(self.axis).into_iter().map(shown).collect()
-    }
-
-    /// The edges of the cells at these places of the axis: midway between them; the first and the last one reach to the ends of the
-    /// figure.
-    fn edges(&self, places: &[u64], plot: &PlotAxis) -> Vec<f64> {
-        let at: Vec<f64> = places.iter().map(|&index| self.at(index)).collect();
-        let between = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-        [plot.from]
-            .into_iter()
-            .chain(between)
-            .chain([plot.to])
-            .collect()
+/// What the line of a limit looks like.
+fn limit_stroke(limit: Limit) -> Stroke {
+    match limit {
+        Limit::WebYields => Stroke::dashed(RGBColor(0, 110, 60), 13),
+        Limit::BaseFails => Stroke::dashed(RGBColor(170, 0, 130), 13),
     }
 }
 
@@ -145,6 +79,17 @@ impl MapFigures<'_> {
         if variants.len() > 1 && self.refined.is_some() {
             figures.push(("damage_map_comparison".to_owned(), self.comparison()));
         }
+        if let (Some(refined), Some(bands), Some(_)) =
+            (self.refined, self.bands, self.map.rows().ends())
+        {
+            for (variant, it) in variants.iter().enumerate() {
+                let name = match variants {
+                    [_] => "damage_map_bands".to_owned(),
+                    _ => format!("damage_map_bands_{}", file_name(&it.label)),
+                };
+                figures.push((name, self.bands(refined, bands, variant)));
+            }
+        }
         figures
     }
 
@@ -155,7 +100,8 @@ impl MapFigures<'_> {
     /// The classes of one variant over the plane.
     fn classes(&self, variant: usize) -> Drawn<String> {
         let [rows, columns] = self.axes();
-        let (x, y) = (rows.plot_axis(10), columns.plot_axis(8));
+        let cut = self.cut(variant);
+        let (x, y) = (rows.plot_axis(10), columns.plot_axis_to(cut, 8));
         let title = format!(
             "Severity over {} and {}",
             rows.axis.quantity().name(),
@@ -169,13 +115,19 @@ impl MapFigures<'_> {
         let mut key = Vec::new();
         if self.refined.is_some() {
             key.push(match columns.axis.quantity() {
-                MapQuantity::Velocity => "black lines: critical velocity of each class, to 1 %",
+                MapQuantity::Velocity => "black lines: critical velocities, to 1 %",
                 _ => "black lines: boundaries of the classes, to 1 %",
             });
         }
         if !lines.is_empty() {
-            key.push("blue lines: residual displacement of the impact point");
+            key.push("blue lines: residual displacement");
         }
+        let end = cut.map(|cut| {
+            let value = significant(columns.of_si(cut), 3);
+            let (symbol, all) = (&columns.symbol, Severity::Evacuate);
+            format!("cut off at {value} {symbol}, above it all is {all}")
+        });
+        key.extend(end.as_deref());
         let key = key.join("; ");
         page::draw(|page| {
             let top = page::heading(
@@ -200,6 +152,10 @@ impl MapFigures<'_> {
                 self.boundary(&picture, variant, severity, Stroke::solid(BOUNDARY, 12))?;
             }
             picture.iso_lines(&lines)?;
+            for limit in Limit::ALL {
+                self.limit(&picture, variant, limit)?;
+            }
+            picture.iso_labels(&lines)?;
             picture.mark(&rows.marks(), &columns.marks())?;
             picture.frame()
         })
@@ -220,7 +176,53 @@ impl MapFigures<'_> {
         if self.grid.is_some_and(is_missing) {
             legend.push((LegendKey::Fill(NOT_COMPUTED), "not computed".to_owned()));
         }
+        let limits = self.refined.iter().flat_map(|refined| &refined.limits);
+        let limits = limits.filter(|it| it.variant == variant);
+        legend.extend(limits.map(|it| {
+            let key = LegendKey::Line(limit_stroke(it.limit));
+            (key, it.limit.in_words().to_owned())
+        }));
         legend
+    }
+
+    /// The value on the axis of the columns at which the figure of a variant is cut off, because everything above it has the most
+    /// severe class; `None` where little would be gained.
+    fn cut(&self, variant: usize) -> Option<f64> {
+        let refined = self.refined?;
+        let [from, to] = self.map.columns().ends()?;
+        let mut boundaries = refined.boundaries.iter();
+        let last =
+            boundaries.find(|it| (it.variant, it.severity) == (variant, Severity::Evacuate))?;
+        let mut highest = from;
+        for point in &last.points {
+            match point.place {
+                RowBoundary::Between {
+                    at, rising: true, ..
+                } => highest = highest.max(at),
+                RowBoundary::Always => {}
+                _ => return None,
+            }
+        }
+        let limits = refined.limits.iter().filter(|it| it.variant == variant);
+        let places = limits
+            .flat_map(|it| &it.points)
+            .filter_map(|it| it.place.value());
+        let cut = BEYOND * places.fold(highest, f64::max);
+        let is_trivial = |grid: &MapGrid| {
+            (0..grid.columns().len()).all(|column| {
+                let is_above = self.map.columns().number(grid.columns()[column]) > Some(highest);
+                let evacuates = |row: usize| {
+                    let cell = grid.cell(variant, row, column);
+                    cell.is_some_and(|it| it.severity == Severity::Evacuate)
+                };
+                // Between two rows, the boundary may be a little higher than in them.
+                !is_above || (0..grid.rows().len()).all(evacuates) || {
+                    self.map.columns().number(grid.columns()[column]) < Some(cut)
+                }
+            })
+        };
+        let is_worth_it = cut - from < LEAST_CUT * (to - from) && highest > from;
+        (is_worth_it && self.grid.is_none_or(is_trivial)).then_some(cut)
     }
 
     /// Fills the cells. Where a boundary is known more exactly than the cells show it, it is the edge.
@@ -351,27 +353,145 @@ impl MapFigures<'_> {
         let Some(refined) = self.refined else {
             return Ok(());
         };
-        let [rows, columns] = self.axes();
-        let Some([from, to]) = rows.axis.ends() else {
-            // A step over each name.
-            for row in 0..rows.axis.len() as usize {
-                if let Some(value) = self.boundary_at(refined, variant, severity, row, 0.0) {
-                    let value = columns.of_si(value);
-                    let row = row as f64;
-                    picture.line(&[(row - 0.46, value), (row + 0.46, value)], stroke)?;
-                }
-            }
+        let at = |row: usize, value: f64| self.boundary_at(refined, variant, severity, row, value);
+        for line in self.lines(at) {
+            picture.line(&line, stroke)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the line of a limit.
+    fn limit(&self, picture: &Picture<'_, '_, '_>, variant: usize, limit: Limit) -> Drawn<()> {
+        let Some(refined) = self.refined else {
             return Ok(());
         };
-        let mut line = Vec::new();
+        let at = |row: usize, value: f64| {
+            if self.map.rows().ends().is_some() {
+                return refined.limit_at(self.map, variant, limit, value);
+            }
+            let mut limits = refined.limits.iter();
+            let boundary = limits.find(|it| (it.variant, it.limit) == (variant, limit))?;
+            let mut points = boundary.points.iter();
+            points.find(|it| it.row == row as u64)?.place.value()
+        };
+        for line in self.lines(at) {
+            picture.edged_line(&line, limit_stroke(limit))?;
+        }
+        Ok(())
+    }
+
+    /// The lines, in the units of the figure, of a value that is known along the rows, by their number or their value; over rows with
+    /// names a step for each.
+    fn lines(&self, at: impl Fn(usize, f64) -> Option<f64>) -> Vec<Vec<(f64, f64)>> {
+        let [rows, columns] = self.axes();
+        let Some([from, to]) = rows.axis.ends() else {
+            let step = |row: usize| {
+                let value = columns.of_si(at(row, 0.0)?);
+                let row = row as f64;
+                Some(vec![(row - 0.46, value), (row + 0.46, value)])
+            };
+            return (0..rows.axis.len() as usize).filter_map(step).collect();
+        };
+        let mut lines = vec![Vec::new()];
         for part in 0..=BOUNDARY_POINTS {
-            let at = from + (to - from) * part as f64 / BOUNDARY_POINTS as f64;
-            match refined.value_at(self.map, variant, severity, at) {
-                Some(value) => line.push((rows.of_si(at), columns.of_si(value))),
-                None => picture.line(&std::mem::take(&mut line), stroke)?,
+            let value = from + (to - from) * part as f64 / BOUNDARY_POINTS as f64;
+            match (at(part, value), lines.last_mut()) {
+                (Some(found), Some(line)) => line.push((rows.of_si(value), columns.of_si(found))),
+                _ => lines.push(Vec::new()),
             }
         }
-        picture.line(&line, stroke)
+        lines
+    }
+
+    /// The bands of the boundaries of one variant, one panel for each class.
+    fn bands(&self, refined: &RefinedMap, bands: &MapBands, variant: usize) -> Drawn<String> {
+        let [rows, columns] = self.axes();
+        let Some([from, to]) = rows.axis.ends() else {
+            return page::draw(|_| Ok(()));
+        };
+        let names: Vec<_> = bands.varied.iter().map(|it| it.name()).collect();
+        let key = format!("bands: changed one at a time: {}", names.join(", "));
+        let subject = match self.map.variants() {
+            [_] => self.subject.to_owned(),
+            variants => format!("{}: {}", variants[variant].label, self.subject),
+        };
+        let legend = vec![(
+            LegendKey::Line(Stroke::solid(BOUNDARY, 12)),
+            "boundary of the map".to_owned(),
+        )];
+        let title = "Between which values each action begins";
+        self.panels(
+            title,
+            [&subject, self.assumptions, &key],
+            &legend,
+            self.end_of_bands(bands, variant),
+            |picture, severity| {
+                // The names of the marks do not hide a band.
+                picture.mark(&[], &columns.marks())?;
+                let values = (0..=BOUNDARY_POINTS)
+                    .map(|part| from + (to - from) * part as f64 / BOUNDARY_POINTS as f64);
+                let band = values.map(|value| {
+                    let ends = bands.at(self.map, variant, severity, value)?;
+                    Some((rows.of_si(value), ends.map(|it| columns.of_si(it))))
+                });
+                let band: Vec<Option<(f64, [f64; 2])>> = band.collect();
+                for part in band.split(Option::is_none) {
+                    let part: Vec<_> = part.iter().copied().flatten().collect();
+                    picture.between(&part, rgb(severity))?;
+                }
+                let at =
+                    |_: usize, value: f64| refined.value_at(self.map, variant, severity, value);
+                for line in self.lines(at) {
+                    picture.line(&line, Stroke::solid(BOUNDARY, 12))?;
+                }
+                Ok(())
+            },
+        )
+    }
+
+    /// The value on the axis of the columns above which there is no band; `None` where little would be gained by ending there.
+    fn end_of_bands(&self, bands: &MapBands, variant: usize) -> Option<f64> {
+        let [from, to] = self.map.columns().ends()?;
+        let of_variant = bands.bands.iter().filter(|it| it.variant == variant);
+        let ends = of_variant.flat_map(|it| &it.points).map(|it| it.high);
+        let end = BEYOND * ends.fold(from, f64::max);
+        (end > from && end - from < LEAST_CUT * (to - from)).then_some(end)
+    }
+
+    /// A panel for each class, with the same axes, up to a value on that of the columns where one is given.
+    fn panels(
+        &self,
+        title: &str,
+        lines: [&str; 3],
+        legend: &[(LegendKey, String)],
+        end: Option<f64>,
+        draw: impl Fn(&Picture<'_, '_, '_>, Severity) -> Drawn<()>,
+    ) -> Drawn<String> {
+        let [rows, columns] = self.axes();
+        let (x, y) = (rows.plot_axis(6), columns.plot_axis_to(end, 5));
+        page::draw(|page| {
+            let top = page::heading(page, title, lines, legend)?;
+            let (_, below) = page.split_vertically(top);
+            let (upper, lower) = below.split_vertically((CANVAS.1 as i32 - top) / 2);
+            let half = CANVAS.0 as i32 / 2 - 40;
+            let ((a, b), (c, d)) = (
+                upper.split_horizontally(half),
+                lower.split_horizontally(half),
+            );
+            for (panel, severity) in [a, b, c, d].iter().zip(SEVERITIES) {
+                let names = [rows.name(), columns.short_name()];
+                let plot = axes(panel, &x, &y, [&names[0], &names[1]])?;
+                let picture = Picture {
+                    page,
+                    plot: &plot,
+                    x: &x,
+                    y: &y,
+                };
+                draw(&picture, severity)?;
+                picture.name(severity.name())?;
+            }
+            Ok(())
+        })
     }
 
     /// The iso-lines of the residual displacement with their levels, the lowest first.
@@ -422,8 +542,7 @@ impl MapFigures<'_> {
 
     /// The boundaries of all variants, one panel for each class.
     fn comparison(&self) -> Drawn<String> {
-        let [rows, columns] = self.axes();
-        let (x, y) = (rows.plot_axis(6), columns.plot_axis(5));
+        let [_, columns] = self.axes();
         let title = format!(
             "{} at which each severity begins",
             match columns.axis.quantity() {
@@ -445,27 +564,10 @@ impl MapFigures<'_> {
             .enumerate()
             .map(|(variant, it)| (LegendKey::Line(stroke(variant)), it.label.clone()))
             .collect();
-        page::draw(|page| {
-            let top = page::heading(page, &title, [self.subject, self.assumptions, key], &legend)?;
-            let (_, below) = page.split_vertically(top);
-            let (upper, lower) = below.split_vertically((CANVAS.1 as i32 - top) / 2);
-            let half = CANVAS.0 as i32 / 2 - 40;
-            let ((a, b), (c, d)) = (
-                upper.split_horizontally(half),
-                lower.split_horizontally(half),
-            );
-            for (panel, severity) in [a, b, c, d].iter().zip(SEVERITIES) {
-                let plot = axes(panel, &x, &y, [&rows.name(), &columns.name()])?;
-                let picture = Picture {
-                    page,
-                    plot: &plot,
-                    x: &x,
-                    y: &y,
-                };
-                for variant in 0..variants.len() {
-                    self.boundary(&picture, variant, severity, stroke(variant))?;
-                }
-                picture.name(severity.name())?;
+        let lines = [self.subject, self.assumptions, key];
+        self.panels(&title, lines, &legend, None, |picture, severity| {
+            for variant in 0..variants.len() {
+                self.boundary(picture, variant, severity, stroke(variant))?;
             }
             Ok(())
         })
@@ -497,51 +599,4 @@ fn file_name(label: &str) -> String {
         .map(|c| if is_plain(c) { c } else { '_' })
         .take(80)
         .collect()
-}
-
-/// A rectangle over the areas of the classes: its extent in both directions, and its class.
-type Island = ((f64, f64), (f64, f64), Option<Severity>);
-
-/// Adds a rectangle, or widens the one of the row before, so that no seam shows between both.
-fn island(islands: &mut Vec<Island>, x: (f64, f64), y: (f64, f64), found: Option<Severity>) {
-    // Not further back than the rectangles of two rows of the finest figure.
-    const LOOKED_AT: usize = 800;
-    let before = islands.iter_mut().rev().take(LOOKED_AT);
-    match before
-        .into_iter()
-        .find(|(of, range, class)| of.1 == x.0 && *range == y && *class == found)
-    {
-        Some((of, ..)) => of.1 = x.1,
-        None => islands.push((x, y, found)),
-    }
-}
-
-/// Where each class begins, strip by strip: the area of a class reaches from there to the upper edge, and the next class is painted over
-/// it, so that no seams show.
-#[derive(Default)]
-struct Areas {
-    strips: Vec<Strip>,
-}
-
-/// A strip from left to right, and where the classes begin in it.
-type Strip = ((f64, f64), [Option<f64>; SEVERITIES.len()]);
-
-impl Areas {
-    fn push(&mut self, strip: (f64, f64), begins: [Option<f64>; SEVERITIES.len()]) {
-        self.strips.push((strip, begins));
-    }
-
-    fn fill(&self, picture: &Picture<'_, '_, '_>) -> Drawn<()> {
-        picture.background(Severity::None)?;
-        for (class, severity) in SEVERITIES.into_iter().enumerate() {
-            for strips in self.strips.split(|(_, begins)| begins[class].is_none()) {
-                let line = strips.iter().flat_map(|((left, right), begins)| {
-                    let begin = begins[class].unwrap_or(f64::NAN);
-                    [(*left, begin), (*right, begin)]
-                });
-                picture.above(&line.collect::<Vec<_>>(), severity)?;
-            }
-        }
-        Ok(())
-    }
 }

@@ -46,6 +46,7 @@ impl Picture<'_, '_, '_> {
 
     /// Fills a rectangle; grey, where nothing was computed.
     pub fn patch(&self, x: (f64, f64), y: (f64, f64), severity: Option<Severity>) -> Drawn<()> {
+        let y = (self.clamped(y.0), self.clamped(y.1));
         let lower = self.plot.backend_coord(&(x.0, y.0));
         let upper = self.plot.backend_coord(&(x.1, y.1));
         let colour = severity.map_or(NOT_COMPUTED, rgb);
@@ -59,36 +60,66 @@ impl Picture<'_, '_, '_> {
             return Ok(());
         };
         let corners = [(last.0, self.y.to), (first.0, self.y.to)];
-        let points = line.iter().chain(&corners).map(|(x, y)| {
-            let y = y.clamp(self.y.from, self.y.to);
-            self.plot.backend_coord(&(*x, y))
-        });
+        let points = line
+            .iter()
+            .chain(&corners)
+            .map(|(x, y)| self.plot.backend_coord(&(*x, self.clamped(*y))));
         self.page.draw(&Polygon::new(
             points.collect::<Vec<_>>(),
             rgb(severity).filled(),
         ))
     }
 
-    /// Draws a line through points in the units of the figure.
-    pub fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Drawn<()> {
-        let mut line: Vec<_> = points
-            .iter()
-            .map(|point| self.plot.backend_coord(point))
-            .collect();
-        line.dedup();
-        match line.len() {
-            0 | 1 => Ok(()),
-            _ => stroke.draw(self.page, line),
+    /// Shades what lies between two lines with the same values along the axis of the rows.
+    pub fn between(&self, lines: &[(f64, [f64; 2])], tone: RGBColor) -> Drawn<()> {
+        let place = |x: f64, y: f64| self.plot.backend_coord(&(x, self.clamped(y)));
+        let lower = lines.iter().map(|(x, [low, _])| place(*x, *low));
+        let upper = lines.iter().rev().map(|(x, [_, high])| place(*x, *high));
+        let corners: Vec<_> = lower.chain(upper).collect();
+        match corners.len() {
+            0..4 => Ok(()),
+            _ => self
+                .page
+                .draw(&Polygon::new(corners, tone.mix(0.45).filled())),
         }
     }
 
-    /// Draws lines with labels where there is room for them.
-    pub fn iso_lines(&self, levels: &[Level]) -> Drawn<()> {
-        for (_, lines) in levels {
-            for line in lines {
-                self.line(line, Stroke::solid(ISO_LINE, 7))?;
+    fn clamped(&self, y: f64) -> f64 {
+        y.clamp(self.y.from, self.y.to)
+    }
+
+    /// Draws a line through points in the units of the figure, as far as they are in the plot.
+    pub fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Drawn<()> {
+        let room = 1e-9 * (self.y.to - self.y.from);
+        let is_outside =
+            |point: &(f64, f64)| !(self.y.from - room..=self.y.to + room).contains(&point.1);
+        for points in points.split(is_outside) {
+            let mut line: Vec<_> = points
+                .iter()
+                .map(|point| self.plot.backend_coord(point))
+                .collect();
+            line.dedup();
+            if line.len() > 1 {
+                stroke.draw(self.page, line)?;
             }
         }
+        Ok(())
+    }
+
+    /// As [`line`](Self::line), with a white edge on both sides, so that it stays visible on every area and beside other lines.
+    pub fn edged_line(&self, points: &[(f64, f64)], stroke: Stroke) -> Drawn<()> {
+        self.line(points, Stroke::solid(WHITE, stroke.width + 6))?;
+        self.line(points, stroke)
+    }
+
+    /// Draws iso-lines.
+    pub fn iso_lines(&self, levels: &[Level]) -> Drawn<()> {
+        let mut lines = levels.iter().flat_map(|(_, lines)| lines);
+        lines.try_for_each(|line| self.edged_line(line, Stroke::solid(ISO_LINE, 8)))
+    }
+
+    /// Labels iso-lines where there is room for it.
+    pub fn iso_labels(&self, levels: &[Level]) -> Drawn<()> {
         let style = page::text_style(SMALL, ISO_LINE, HPos::Center, VPos::Center);
         let mut taken: Vec<[i32; 4]> = Vec::new();
         let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
@@ -138,7 +169,8 @@ impl Picture<'_, '_, '_> {
         let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
         let stroke = Stroke::dashed(colour::FAINT, 5);
         let range = (horizontal.start, horizontal.end);
-        for mark in along_y {
+        let in_plot = |mark: &&Mark| (self.y.from..=self.y.to).contains(&mark.value);
+        for mark in along_y.iter().filter(in_plot) {
             self.line(
                 &[(self.x.from, mark.value), (self.x.to, mark.value)],
                 stroke,

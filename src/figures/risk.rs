@@ -8,23 +8,19 @@ use plotters::style::{Color, RGBColor, WHITE};
 
 use super::axis::PlotAxis;
 use super::chart::axes;
-use super::page::{self, Area, CANVAS, Drawn, LEFT, LegendKey, RIGHT, SMALL, Stroke, TEXT, colour};
+use super::measures::comparison;
+use super::page::{self, Area, CANVAS, Drawn, LegendKey, SMALL, Stroke, colour};
+use super::probability_rows::{
+    DecadeScale, ROW_END, ROW_START, line_colour, not_evaluated, percent, plain, row_name,
+};
 use super::units::significant;
 use super::{FigureError, drawn, write_all};
-use crate::assessment::Severity;
-use crate::study::risk::{Estimate, FragilityCurve, RiskResult, SeveritySensitivity};
+use crate::study::risk::{Estimate, FragilityCurve, MeasureRisk, RiskResult, SeveritySensitivity};
 
-/// Left end of the scale of a chart with rows, behind their names.
-const ROW_START: i32 = 1080;
-/// Right end of the scale, before the numbers of the rows.
-const ROW_END: i32 = 3520;
 /// Fewest samples of an interval of speed for which a point is drawn.
 const FEWEST_SAMPLES: u64 = 20;
 /// Points of a fitted curve.
 const CURVE_POINTS: u32 = 240;
-/// Lower end of a scale of powers of ten, below its greatest value: probabilities below it are drawn at the edge.
-const MOST_DECADES: i32 = 10;
-
 /// Colours of the classes of vehicles, which the colour-blind can distinguish (Okabe and Ito, and lighter tones of them).
 const CLASS_COLOURS: [RGBColor; 8] = [
     RGBColor(86, 180, 233),
@@ -37,19 +33,8 @@ const CLASS_COLOURS: [RGBColor; 8] = [
     RGBColor(150, 150, 150),
 ];
 
-/// The colour of a severity in lines and dots.
-fn line_colour(severity: Severity) -> RGBColor {
-    match severity {
-        Severity::None => colour::FAINT,
-        Severity::Inspect => RGBColor(66, 160, 216),
-        Severity::Restrict => RGBColor(222, 150, 10),
-        Severity::Prop => RGBColor(205, 85, 15),
-        Severity::Evacuate => RGBColor(122, 28, 40),
-    }
-}
-
 /// Draws the figures of a risk study into `folder`, which is created if it does not exist, and returns the files written:
-/// SVG and PNG alternately. `title` describes column and scenario.
+/// SVG and PNG alternately. `title` describes column and scenario; without measures there is no figure that compares them.
 ///
 /// # Errors
 /// See [`FigureError`].
@@ -57,40 +42,35 @@ pub fn draw_risk(
     folder: &Path,
     title: &str,
     result: &RiskResult,
+    measures: &[MeasureRisk],
 ) -> Result<Vec<PathBuf>, FigureError> {
-    write_all(folder, risk_svg(title, result)?)
+    write_all(folder, risk_svg(title, result, measures)?)
 }
 
 /// The same figures as SVG, by their names.
 ///
 /// # Errors
 /// The study has no sample, or the plotting library fails.
-pub fn risk_svg(title: &str, result: &RiskResult) -> Result<Vec<(String, String)>, FigureError> {
+pub fn risk_svg(
+    title: &str,
+    result: &RiskResult,
+    measures: &[MeasureRisk],
+) -> Result<Vec<(String, String)>, FigureError> {
     if result.counts.impacts == 0 {
         return Err(FigureError::NoSamples);
     }
-    let figures = [
+    let mut figures = vec![
         ("risk_probability", probabilities(title, result)),
         ("risk_fragility", fragility(title, result)),
         ("risk_sensitivity", sensitivity(title, result)),
     ];
+    if !measures.is_empty() {
+        figures.push(("risk_measures", comparison(title, result, measures)));
+    }
     figures
         .into_iter()
         .map(|(name, svg)| drawn(name, svg).map(|svg| (name.to_owned(), svg)))
         .collect()
-}
-
-fn percent(result: &RiskResult) -> String {
-    format!("{} %", plain(100.0 * result.confidence))
-}
-
-/// A number without trailing zeros behind its decimal point.
-fn plain(value: f64) -> String {
-    let text = significant(value, 5);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
 }
 
 /// Fragility curves of the whole traffic with the bands of their points.
@@ -181,57 +161,6 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
     })
 }
 
-/// A horizontal scale of powers of ten.
-struct DecadeScale {
-    from: i32,
-    to: i32,
-}
-
-impl DecadeScale {
-    /// A scale that shows these values, as far as they are positive.
-    fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
-        let positive = values.filter(|value| value.is_finite() && *value > 0.0);
-        let greatest = positive.clone().fold(1e-300, f64::max);
-        let least = positive.fold(greatest, f64::min);
-        let to = (greatest.log10() + 0.05).ceil() as i32;
-        let from = (least.log10() - 0.05).floor() as i32;
-        Self {
-            from: from.max(to - MOST_DECADES).min(to - 1),
-            to,
-        }
-    }
-
-    fn x(&self, value: f64) -> i32 {
-        let power = if value > 0.0 {
-            value.log10()
-        } else {
-            f64::NEG_INFINITY
-        };
-        let part = (power - f64::from(self.from)) / f64::from(self.to - self.from);
-        ROW_START + (part.clamp(0.0, 1.0) * f64::from(ROW_END - ROW_START)).round() as i32
-    }
-
-    /// Lines and marks from `top` to `bottom`, and the name of the axis below.
-    fn draw(&self, page: &Area<'_>, top: i32, bottom: i32, name: &str) -> Drawn<()> {
-        let style = page::text_style(SMALL, colour::INK, HPos::Center, VPos::Top);
-        let every = (self.to - self.from + 7) / 8;
-        for power in self.from..=self.to {
-            let x = self.x(10_f64.powi(power));
-            page.draw(&PathElement::new(
-                vec![(x, top), (x, bottom)],
-                colour::GRID.stroke_width(4),
-            ))?;
-            if (power - self.from) % every == 0 {
-                page.draw_text(&format!("1e{power}"), &style, (x, bottom + 36))?;
-            }
-        }
-        let ends = vec![(ROW_START, bottom), (ROW_END, bottom)];
-        page.draw(&PathElement::new(ends, colour::INK.stroke_width(6)))?;
-        let style = page::text_style(TEXT, colour::INK, HPos::Center, VPos::Top);
-        page.draw_text(name, &style, ((ROW_START + ROW_END) / 2, bottom + 150))
-    }
-}
-
 /// Probability in the period by severity with intervals, and the shares of the classes of vehicles in each.
 fn probabilities(title: &str, result: &RiskResult) -> Drawn<String> {
     let mut rows: Vec<(String, RGBColor, Estimate)> =
@@ -265,7 +194,12 @@ fn probabilities(title: &str, result: &RiskResult) -> Drawn<String> {
         .collect();
     let heading = format!("Probability of at least one such impact in {period}");
     page::draw(|page| {
-        let top = page::heading(page, &heading, [title, &lines], &legend)? + 90;
+        let top = page::heading(
+            page,
+            &heading,
+            [title, &lines, &not_evaluated(result)],
+            &legend,
+        )? + 90;
         let height = 190;
         let bottom = top + height * rows.len() as i32;
         scale.draw(page, top - 30, bottom, &format!("probability in {period}"))?;
@@ -308,11 +242,6 @@ fn years_in_words(years: f64) -> String {
         years if years < 1e9 => format!("{} million years", significant(years / 1e6, 3)),
         years => format!("{years:.0e} years"),
     }
-}
-
-fn row_name(page: &Area<'_>, name: &str, y: i32) -> Drawn<()> {
-    let style = page::text_style(TEXT, colour::INK, HPos::Right, VPos::Center);
-    page.draw_text(name, &style, (ROW_START - 60, y))
 }
 
 /// Shares of the classes in the events of each severity, as bars of equal length.
@@ -421,6 +350,3 @@ fn sensitivity(title: &str, result: &RiskResult) -> Drawn<String> {
         Ok(())
     })
 }
-
-/// The rows leave the same margins as the other figures.
-const _: () = assert!(ROW_START > LEFT && ROW_END < CANVAS.0 as i32 - RIGHT);

@@ -315,8 +315,8 @@ fn the_figures_of_a_risk_study() {
     use crate::assessment::Severity;
     use crate::study::Batch;
     use crate::study::risk::{
-        Departure, DepartureSampler, Exposure, LimitState, RiskResult, RiskStudy, Scenario,
-        StudyRunError,
+        Departure, DepartureSampler, Exposure, LimitState, MeasureRisk, RiskResult, RiskStudy,
+        Scenario, StudyRunError,
     };
 
     struct Speed;
@@ -338,8 +338,21 @@ fn the_figures_of_a_risk_study() {
     for (vehicles, years) in [(1.0, 1.0), (20_000.0, 50.0)] {
         let exposure = Exposure::new(&scenario, vehicles, years);
         let result = RiskResult::new(&scenario, &tally, exposure, 0.95);
-        let figures = risk_svg("HEB 220, 4 m high: column beside a motorway", &result).unwrap();
-        assert_eq!(figures.len(), 3);
+        let title = "HEB 220, 4 m high: column beside a motorway";
+        assert_eq!(risk_svg(title, &result, &[]).unwrap().len(), 3);
+        let measures: Vec<_> = scenario
+            .measures
+            .iter()
+            .map(|measure| {
+                let behind = RiskStudy::new(&sampler, &Speed).behind(measure);
+                let (tally, _) = behind.run(&Batch::default(), 0..2000, done).unwrap();
+                let with = RiskResult::new(&scenario, &tally, exposure, 0.95);
+                MeasureRisk::new(measure, None, &result, &with)
+            })
+            .collect();
+        let figures = risk_svg(title, &result, &measures).unwrap();
+        assert_eq!(figures.len(), 4);
+        assert!(svg(&figures, "risk_measures").contains("guard rail n2"));
         for (name, svg) in &figures {
             assert_texts_are_apart(name, svg, 15);
         }

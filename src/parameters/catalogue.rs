@@ -39,6 +39,21 @@ impl CatalogueSection {
         catalogue().iter().find(|section| section.name == wanted)
     }
 
+    /// The section of the same series that is this many sizes heavier than the one of this name; `None` where the series ends
+    /// before.
+    #[must_use]
+    pub fn heavier(name: &str, sizes: usize) -> Option<&'static Self> {
+        let own = Self::named(name)?;
+        let family = |section: &Self| {
+            section
+                .name
+                .trim_end_matches(|c: char| c.is_ascii_digit())
+                .to_owned()
+        };
+        let of_series = catalogue().iter().filter(|it| family(it) == family(own));
+        of_series.skip_while(|it| it.name != own.name).nth(sizes)
+    }
+
     /// The names closest to a misspelt one, closest first, at most three.
     #[must_use]
     pub fn nearest(name: &str) -> Vec<String> {

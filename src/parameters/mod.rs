@@ -636,7 +636,7 @@ impl From<Parameters> for Settings {
 /// The default impact of parameters that need not be consistent.
 ///
 /// # Errors
-/// A vehicle that is none, or a total mass that is not above that of its front masses.
+/// A vehicle that is none.
 fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
     let given = &settings.impact;
     let specification = ImpactSpecification {

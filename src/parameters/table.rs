@@ -517,8 +517,8 @@ pub const PARAMETERS: &[Parameter] = &[
             open: "the vehicle's own mass; not for a rigid one",
         },
         applies: Applies::AtOnce,
-        meaning: "m_c: total mass of the vehicle; of a compliant one, the rearmost mass takes the difference to its own. If it is not given \
-                  and vehicle.name is that of a compliant vehicle, it is 0",
+        meaning: "m_c: total mass of the vehicle; of a compliant one, all masses and the springs between them scale with it. If it is not \
+                  given and vehicle.name is that of a compliant vehicle, it is 0",
     },
     Parameter {
         name: "impact.velocity",
@@ -582,8 +582,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max_len: MAX_MASSES,
         },
         applies: Applies::AtOnce,
-        meaning: "masses of a vehicle given by numbers, front first, each with a spring in front of it; the rearmost takes the \
-                  difference to impact.mass",
+        meaning: "masses of a vehicle given by numbers, front first, each with a spring in front of it; impact.mass scales \
+                  them, and the springs between them",
     },
     Parameter {
         name: "vehicle.slack",

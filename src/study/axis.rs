@@ -513,8 +513,6 @@ impl MapAxis {
     pub(super) fn check_on(&self, base: &Parameters) -> Result<(), AxisError> {
         let indices: Vec<u64> = match &self.values {
             AxisValues::Names(names) => (0..names.len() as u64).collect(),
-            // Masses below those of the front of a vehicle are cells that cannot be computed.
-            _ if self.quantity == MapQuantity::Mass => vec![self.len() - 1],
             _ => vec![0, self.len() - 1],
         };
         for index in indices {

@@ -6,10 +6,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, MapQuantity};
 use super::batch::{Batch, BatchEnd};
-use super::study_column::{Screening, StudyColumn, StudyError};
-use crate::assessment::Severity;
+use super::study_column::{Glance, Screening, StudyColumn, StudyError};
 use crate::column::Impact;
-use crate::parameters::{ParameterFaults, Parameters, RIGID};
+use crate::parameters::{ParameterFaults, Parameters, RIGID, Value};
 
 /// Columns that are kept for the cells that follow. A map has one per value of an axis of the column, and cells that follow one
 /// another share it; processors work on cells some distance apart.
@@ -40,6 +39,9 @@ pub struct DamageMap {
     variants: Vec<Variant>,
     rows: MapAxis,
     columns: MapAxis,
+    /// The nominal yield strength of each variant whose steel has the largest one that it may have \[Pa\], as its parameters give
+    /// it; empty where there is none.
+    nominal: Vec<Option<f64>>,
     /// The columns that were needed last.
     kept: Mutex<VecDeque<(ColumnKey, KeptColumn)>>,
 }
@@ -218,8 +220,21 @@ impl DamageMap {
             variants,
             rows,
             columns,
+            nominal: Vec::new(),
             kept: Mutex::default(),
         })
+    }
+
+    /// The map of other columns over the same axes, with the nominal yield strength of those that have the largest one that it
+    /// may have.
+    pub(super) fn with_variants(&self, variants: Vec<Variant>, nominal: Vec<Option<f64>>) -> Self {
+        Self {
+            variants,
+            rows: self.rows.clone(),
+            columns: self.columns.clone(),
+            nominal,
+            kept: Mutex::default(),
+        }
     }
 
     /// Number of cells.
@@ -297,14 +312,24 @@ impl DamageMap {
         self.judged(variant, places, values, StudyColumn::screen)
     }
 
-    /// As [`screen`](Self::screen), of the severity alone.
-    pub(super) fn severity(
+    /// As [`screen`](Self::screen), of what a search for boundaries needs alone.
+    pub(super) fn glance(
         &self,
         variant: usize,
         places: [Option<u64>; 2],
         values: [AxisValue<'_>; 2],
-    ) -> Result<Severity, String> {
-        self.judged(variant, places, values, StudyColumn::severity)
+    ) -> Result<Glance, String> {
+        self.judged(variant, places, values, StudyColumn::glance)
+    }
+
+    /// Whether the web of a variant can yield in shear, and whether its base is checked; neither where there is no column at the
+    /// first values of the axes.
+    pub(super) fn limits(&self, variant: usize) -> [bool; 2] {
+        let values = [self.rows.value(0), self.columns.value(0)];
+        let limits = self.judged(variant, [Some(0), Some(0)], values, |column, _| {
+            Ok(column.limits())
+        });
+        limits.unwrap_or_default()
     }
 
     /// Whether the impact at these values can be computed: the column is admissible, and so is the vehicle with its mass. No
@@ -395,7 +420,13 @@ impl DamageMap {
         let changed = base
             .with_changes(changes)
             .map_err(|faults| faults.in_one_line())?;
-        StudyColumn::virgin(&changed).map_err(|fault| fault.to_string())
+        let column = StudyColumn::virgin(&changed).map_err(|fault| fault.to_string())?;
+        let Some(strength) = self.nominal.get(variant).copied().flatten() else {
+            return Ok(column);
+        };
+        let nominal = changed.with_changes([("steel.yield_strength", Value::Double(strength))]);
+        let nominal = nominal.map_err(|faults| faults.in_one_line())?;
+        Ok(column.with_overstrength(Arc::new(nominal)))
     }
 
     /// The place of a column among those that are kept; the longest kept one goes.

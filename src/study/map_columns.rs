@@ -51,7 +51,7 @@ type ResultColumn = (
 );
 
 /// What is written of every impact that was computed.
-const RESULTS: [ResultColumn; 11] = [
+const RESULTS: [ResultColumn; 13] = [
     (
         "severity",
         ColumnKind::Text,
@@ -128,6 +128,20 @@ const RESULTS: [ResultColumn; 11] = [
         "rad",
         "largest plastic rotation of a hinge",
         |it| TableValue::Number(Some(it.max_plastic_rotation)),
+    ),
+    (
+        "max_plastic_shear_rad",
+        ColumnKind::Number,
+        "rad",
+        "largest plastic shear angle of a web; above 0 it has yielded in shear",
+        |it| TableValue::Number(Some(it.max_plastic_shear)),
+    ),
+    (
+        "base_utilisation",
+        ColumnKind::Number,
+        "",
+        "largest utilisation of the connection of the base; above 1 it fails; missing where the base is not known",
+        |it| TableValue::Number(it.base_utilisation),
     ),
 ];
 

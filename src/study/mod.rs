@@ -28,6 +28,10 @@ mod fleet_kinds;
 #[cfg(feature = "study")]
 mod map;
 #[cfg(feature = "study")]
+mod map_bands;
+#[cfg(all(test, feature = "study"))]
+mod map_bands_tests;
+#[cfg(feature = "study")]
 mod map_columns;
 #[cfg(feature = "study")]
 mod map_grid;
@@ -54,14 +58,16 @@ pub use fleet_kinds::{FleetKinds, part_of};
 #[cfg(feature = "study")]
 pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
 #[cfg(feature = "study")]
+pub use map_bands::{BandPoint, BoundaryBand, MapBands};
+#[cfg(feature = "study")]
 pub use map_columns::{ColumnKind, TableColumn, TableValue};
 #[cfg(feature = "study")]
 pub use map_grid::{GridCell, MapGrid};
 #[cfg(feature = "study")]
-pub use refine::{BoundaryPoint, ClassBoundary, RefinedMap, RowFault};
+pub use refine::{BoundaryPoint, ClassBoundary, LimitBoundary, RefinedMap, RowFault};
 #[cfg(feature = "study")]
-pub use row_search::{RefineError, RowBoundary};
-pub use study_column::{Screening, StudyColumn, StudyError};
+pub use row_search::{Limit, RefineError, RowBoundary};
+pub use study_column::{Glance, Screening, StudyColumn, StudyError};
 #[cfg(feature = "study")]
 pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits, vehicle_limits_on};

@@ -6,9 +6,8 @@ use serde::Serialize;
 
 use super::axis::MapAxis;
 use super::batch::{Batch, BatchEnd};
-use super::critical::SEVERITIES;
 use super::map::DamageMap;
-use super::row_search::{Expected, RefineError, Row, RowBoundary, Scale};
+use super::row_search::{Event, Expected, Limit, RefineError, Row, RowBoundary, Scale};
 use crate::assessment::Severity;
 
 /// Intervals between the rows that are scanned from one end to the other.
@@ -16,14 +15,16 @@ const SCANNED_INTERVALS: u64 = 4;
 /// Intervals between the rows whose boundaries are always searched; between them, only where they are not where the rows
 /// beside them let expect them.
 const LEAST_INTERVALS: u64 = 8;
-/// Classes that have a boundary.
-const CLASSES: usize = SEVERITIES.len();
+/// Events that have a boundary: classes and limits.
+const EVENTS: usize = Event::ALL.len();
 
 /// The boundaries of the severity classes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RefinedMap {
-    /// One for each variant and each of [`SEVERITIES`], variant by variant.
+    /// One for each variant and each of [`SEVERITIES`](super::SEVERITIES), variant by variant.
     pub boundaries: Vec<ClassBoundary>,
+    /// Where a web yields in shear and where the base fails, for each variant that has such a limit.
+    pub limits: Vec<LimitBoundary>,
     /// The rows that cannot be computed, or not in whole, in the order in which they were found.
     pub faults: Vec<RowFault>,
     /// Number of responses.
@@ -58,6 +59,17 @@ pub struct ClassBoundary {
     pub points: Vec<BoundaryPoint>,
 }
 
+/// The line of one limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitBoundary {
+    /// Number of the variant.
+    pub variant: usize,
+    /// The limit.
+    pub limit: Limit,
+    /// As those of a [`ClassBoundary`].
+    pub points: Vec<BoundaryPoint>,
+}
+
 /// A boundary in one row of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundaryPoint {
@@ -78,32 +90,27 @@ impl RefinedMap {
         severity: Severity,
         row_value: f64,
     ) -> Option<f64> {
-        let (rows, columns) = (Scale::of(map.rows())?, Scale::of(map.columns())?);
         let boundary = self
             .boundaries
             .iter()
             .find(|it| it.variant == variant && it.severity == severity)?;
-        let wanted = rows.at(row_value);
-        let at = |point: &BoundaryPoint| map.rows().number(point.row).map(|it| rows.at(it));
-        let after = boundary
-            .points
-            .iter()
-            .position(|point| at(point).is_some_and(|at| at >= wanted - 1e-9 * rows.extent()))?;
-        let second = &boundary.points[after];
-        let first = &boundary.points[after.saturating_sub(1)];
-        let (from, to) = (at(first)?, at(second)?);
-        if (to - wanted).abs() <= 1e-9 * rows.extent() {
-            return second.place.value();
-        }
-        if after == 0 {
-            return None;
-        }
-        let part = (wanted - from) / (to - from);
-        let [one, other] = [
-            columns.at(first.place.value()?),
-            columns.at(second.place.value()?),
-        ];
-        Some(columns.value(one + part * (other - one)))
+        point_at(map, &boundary.points, row_value)
+    }
+
+    /// As [`value_at`](Self::value_at), of a limit.
+    #[must_use]
+    pub fn limit_at(
+        &self,
+        map: &DamageMap,
+        variant: usize,
+        limit: Limit,
+        row_value: f64,
+    ) -> Option<f64> {
+        let found = self.limits.iter();
+        let boundary = found
+            .into_iter()
+            .find(|it| it.variant == variant && it.limit == limit)?;
+        point_at(map, &boundary.points, row_value)
     }
 
     /// Whether a class holds in the whole row that is the nearest to a value on the axis of the rows.
@@ -132,11 +139,36 @@ impl RefinedMap {
     }
 }
 
-/// The rows of one variant that are known, per class.
-type Known = [Vec<(u64, RowBoundary)>; CLASSES];
+/// The value on the axis of the columns at any value on the axis of the rows, interpolated between points.
+pub(super) fn point_at(map: &DamageMap, points: &[BoundaryPoint], row_value: f64) -> Option<f64> {
+    let (rows, columns) = (Scale::of(map.rows())?, Scale::of(map.columns())?);
+    let wanted = rows.at(row_value);
+    let at = |point: &BoundaryPoint| map.rows().number(point.row).map(|it| rows.at(it));
+    let after = points
+        .iter()
+        .position(|point| at(point).is_some_and(|at| at >= wanted - 1e-9 * rows.extent()))?;
+    let second = &points[after];
+    let first = &points[after.saturating_sub(1)];
+    let (from, to) = (at(first)?, at(second)?);
+    if (to - wanted).abs() <= 1e-9 * rows.extent() {
+        return second.place.value();
+    }
+    if after == 0 {
+        return None;
+    }
+    let part = (wanted - from) / (to - from);
+    let [one, other] = [
+        columns.at(first.place.value()?),
+        columns.at(second.place.value()?),
+    ];
+    Some(columns.value(one + part * (other - one)))
+}
+
+/// The rows of one variant that are known, per event.
+type Known = [Vec<(u64, RowBoundary)>; EVENTS];
 
 /// What one job has found: for each class the boundary, and whether it is where it was expected.
-type Found = [Option<(RowBoundary, bool)>; CLASSES];
+type Found = [Option<(RowBoundary, bool)>; EVENTS];
 
 /// A row that was searched.
 struct Searched {
@@ -149,17 +181,17 @@ struct Searched {
 struct Job {
     variant: usize,
     row: u64,
-    /// What is expected of each class; `None`: nothing to find.
-    expected: [Option<Expected>; CLASSES],
-    /// Whether the whole row is scanned.
-    scan: bool,
+    /// What is expected of each event; `None`: nothing to find.
+    expected: [Option<Expected>; EVENTS],
+    /// Whether the whole row is scanned, and for which events.
+    scan: Option<[bool; EVENTS]>,
 }
 
 /// The boundaries of one variant while they are being traced.
 struct Trace {
     known: Known,
     /// Intervals of rows in which a boundary is not certain yet, per class.
-    open: [Vec<(u64, u64)>; CLASSES],
+    open: [Vec<(u64, u64)>; EVENTS],
 }
 
 impl DamageMap {
@@ -208,8 +240,13 @@ impl DamageMap {
             None => (0..=last).collect(),
             Some(_) => part_rows(last, SCANNED_INTERVALS),
         };
+        let sought: Vec<[bool; EVENTS]> = (0..traces.len()).map(|it| self.sought(it)).collect();
         let mut jobs: Vec<Job> = (0..traces.len())
-            .flat_map(|variant| scanned.iter().map(move |row| Job::scan(variant, *row)))
+            .flat_map(|variant| {
+                let sought = sought[variant];
+                let rows = scanned.iter();
+                rows.map(move |row| Job::scan(variant, *row, sought))
+            })
             .collect();
         let mut complete = true;
         let mut faults = Vec::new();
@@ -252,31 +289,49 @@ impl DamageMap {
             if rows.scale.is_none() {
                 break;
             }
-            if jobs.iter().any(|job| job.scan) {
+            if jobs.iter().any(|job| job.scan.is_some()) {
                 traces.iter_mut().for_each(Trace::open_all);
             }
             jobs = (traces.iter_mut().enumerate())
                 .flat_map(|(variant, trace)| trace.jobs(variant, &rows, &scale))
                 .collect();
         }
-        let boundaries = traces.into_iter().enumerate().flat_map(|(variant, trace)| {
-            SEVERITIES
-                .into_iter()
-                .zip(trace.known)
-                .map(move |(severity, known)| ClassBoundary {
-                    variant,
-                    severity,
-                    points: known
-                        .into_iter()
-                        .map(|(row, place)| BoundaryPoint { row, place })
-                        .collect(),
-                })
-        });
+        let (mut boundaries, mut limits) = (Vec::new(), Vec::new());
+        for (variant, trace) in traces.into_iter().enumerate() {
+            for (index, (event, known)) in Event::ALL.into_iter().zip(trace.known).enumerate() {
+                let point = |(row, place)| BoundaryPoint { row, place };
+                let points: Vec<_> = known.into_iter().map(point).collect();
+                match event {
+                    Event::Class(severity) => boundaries.push(ClassBoundary {
+                        variant,
+                        severity,
+                        points,
+                    }),
+                    Event::Limit(limit) if sought[variant][index] => limits.push(LimitBoundary {
+                        variant,
+                        limit,
+                        points,
+                    }),
+                    Event::Limit(_) => {}
+                }
+            }
+        }
         Ok(RefinedMap {
-            boundaries: boundaries.collect(),
+            boundaries,
+            limits,
             faults,
             responses: responses.into_inner(),
             complete,
+        })
+    }
+
+    /// Which events a variant can have.
+    fn sought(&self, variant: usize) -> [bool; EVENTS] {
+        let [web, base] = self.limits(variant);
+        Event::ALL.map(|event| match event {
+            Event::Class(_) => true,
+            Event::Limit(Limit::WebYields) => web,
+            Event::Limit(Limit::BaseFails) => base,
         })
     }
 }
@@ -310,37 +365,43 @@ impl RowScale<'_> {
 }
 
 impl Job {
-    fn scan(variant: usize, row: u64) -> Self {
+    fn scan(variant: usize, row: u64, sought: [bool; EVENTS]) -> Self {
         Self {
             variant,
             row,
-            expected: [None; CLASSES],
-            scan: true,
+            expected: [None; EVENTS],
+            scan: Some(sought),
         }
+    }
+
+    /// Whether an event is looked for in a scan.
+    fn scans(&self, event: usize) -> bool {
+        self.scan.is_some_and(|sought| sought[event])
     }
 
     /// What a row is that cannot be computed.
     fn infeasible(&self) -> Found {
-        self.expected.map(|expected| {
-            (expected.is_some() || self.scan).then_some((RowBoundary::Infeasible, false))
+        std::array::from_fn(|event| {
+            let is_sought = self.expected[event].is_some() || self.scans(event);
+            is_sought.then_some((RowBoundary::Infeasible, false))
         })
     }
 
     fn run(&self, row: &mut Row<'_>) -> Result<Searched, RefineError> {
         let rest = row.restrict()?.map(|fault| (fault, row.computed()));
-        let mut found = [None; CLASSES];
-        if self.scan {
+        let mut found = [None; EVENTS];
+        if self.scan.is_some() {
             row.scan()?;
         }
-        for (class, severity) in SEVERITIES.into_iter().enumerate() {
-            found[class] = match self.expected[class] {
-                Some(expected) => match row.expected(severity, expected)? {
+        for (index, event) in Event::ALL.into_iter().enumerate() {
+            found[index] = match self.expected[index] {
+                Some(expected) => match row.expected(event, expected)? {
                     (found, true) => Some((found, true)),
-                    (found, false) => Some((row.lowest_band(severity, found)?, false)),
+                    (found, false) => Some((row.lowest_band(event, found)?, false)),
                 },
-                None if self.scan => {
-                    let found = row.scanned(severity)?;
-                    Some((row.lowest_band(severity, found)?, false))
+                None if self.scans(index) => {
+                    let found = row.scanned(event)?;
+                    Some((row.lowest_band(event, found)?, false))
                 }
                 None => None,
             };
@@ -367,7 +428,7 @@ impl Trace {
             let known = &mut self.known[class];
             let place = known.partition_point(|(row, _)| *row < job.row);
             known.insert(place, (job.row, boundary));
-            if job.scan {
+            if job.scan.is_some() {
                 continue;
             }
             let (before, after) = (known[place - 1].0, known[place + 1].0);
@@ -416,8 +477,8 @@ impl Trace {
                         jobs.push(Job {
                             variant,
                             row,
-                            expected: [None; CLASSES],
-                            scan: false,
+                            expected: [None; EVENTS],
+                            scan: None,
                         });
                         jobs.len() - 1
                     }

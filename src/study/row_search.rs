@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::axis::{AxisValue, MapAxis};
 use super::critical::{CRITICAL_TOLERANCE, SEVERITIES};
 use super::map::DamageMap;
+use super::study_column::Glance;
 use crate::assessment::Severity;
 
 /// Intervals of the scan of a row whose axis is not logarithmic.
@@ -36,7 +37,7 @@ pub enum RowBoundary {
     Always,
     /// The severity is not reached in the row, as far as it was looked at.
     Never,
-    /// No impact of the row can be computed, such as those of a vehicle with less than its front masses, or one between others
+    /// No impact of the row can be computed, such as those of a column that cannot bear its load, or one between others
     /// that can.
     Infeasible,
 }
@@ -80,6 +81,68 @@ pub enum RefineError {
 impl From<rayon::ThreadPoolBuildError> for RefineError {
     fn from(error: rayon::ThreadPoolBuildError) -> Self {
         Self::Threads(error.to_string())
+    }
+}
+
+/// Something other than a class of severity that has a boundary in a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// The web of a bar yields in shear.
+    WebYields,
+    /// The connection of the base fails: its utilisation exceeds 1.
+    BaseFails,
+}
+
+impl Limit {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::WebYields, Self::BaseFails];
+
+    /// Its name in files: `web_yields` or `base_fails`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WebYields => "web_yields",
+            Self::BaseFails => "base_fails",
+        }
+    }
+
+    /// Its name for people.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::WebYields => "web yields in shear",
+            Self::BaseFails => "base connection fails",
+        }
+    }
+}
+
+/// What has a boundary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Event {
+    /// The severity is at least that of a class.
+    Class(Severity),
+    Limit(Limit),
+}
+
+impl Event {
+    /// Every one: the classes, then the limits.
+    pub const ALL: [Self; SEVERITIES.len() + Limit::ALL.len()] = [
+        Self::Class(SEVERITIES[0]),
+        Self::Class(SEVERITIES[1]),
+        Self::Class(SEVERITIES[2]),
+        Self::Class(SEVERITIES[3]),
+        Self::Limit(Limit::ALL[0]),
+        Self::Limit(Limit::ALL[1]),
+    ];
+
+    /// Whether an impact leads to it.
+    pub fn holds(self, glance: Glance) -> bool {
+        match self {
+            Self::Class(severity) => glance.severity >= severity,
+            Self::Limit(Limit::WebYields) => glance.web_yields,
+            Self::Limit(Limit::BaseFails) => glance.base_fails,
+        }
     }
 }
 
@@ -136,7 +199,7 @@ impl Scale {
     }
 }
 
-/// The severities that are known in a row, by their place on the scale, ascending.
+/// The impacts that are known in a row, by their place on the scale, ascending.
 pub(super) struct Row<'a> {
     pub(super) map: &'a DamageMap,
     /// Responses of all rows.
@@ -147,7 +210,7 @@ pub(super) struct Row<'a> {
     ends: [f64; 2],
     variant: usize,
     row: u64,
-    known: Vec<(f64, Severity)>,
+    known: Vec<(f64, Glance)>,
 }
 
 /// What a map is asked about one of its impacts: its variant, the numbers of its row and column if it is a cell, and its values.
@@ -173,17 +236,17 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The severity at a place, computed unless it is known.
-    fn severity(&mut self, at: f64) -> Result<Severity, RefineError> {
+    /// What the impact at a place leads to, computed unless it is known.
+    fn glance(&mut self, at: f64) -> Result<Glance, RefineError> {
         let at = at.clamp(self.ends[0], self.ends[1]);
         let place = self.known.partition_point(|(known, _)| *known < at);
-        if let Some((_, severity)) = self.known.get(place).filter(|(known, _)| *known == at) {
-            return Ok(*severity);
+        if let Some((_, glance)) = self.known.get(place).filter(|(known, _)| *known == at) {
+            return Ok(*glance);
         }
-        let severity = self.at(at, DamageMap::severity)?;
+        let glance = self.at(at, DamageMap::glance)?;
         self.responses.fetch_add(1, Ordering::Relaxed);
-        self.known.insert(place, (at, severity));
-        Ok(severity)
+        self.known.insert(place, (at, glance));
+        Ok(glance)
     }
 
     /// Asks the map about the impact at a place.
@@ -200,8 +263,8 @@ impl<'a> Row<'a> {
         })
     }
 
-    /// Restricts the row to the part that can be computed, which is taken to be in one piece: no vehicle weighs less than its
-    /// front masses, for example. Returns why the rest cannot be computed, if there is a rest.
+    /// Restricts the row to the part that can be computed, which is taken to be in one piece: no column bears more than its
+    /// section does, for example. Returns why the rest cannot be computed, if there is a rest.
     ///
     /// # Errors
     /// No place of a scan can be computed.
@@ -257,23 +320,26 @@ impl<'a> Row<'a> {
         })
     }
 
+    /// Whether the event occurs at a place.
+    fn holds(&mut self, event: Event, at: f64) -> Result<bool, RefineError> {
+        Ok(event.holds(self.glance(at)?))
+    }
+
     /// Goes through the whole row until every class has changed.
     pub(super) fn scan(&mut self) -> Result<(), RefineError> {
         for place in self.scan_places() {
-            self.severity(place)?;
-            if SEVERITIES
-                .iter()
-                .all(|severity| self.first_change(*severity).is_some())
-            {
+            self.glance(place)?;
+            let has_changed = |severity| self.first_change(Event::Class(severity)).is_some();
+            if SEVERITIES.into_iter().all(has_changed) {
                 break;
             }
         }
         Ok(())
     }
 
-    /// The known places around the first change of a class.
-    fn first_change(&self, severity: Severity) -> Option<[f64; 2]> {
-        let holds = |place: &(f64, Severity)| place.1 >= severity;
+    /// The known places around the first change of an event.
+    fn first_change(&self, event: Event) -> Option<[f64; 2]> {
+        let holds = |place: &(f64, Glance)| event.holds(place.1);
         let first = holds(self.known.first()?);
         let at = self.known.iter().position(|place| holds(place) != first)?;
         Some([self.known[at - 1].0, self.known[at].0])
@@ -282,14 +348,14 @@ impl<'a> Row<'a> {
     /// Halves a bracket until it is narrow enough.
     fn narrowed(
         &mut self,
-        severity: Severity,
+        event: Event,
         [mut below, mut at]: [f64; 2],
     ) -> Result<RowBoundary, RefineError> {
-        let first = self.severity(below)? >= severity;
+        let first = self.holds(event, below)?;
         // Places that are known already narrow it first.
         for (known, found) in &self.known {
             if *known > below && *known < at {
-                if (*found >= severity) == first {
+                if event.holds(*found) == first {
                     below = *known;
                 } else {
                     at = *known;
@@ -299,7 +365,7 @@ impl<'a> Row<'a> {
         }
         while at - below > self.scale.tolerance() {
             let middle = 0.5 * (below + at);
-            if (self.severity(middle)? >= severity) == first {
+            if self.holds(event, middle)? == first {
                 below = middle;
             } else {
                 at = middle;
@@ -312,6 +378,11 @@ impl<'a> Row<'a> {
         })
     }
 
+    /// The place of a value on the axis of the columns.
+    pub(super) fn place(&self, value: f64) -> f64 {
+        self.scale.at(value)
+    }
+
     /// The value at a place; the ends are those of the axis to the last bit.
     pub(super) fn value(&self, at: f64) -> f64 {
         let ends = self.map.columns().ends().unwrap_or_default();
@@ -322,10 +393,10 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The lowest band of a class below a boundary that was found, or else this boundary.
+    /// The lowest band of an event below a boundary that was found, or else this boundary.
     pub(super) fn lowest_band(
         &mut self,
-        severity: Severity,
+        event: Event,
         mut found: RowBoundary,
     ) -> Result<RowBoundary, RefineError> {
         let step = 2.0 * self.scale.tolerance();
@@ -342,7 +413,7 @@ impl<'a> Row<'a> {
                 if at <= self.ends[0] {
                     break;
                 }
-                if self.severity(at)? >= severity {
+                if self.holds(event, at)? {
                     lower = Some(at);
                     break;
                 }
@@ -353,37 +424,41 @@ impl<'a> Row<'a> {
             };
             // The places that were probed above it do not have the class; a place below it has not, either, sooner or later.
             let (mut below, mut upper) = (at - step, at);
-            while below > self.ends[0] && self.severity(below)? >= severity {
+            while below > self.ends[0] && self.holds(event, below)? {
                 (below, upper) = (below - step, below);
             }
             let below = below.max(self.ends[0]);
-            if self.severity(below)? >= severity {
+            if self.holds(event, below)? {
                 return Ok(RowBoundary::Always);
             }
-            found = self.narrowed(severity, [below, upper])?;
+            found = self.narrowed(event, [below, upper])?;
         }
         Ok(found)
     }
 
-    /// The boundary of a class in a row that was scanned.
-    pub(super) fn scanned(&mut self, severity: Severity) -> Result<RowBoundary, RefineError> {
-        match self.first_change(severity) {
-            Some(bracket) => self.narrowed(severity, bracket),
-            None => self.unchanged(severity, self.ends[0]),
+    /// The boundary of an event in a row that was scanned.
+    pub(super) fn scanned(&mut self, event: Event) -> Result<RowBoundary, RefineError> {
+        // The scan has ended with the classes; a limit may lie beyond.
+        if matches!(event, Event::Limit(_)) && self.first_change(event).is_none() {
+            self.glance(self.ends[1])?;
+        }
+        match self.first_change(event) {
+            Some(bracket) => self.narrowed(event, bracket),
+            None => self.unchanged(event, self.ends[0]),
         }
     }
 
-    fn unchanged(&mut self, severity: Severity, at: f64) -> Result<RowBoundary, RefineError> {
-        Ok(match self.severity(at)? >= severity {
+    fn unchanged(&mut self, event: Event, at: f64) -> Result<RowBoundary, RefineError> {
+        Ok(match self.holds(event, at)? {
             true => RowBoundary::Always,
             false => RowBoundary::Never,
         })
     }
 
-    /// The boundary of a class where the rows beside this one let expect it; also whether it is there.
+    /// The boundary of an event where the rows beside this one let expect it; also whether it is there.
     pub(super) fn expected(
         &mut self,
-        severity: Severity,
+        event: Event,
         expected: Expected,
     ) -> Result<(RowBoundary, bool), RefineError> {
         let [low, high] = self.ends;
@@ -391,7 +466,7 @@ impl<'a> Row<'a> {
             // Where neither row beside has a boundary, the end at which it would come in is enough.
             Expected::Unchanged(holds) => {
                 let end = if holds { low } else { high };
-                let found = self.unchanged(severity, end)?;
+                let found = self.unchanged(event, end)?;
                 if (found == RowBoundary::Always) == holds {
                     return Ok((found, true));
                 }
@@ -400,37 +475,37 @@ impl<'a> Row<'a> {
             Expected::Near { centre, rising } => (centre, rising, false),
             Expected::At { centre, rising } => (centre, rising, true),
         };
-        let holds_below = |severity_found: Severity| (severity_found >= severity) != rising;
+        let holds_below = |glance: Glance| event.holds(glance) != rising;
         let half = 0.499 * self.scale.tolerance();
         let (mut below, mut at) = ((centre - half).max(low), (centre + half).min(high));
         let mut step = 4.0 * half;
-        let is_left = holds_below(self.severity(below)?);
-        let is_right = !holds_below(self.severity(at)?);
+        let is_left = holds_below(self.glance(below)?);
+        let is_right = !holds_below(self.glance(at)?);
         if is_left && is_right {
-            let boundary = self.narrowed(severity, [below, at])?;
+            let boundary = self.narrowed(event, [below, at])?;
             return Ok((boundary, is_certain));
         }
         // The bracket grows towards the side where the boundary must be.
         if is_left {
-            while holds_below(self.severity(at)?) {
+            while holds_below(self.glance(at)?) {
                 if at >= high {
-                    return Ok((self.unchanged(severity, high)?, false));
+                    return Ok((self.unchanged(event, high)?, false));
                 }
                 below = at;
                 at = (at + step).min(high);
                 step *= 3.0;
             }
         } else {
-            while !holds_below(self.severity(below)?) {
+            while !holds_below(self.glance(below)?) {
                 if below <= low {
-                    return Ok((self.unchanged(severity, low)?, false));
+                    return Ok((self.unchanged(event, low)?, false));
                 }
                 at = below;
                 below = (below - step).max(low);
                 step *= 3.0;
             }
         }
-        Ok((self.narrowed(severity, [below, at])?, false))
+        Ok((self.narrowed(event, [below, at])?, false))
     }
 }
 

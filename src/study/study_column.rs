@@ -69,6 +69,8 @@ pub struct StudyColumn {
     /// The column at rest, as each impact finds it.
     rest: State,
     assessment: PreparedAssessment,
+    /// The parameters with the nominal strength of the steel, where these have the largest one that it may have.
+    nominal: Option<Arc<Parameters>>,
     /// The same column before the bumpers of other vehicles, by their height, once an impact has needed them.
     before_bumpers: Arc<Mutex<Vec<BeforeBumper>>>,
     /// The same column where other vehicles strike it, by the height of the impact point, once an impact has needed them.
@@ -98,6 +100,32 @@ pub struct Screening {
     pub capacity_reserve: Option<f64>,
     /// Largest plastic rotation, of hinges 1a and 1b together \[rad\].
     pub max_plastic_rotation: f64,
+    /// Largest plastic shear angle of the web of a bar \[rad\]; above 0 the web has yielded in shear.
+    pub max_plastic_shear: f64,
+    /// Largest utilisation of the base by shear, moment or uplift, with the overstrength of the column; above 1 the connection
+    /// fails. `None` where it is not known.
+    pub base_utilisation: Option<f64>,
+}
+
+/// What a search for boundaries needs to know of an impact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Glance {
+    /// What has to be done.
+    pub severity: Severity,
+    /// Whether the web of a bar yields in shear.
+    pub web_yields: bool,
+    /// Whether the connection of the base fails.
+    pub base_fails: bool,
+}
+
+impl From<&Screening> for Glance {
+    fn from(screening: &Screening) -> Self {
+        Self {
+            severity: screening.severity,
+            web_yields: screening.max_plastic_shear > 0.0,
+            base_fails: screening.base_utilisation.is_some_and(|it| it > 1.0),
+        }
+    }
 }
 
 /// Why a study cannot be computed.
@@ -149,9 +177,34 @@ impl StudyColumn {
             stepwise_model: StudyModel::stepwise(model),
             rest,
             assessment,
+            nominal: None,
             before_bumpers: Arc::default(),
             struck_elsewhere: Arc::default(),
         })
+    }
+
+    /// The same column, whose steel has the largest strength that it may have; `nominal` are its parameters with the nominal one.
+    /// Forces into the base contain the overstrength then.
+    #[must_use]
+    pub fn with_overstrength(mut self, nominal: Arc<Parameters>) -> Self {
+        self.assessment = self.assessment.with_overstrength(&nominal);
+        self.nominal = Some(nominal);
+        self
+    }
+
+    /// Another column, with the overstrength of this one.
+    fn with_own_strength(&self, other: Self) -> Self {
+        match &self.nominal {
+            Some(nominal) => other.with_overstrength(Arc::clone(nominal)),
+            None => other,
+        }
+    }
+
+    /// Whether the web of a bar can yield in shear, and whether the base is checked.
+    #[must_use]
+    pub fn limits(&self) -> [bool; 2] {
+        let web = self.model.properties.shear.is_some();
+        [web, self.assessment.has_base()]
     }
 
     /// The column before the bumper of this impact, where that is another than the one for which this column was prepared.
@@ -183,7 +236,8 @@ impl StudyColumn {
             true => carried,
             false => residual_state(&model, &carried).ok_or(StudyError::NoEquilibrium)?,
         };
-        let column = Arc::new(Self::at_rest(&self.parameters, model, rest)?);
+        let column = Self::at_rest(&self.parameters, model, rest)?;
+        let column = Arc::new(self.with_own_strength(column));
         lock().push((wanted, Arc::clone(&column)));
         Ok(Some(column))
     }
@@ -211,7 +265,7 @@ impl StudyColumn {
         let Some(there) = there.map_err(StudyError::ImpactPoint)? else {
             return Ok(None);
         };
-        let column = Arc::new(Self::virgin(&there)?);
+        let column = Arc::new(self.with_own_strength(Self::virgin(&there)?));
         lock().push((height, Arc::clone(&column)));
         Ok(Some(column))
     }
@@ -231,7 +285,7 @@ impl StudyColumn {
     /// that of the parameters theirs. Gap and restitution are those of the parameters; the velocity is in m/s.
     ///
     /// # Errors
-    /// A vehicle that is not known, or a mass that leaves nothing for its rearmost mass.
+    /// A vehicle that is not known, or a mass that is not a finite number > 0.
     pub fn impact(
         &self,
         vehicle: Option<&str>,
@@ -291,17 +345,40 @@ impl StudyColumn {
     /// # Errors
     /// As [`screen`](Self::screen).
     pub fn severity(&self, impact: &Impact) -> Result<Severity, StudyError> {
+        Ok(self.glance(impact)?.severity)
+    }
+
+    /// As [`severity`](Self::severity), also whether a web yields in shear and whether the base fails, from the same response. Of
+    /// a column that collapses or tears these are as far as it was followed.
+    ///
+    /// # Errors
+    /// As [`screen`](Self::screen).
+    pub fn glance(&self, impact: &Impact) -> Result<Glance, StudyError> {
         if let Some(column) = self.before(impact)? {
-            return column.severity(impact);
+            return column.glance(impact);
         }
         if self.has_long_steps()
             && let Ok(quick) = self.respond_with(&self.study_model, impact)
-            && let Some(severity) = self.certain_severity(impact, &quick)?
         {
-            return Ok(severity);
+            let response = AssessedResponse {
+                outcome: quick.outcome,
+                plastic_rotation: quick.plastic_rotation,
+                plastic_shear: quick.plastic_shear,
+                residual_v1: quick.rest.map(|rest| rest.displacement.v1),
+                max_v1: quick.max_v1,
+                base: quick.base,
+            };
+            if let Some(severity) = self.certain_severity(impact, &quick, &response)? {
+                let base = self.assessment.base_utilisation(&response);
+                return Ok(Glance {
+                    severity,
+                    web_yields: largest_shear(&response) > 0.0,
+                    base_fails: base.is_some_and(|it| it > 1.0),
+                });
+            }
         }
         let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
-        Ok(screening.severity)
+        Ok(Glance::from(&screening))
     }
 
     /// Whether there are responses in long steps: the paper's scheme has none, and their bounds were found on virgin columns.
@@ -315,6 +392,7 @@ impl StudyColumn {
         &self,
         impact: &Impact,
         quick: &StudyResponse,
+        response: &AssessedResponse,
     ) -> Result<Option<Severity>, StudyError> {
         let at_limit = match quick.outcome {
             Outcome::Collapsed | Outcome::Severed => return Ok(Some(Severity::Evacuate)),
@@ -327,16 +405,8 @@ impl StudyColumn {
         else {
             return Ok(None);
         };
-        let response = AssessedResponse {
-            outcome: quick.outcome,
-            plastic_rotation: quick.plastic_rotation,
-            plastic_shear: quick.plastic_shear,
-            residual_v1: Some(rest.displacement.v1),
-            max_v1: quick.max_v1,
-            base: quick.base,
-        };
         let assessment = &self.assessment;
-        Ok(assessment.severity(&self.model, impact, &response, &rest, NEAR_LIMIT)?)
+        Ok(assessment.severity(&self.model, impact, response, &rest, NEAR_LIMIT)?)
     }
 
     /// The response, which ends as soon as nothing can change any more.
@@ -409,6 +479,8 @@ impl StudyColumn {
             capacity_ratio: remaining.ratio,
             capacity_reserve: remaining.reserve,
             max_plastic_rotation: largest_plastic_rotation(&response.plastic_rotation),
+            max_plastic_shear: largest_shear(response),
+            base_utilisation: self.assessment.base_utilisation(response),
         };
         Ok((screening, verdict.least_margin))
     }
@@ -452,6 +524,12 @@ enum Certainty {
 fn largest_flow(response: &StudyResponse) -> f64 {
     let webs = response.plastic_shear.map(f64::abs).into_iter();
     webs.fold(largest(&response.plastic_rotation), f64::max)
+}
+
+/// The largest absolute plastic shear angle of a web \[rad\].
+fn largest_shear(response: &AssessedResponse) -> f64 {
+    let angles = response.plastic_shear.iter().map(|angle| angle.abs());
+    angles.fold(0.0, f64::max)
 }
 
 /// The largest absolute plastic rotation \[rad\].

@@ -177,7 +177,7 @@ impl ColumnSnapshot {
     /// number checked against the one table.
     ///
     /// # Errors
-    /// The vehicle is unknown, or lighter than its front masses; all numbers that are not finite or out of range; the vehicle
+    /// The vehicle is unknown; all numbers that are not finite or out of range; the vehicle
     /// is too far away.
     pub(super) fn complete(
         &self,

@@ -352,7 +352,6 @@ impl ViewerStream {
         let vehicle = mass.map(|mass| [mass, first.impactor_velocity]);
         if let Some([mass, velocity]) = vehicle.filter(|it| self.predicted != Some(*it)) {
             self.predicted = vehicle;
-            // A mass that leaves nothing for the rear of the vehicle is that of another one.
             let springs = self.drawing.springs.map(|it| it.with_total_mass(mass));
             let impact = Impact {
                 mass,

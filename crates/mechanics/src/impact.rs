@@ -36,7 +36,7 @@ impl ImpactSpecification {
     /// point does not enter: it belongs to the column model.
     ///
     /// # Errors
-    /// A mass that leaves nothing for the rearmost mass of the vehicle.
+    /// A vehicle whose mass is not a finite number > 0.
     pub fn complete(
         &self,
         defaults: &Impact,

@@ -160,17 +160,11 @@ pub enum VehicleError {
         /// Its slack \[m\].
         found: f64,
     },
-    /// A total mass that leaves nothing for the rearmost mass.
-    #[error(
-        "the vehicle weighs {} kg in total, but its front masses alone weigh {front} kg; \
-         expected a total above that",
-        Readable(*.total)
-    )]
-    LighterThanFront {
+    /// A total mass that is not a finite number > 0.
+    #[error("the vehicle weighs {} kg in total; expected a finite number > 0", Readable(*.found))]
+    TotalMass {
         /// The total \[kg\].
-        total: f64,
-        /// All masses but the rearmost \[kg\].
-        front: f64,
+        found: f64,
     },
     /// More crushes than springs.
     #[error(
@@ -463,21 +457,33 @@ impl Vehicle {
         self.masses().iter().sum()
     }
 
-    /// The vehicle with another total mass \[kg\]: the rearmost mass takes the difference.
+    /// The vehicle with another total mass \[kg\], as another one of its kind: every mass keeps its share of the total, and the
+    /// springs between the masses scale with them, so that a load gives way at the same deceleration. The spring in front of
+    /// the first mass stays as it is; [`with_force_factor`](Self::with_force_factor) scales that one.
     ///
     /// # Errors
-    /// A total that is not above the sum of the other masses.
+    /// A total that is not a finite number > 0.
     pub fn with_total_mass(mut self, total: f64) -> Result<Self, VehicleError> {
-        let rear = self.count - 1;
-        let front: f64 = self.masses[..rear].iter().sum();
-        if !(total.is_finite() && total > front) {
-            return Err(VehicleError::LighterThanFront { total, front });
+        if !(total.is_finite() && total > 0.0) {
+            return Err(VehicleError::TotalMass { found: total });
         }
-        // A total that is the vehicle's own leaves its masses as they are, to the last bit.
-        if total != self.total_mass() {
-            self.masses[rear] = total - front;
+        let own = self.total_mass();
+        // A total that is the vehicle's own leaves it as it is, to the last bit.
+        if total == own {
+            return Ok(self);
         }
-        Ok(self)
+        let Some((rear, front)) = self.masses[..self.count].split_last_mut() else {
+            return Ok(self);
+        };
+        let factor = total / own;
+        front.iter_mut().for_each(|mass| *mass *= factor);
+        // The rearmost mass is what is left, so that the masses add up to the total.
+        *rear = total - front.iter().sum::<f64>();
+        for spring in &mut self.springs[1..self.count] {
+            spring.envelope = spring.envelope.scaled(factor);
+            spring.unloading_stiffness *= factor;
+        }
+        Self::new(self.masses(), self.springs())
     }
 
     /// The vehicle with all forces of its front spring times `factor`; its unloading stiffness scales with them.
@@ -647,17 +653,40 @@ mod tests {
         assert!((found - envelope.force(1.5)).abs() < 1e-6, "{found}");
     }
 
+    /// Of 16 t, a lorry of 8 t with 2.5 t behind a lashing of 400 kN has 5 t behind 800 kN, which is 16 g either way.
     #[test]
-    fn the_rearmost_mass_takes_the_difference_of_the_total() {
-        let spring = mid_car().springs()[0];
-        let lorry = Vehicle::new(&[5500.0, 2500.0], &[spring, spring]).expect("a vehicle");
-        let heavier = lorry.with_total_mass(9000.0).expect("a vehicle");
-        assert_eq!(heavier.masses(), [5500.0, 3500.0]);
+    fn load_and_lashing_scale_with_the_total_mass() {
+        let front = mid_car().springs()[0];
+        let lashing = CrushSpring {
+            envelope: CrushCurve::new(&[[0.4 / 3.0, 400e3], [1.0, 400e3]]).expect("a curve"),
+            unloading_stiffness: 3e6,
+            slack: 0.02,
+        };
+        let lorry = Vehicle::new(&[5500.0, 2500.0], &[front, lashing]).expect("a vehicle");
         assert_eq!(lorry.with_total_mass(8000.0), Ok(lorry));
-        let error = lorry.with_total_mass(5500.0).expect_err("too light");
+        let heavier = lorry.with_total_mass(16_000.0).expect("a vehicle");
+        assert_eq!(heavier.masses(), [11_000.0, 5000.0]);
+        let [same_front, stronger] = heavier.springs() else {
+            panic!("{heavier:?}");
+        };
+        assert_eq!(*same_front, front);
+        assert_eq!(stronger.envelope.force(0.5), 800e3);
+        assert_eq!(stronger.unloading_stiffness, 6e6);
+        assert_eq!(stronger.slack, 0.02);
+        // Lighter than the cab and frame of the lorry of 8 t.
+        let lighter = lorry.with_total_mass(4000.0).expect("a vehicle");
+        assert_eq!(lighter.masses(), [2750.0, 1250.0]);
+        assert_eq!(lighter.springs()[1].envelope.force(0.5), 200e3);
+        for total in [0.3, 7999.0, 8000.1, 36_300.7] {
+            let other = lorry.with_total_mass(total).expect("a vehicle");
+            assert!((other.total_mass() / total - 1.0).abs() < 1e-15);
+            let deceleration = other.springs()[1].envelope.force(0.5) / other.masses()[1];
+            assert!((deceleration / 160.0 - 1.0).abs() < 1e-12, "{total}");
+        }
+        let error = lorry.with_total_mass(0.0).expect_err("no mass");
         assert_eq!(
             error.to_string(),
-            "the vehicle weighs 5500 kg in total, but its front masses alone weigh 5500 kg; expected a total above that"
+            "the vehicle weighs 0 kg in total; expected a finite number > 0"
         );
     }
 

@@ -47,6 +47,7 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
             .set("laws", law)
             .map_err(|reason| fault::input(reason.to_string()))?;
     }
+    let scenario = scenario.for_column(parameters);
     let column = RiskColumn::new(parameters, &scenario).map_err(|reason| {
         fault::input(format!("this column and scenario make no study: {reason}"))
     })?;

@@ -52,6 +52,10 @@ pub struct MapArgs {
     /// Compute only the boundaries of the classes, to 1 %, with a small part of the responses
     #[arg(long, conflicts_with = "shard")]
     refine: bool,
+    /// Compute between which values each boundary lies if what is not known exactly differs, as the range of a verdict does; with
+    /// --refine in the files, otherwise in figures alone
+    #[arg(long, conflicts_with = "shard")]
+    pub bands: bool,
     /// Compute one of several contiguous parts of the map, such as 3/16, for batch systems
     #[arg(long, value_name = "PART/PARTS")]
     pub shard: Option<String>,
@@ -124,8 +128,7 @@ impl MapArgs {
             match number_or_axis(name, text, example)? {
                 NumberOrAxis::Number(number) => numbers[place] = Some(number),
                 NumberOrAxis::Axis(axis) => {
-                    // The impact of the parameters has to be admissible, too: a rigid mass has none of its own, and a vehicle
-                    // weighs more than its front masses.
+                    // The impact of the parameters has to be admissible, too: a rigid mass has none of its own.
                     if place < 4 {
                         numbers[place] = axis.number(axis.len() - 1);
                     }

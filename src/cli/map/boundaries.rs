@@ -2,10 +2,12 @@
 
 use std::fmt::Write as _;
 
+use column_twin::assessment::Assumption;
 use column_twin::figures::units::significant;
 use column_twin::report::short;
 use column_twin::study::{
-    AxisValue, ColumnKind, DamageMap, RefinedMap, RowBoundary, SEVERITIES, TableColumn, TableValue,
+    AxisValue, ColumnKind, DamageMap, Limit, MapBands, RefinedMap, RowBoundary, SEVERITIES,
+    TableColumn, TableValue,
 };
 
 use super::summary::{shown_unit, with_km_h};
@@ -34,7 +36,13 @@ pub(super) fn boundary_columns(map: &DamageMap) -> Vec<TableColumn> {
             "severity".into(),
             text,
             "",
-            "the class that is reached at the boundary",
+            "the class that is reached at the boundary; missing at the line of a limit",
+        ),
+        column(
+            "limit".into(),
+            text,
+            "",
+            "web_yields: the web of a bar yields in shear; base_fails: the connection of the base fails; missing at a class",
         ),
         column(rows.column_name(), row_kind, rows.unit(), "the row"),
         column(
@@ -56,6 +64,30 @@ pub(super) fn boundary_columns(map: &DamageMap) -> Vec<TableColumn> {
             "upper value of the bracket",
         ),
         column(
+            format!("band_low_{along}"),
+            number,
+            columns.unit(),
+            "lowest value within the ranges of the assumptions, with --bands in some rows",
+        ),
+        column(
+            format!("band_high_{along}"),
+            number,
+            columns.unit(),
+            "highest value within the ranges of the assumptions",
+        ),
+        column(
+            "band_low_by".into(),
+            text,
+            "",
+            "the assumption that leads to the lowest value",
+        ),
+        column(
+            "band_high_by".into(),
+            text,
+            "",
+            "the assumption that leads to the highest value",
+        ),
+        column(
             "fault".into(),
             text,
             "",
@@ -64,46 +96,124 @@ pub(super) fn boundary_columns(map: &DamageMap) -> Vec<TableColumn> {
     ]
 }
 
-/// Hands every row of the table to `write`.
+/// Hands every row of the table to `write`: the boundaries of the classes, then the lines of the limits.
 pub(super) fn boundary_rows<E>(
     map: &DamageMap,
     refined: &RefinedMap,
+    bands: Option<&MapBands>,
     mut write: impl FnMut(&[TableValue<'_>]) -> Result<(), E>,
 ) -> Result<(), E> {
-    for boundary in &refined.boundaries {
-        for point in &boundary.points {
-            let (kind, below, at) = match point.place {
-                RowBoundary::Between {
-                    below,
-                    at,
-                    rising: true,
-                } => ("rising", Some(below), Some(at)),
-                RowBoundary::Between {
-                    below,
-                    at,
-                    rising: false,
-                } => ("falling", Some(below), Some(at)),
-                RowBoundary::Always => ("always", None, None),
-                RowBoundary::Never => ("never", None, None),
-                RowBoundary::Infeasible => ("infeasible", None, None),
-            };
-            let fault = (refined.faults.iter())
-                .find(|it| (it.variant, it.row) == (boundary.variant, point.row));
-            write(&[
-                TableValue::Text(Some(&map.variants()[boundary.variant].label)),
-                TableValue::Text(Some(boundary.severity.name())),
-                match map.rows().value(point.row) {
-                    AxisValue::Number(number) => TableValue::Number(Some(number)),
-                    AxisValue::Name(name) => TableValue::Text(Some(name)),
-                },
-                TableValue::Text(Some(kind)),
-                TableValue::Number(below),
-                TableValue::Number(at),
-                TableValue::Text(fault.map(|it| it.reason.as_str())),
-            ])?;
-        }
+    let classes = refined.boundaries.iter().flat_map(|boundary| {
+        let of = (boundary.variant, Some(boundary.severity), None);
+        boundary.points.iter().map(move |point| (of, point))
+    });
+    let limits = refined.limits.iter().flat_map(|boundary| {
+        let of = (boundary.variant, None, Some(boundary.limit));
+        boundary.points.iter().map(move |point| (of, point))
+    });
+    for ((variant, severity, limit), point) in classes.chain(limits) {
+        let (kind, below, at) = match point.place {
+            RowBoundary::Between {
+                below,
+                at,
+                rising: true,
+            } => ("rising", Some(below), Some(at)),
+            RowBoundary::Between {
+                below,
+                at,
+                rising: false,
+            } => ("falling", Some(below), Some(at)),
+            RowBoundary::Always => ("always", None, None),
+            RowBoundary::Never => ("never", None, None),
+            RowBoundary::Infeasible => ("infeasible", None, None),
+        };
+        let fault = (refined.faults.iter()).find(|it| (it.variant, it.row) == (variant, point.row));
+        let band = bands
+            .zip(severity)
+            .and_then(|(bands, severity)| bands.in_row(variant, severity, point.row));
+        let by = |by: Option<Assumption>| TableValue::Text(by.map(Assumption::name));
+        write(&[
+            TableValue::Text(Some(&map.variants()[variant].label)),
+            TableValue::Text(severity.map(|it| it.name())),
+            TableValue::Text(limit.map(Limit::name)),
+            match map.rows().value(point.row) {
+                AxisValue::Number(number) => TableValue::Number(Some(number)),
+                AxisValue::Name(name) => TableValue::Text(Some(name)),
+            },
+            TableValue::Text(Some(kind)),
+            TableValue::Number(below),
+            TableValue::Number(at),
+            TableValue::Number(band.map(|it| it.low)),
+            TableValue::Number(band.map(|it| it.high)),
+            by(band.and_then(|it| it.low_by)),
+            by(band.and_then(|it| it.high_by)),
+            TableValue::Text(fault.map(|it| it.reason.as_str())),
+        ])?;
     }
     Ok(())
+}
+
+/// The bands in the rows in which they were computed, for people.
+pub(super) fn show_bands(map: &DamageMap, bands: &MapBands) -> String {
+    let (rows, columns) = (map.rows().quantity(), map.columns().quantity());
+    let unit = |unit: &str| match unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    };
+    let words = |all: &[Assumption]| {
+        let names: Vec<_> = all.iter().map(|it| it.name()).collect();
+        names.join(", ")
+    };
+    let mut text = format!(
+        "Bands of the boundaries: {}{}, with one of these changed at a time to the ends of its range: {}; {} responses\n",
+        columns.name(),
+        unit(columns.unit()),
+        words(&bands.varied),
+        bands.responses,
+    );
+    let ends = map.columns().ends().unwrap_or([f64::NAN; 2]);
+    // A band that reaches an end of the axis may go on.
+    let end = |value: f64| match value {
+        value if value >= ends[1] => format!("> {}", short(ends[1])),
+        value if value <= ends[0] => format!("<= {}", short(ends[0])),
+        value => significant(value, 3),
+    };
+    let head = format!("{}{}", rows.name(), unit(rows.unit()));
+    let _ = write!(text, "  {head:<24}");
+    for severity in SEVERITIES {
+        let _ = write!(text, "{:>18}", severity.name());
+    }
+    text.push('\n');
+    for (variant, it) in map.variants().iter().enumerate() {
+        if map.variants().len() > 1 {
+            let _ = writeln!(text, "{}", it.label);
+        }
+        let of_variant: Vec<_> = (bands.bands.iter())
+            .filter(|it| it.variant == variant)
+            .collect();
+        let first = of_variant.first().map_or(&[][..], |it| &it.points);
+        for point in first {
+            let value = match map.rows().value(point.row) {
+                AxisValue::Number(number) => short(number),
+                AxisValue::Name(name) => name.to_owned(),
+            };
+            let _ = write!(text, "  {value:<24}");
+            for severity in SEVERITIES {
+                let band = bands.in_row(variant, severity, point.row);
+                let shown = band.map_or(String::new(), |it| match it.low >= ends[1] {
+                    true => end(it.low),
+                    false => format!("{} to {}", end(it.low), end(it.high)),
+                });
+                let _ = write!(text, "{shown:>18}");
+            }
+            text.push('\n');
+        }
+    }
+    for (assumption, reason) in &bands.not_varied {
+        let _ = writeln!(text, "  not changed: {}: {reason}", assumption.name());
+    }
+    text.push('\n');
+    text
 }
 
 /// The boundaries in the rows that were computed for every class, at most nine of them.
@@ -122,6 +232,9 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
     let _ = write!(text, "  {head:<24}");
     for severity in SEVERITIES {
         let _ = write!(text, "{:>14}", severity.name());
+    }
+    for limit in Limit::ALL {
+        let _ = write!(text, "{:>14}", limit.name().replace('_', " "));
     }
     text.push('\n');
     for (variant, it) in map.variants().iter().enumerate() {
@@ -157,13 +270,20 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
                 AxisValue::Name(name) => name.to_owned(),
             };
             let _ = write!(text, "  {value:<24}");
-            for class in 0..SEVERITIES.len() {
+            let of_limit = |limit: Limit| {
+                let mut limits = refined.limits.iter();
+                let boundary = limits.find(|it| (it.variant, it.limit) == (variant, limit))?;
+                let point = boundary.points.iter().find(|point| point.row == row);
+                point.map(|point| point.place)
+            };
+            let classes = (0..SEVERITIES.len()).map(|class| place(class, row));
+            for found in classes.chain(Limit::ALL.map(of_limit)) {
                 // Of a row that cannot be computed in whole, the ends of its part.
                 let computed = (refined.faults.iter())
                     .find(|it| (it.variant, it.row) == (variant, row))
                     .and_then(|it| it.computed);
                 let ends = computed.or(map.columns().ends()).unwrap_or([f64::NAN; 2]);
-                let shown = match place(class, row) {
+                let shown = match found {
                     Some(RowBoundary::Between {
                         at, rising: true, ..
                     }) => with_km_h(at, columns.unit()),
@@ -173,7 +293,8 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
                     Some(RowBoundary::Always) => format!("<= {}", short(ends[0])),
                     Some(RowBoundary::Never) => format!("> {}", short(ends[1])),
                     Some(RowBoundary::Infeasible) => "infeasible".to_owned(),
-                    None => String::new(),
+                    // The variant has no such limit, or it was not searched in this row.
+                    None => "-".to_owned(),
                 };
                 let _ = write!(text, "{shown:>14}");
             }

@@ -15,11 +15,11 @@ pub use arguments::MapArgs;
 
 use super::failure::{Exit, Failure, unless_closed};
 use super::interruption::Interruption;
-use boundaries::{boundary_columns, boundary_rows, show_boundaries};
+use boundaries::{boundary_columns, boundary_rows, show_bands, show_boundaries};
 use column_twin::column::Support;
 use column_twin::figures::{self, FigureError, MapFigures};
 use column_twin::study::{
-    BatchEnd, DamageMap, MapError, MapGrid, RefineError, RefinedMap, TableValue,
+    Batch, BatchEnd, DamageMap, MapBands, MapError, MapGrid, RefineError, RefinedMap, TableValue,
 };
 use files::{Files, MapFileError};
 use summary::{MapSummary, extent};
@@ -195,6 +195,10 @@ fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resu
             summary.refine(refined);
         }
     }
+    let bands = match &refined {
+        Some(refined) => bands(arguments, map, refined, &batch, &interruption)?,
+        None => None,
+    };
     drop(interruption);
     let closing = [
         ("end_cell", end_cell.to_string()),
@@ -218,8 +222,12 @@ fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resu
     );
     let _ = write!(text, "{summary}");
     text.push_str(&written);
+    if let Some(bands) = &bands {
+        text.push_str(&show_bands(map, bands));
+    }
     if let Some(grid) = &grid {
-        text.push_str(&draw(arguments, map, Some(grid), refined.as_ref())?);
+        let (refined, bands) = (refined.as_ref(), bands.as_ref());
+        text.push_str(&draw(arguments, map, Some(grid), refined, bands)?);
     }
     let mut missing = Vec::new();
     if !is_complete {
@@ -272,10 +280,18 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
     .map_err(MapCommandError::from)?;
     let batch = arguments.batch(map.len());
     let start = Instant::now();
-    let refined = Interruption::listen().watch(&batch, 0, "impacts", || map.refine(&batch));
+    let interruption = Interruption::listen();
+    let refined = interruption.watch(&batch, 0, "impacts", || map.refine(&batch));
     let refined: RefinedMap = refined.map_err(MapCommandError::from)?;
     let elapsed = start.elapsed();
-    boundary_rows(map, &refined, |values| files.row(values)).map_err(MapCommandError::from)?;
+    let bands = match refined.complete {
+        true => bands(arguments, map, &refined, &batch, &interruption)?,
+        false => None,
+    };
+    drop(interruption);
+    let bands = bands.as_ref();
+    boundary_rows(map, &refined, bands, |values| files.row(values))
+        .map_err(MapCommandError::from)?;
     let closing = [
         ("responses", refined.responses.to_string()),
         ("complete", refined.complete.to_string()),
@@ -291,11 +307,17 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
         map.len(),
     );
     text.push_str(&show_boundaries(map, &refined));
+    if let Some(bands) = bands {
+        text.push_str(&show_bands(map, bands));
+    }
     text.push_str(&written);
     if arguments.wants_figures() {
-        text.push_str(&draw(arguments, map, None, Some(&refined))?);
+        text.push_str(&draw(arguments, map, None, Some(&refined), bands)?);
     }
     let mut missing = Vec::new();
+    if arguments.bands && bands.is_none_or(|it| !it.complete) {
+        missing.push("interrupted: the bands of the boundaries are not complete".to_owned());
+    }
     if !refined.complete {
         missing.push(
             "interrupted: the boundaries are known in the rows that were done, and not to 1 % between them".to_owned(),
@@ -312,18 +334,35 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
     Ended { text, missing }.print(to_error, output)
 }
 
+/// The bands of the boundaries, if they are asked for.
+fn bands(
+    arguments: &MapArgs,
+    map: &DamageMap,
+    refined: &RefinedMap,
+    batch: &Batch,
+    interruption: &Interruption,
+) -> Result<Option<MapBands>, MapCommandError> {
+    if !arguments.bands {
+        return Ok(None);
+    }
+    let found = interruption.watch(batch, 0, "rows", || map.bands(refined, batch));
+    Ok(Some(found?))
+}
+
 /// Draws the figures and the file of the viewer, and says where they are.
 fn draw(
     arguments: &MapArgs,
     map: &DamageMap,
     grid: Option<&MapGrid>,
     refined: Option<&RefinedMap>,
+    bands: Option<&MapBands>,
 ) -> Result<String, MapCommandError> {
     let mut text = String::new();
     let figures = MapFigures {
         map,
         grid,
         refined,
+        bands,
         subject: &arguments.subject(map),
         assumptions: &assumptions(map),
     };

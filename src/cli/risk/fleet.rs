@@ -5,7 +5,7 @@ use std::io::Write;
 
 use serde_json::json;
 
-use super::summary::{period, share};
+use super::numbers::{period, share};
 use super::{Case, RiskArgs, RiskCommandError, write_file};
 use crate::cli::failure::{Failure, unless_closed};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
@@ -23,6 +23,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
     arguments.fleet.check(&[
         ("--config", !arguments.config.is_empty()),
         ("--samples-csv", arguments.samples_csv.is_some()),
+        ("--measures", arguments.measures),
         ("--plots", arguments.plots.is_some()),
     ])?;
     let columns = arguments.fleet.load(&arguments.parameter)?;

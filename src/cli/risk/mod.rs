@@ -1,6 +1,8 @@
 //! `column-twin risk`: how often vehicles that leave the road damage the column, and how severely.
 
 mod fleet;
+mod measures;
+mod numbers;
 mod summary;
 mod tables;
 
@@ -20,12 +22,14 @@ use super::threads;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::Parameters;
 use column_twin::study::risk::{
-    CriticalSpeedSurface, DepartureSampler, Exposure, MAX_SCENARIO_FILE_BYTES, RiskColumn,
-    RiskError, RiskResult, RiskStudy, Scenario, ScenarioFault, StudyRunError, Tally,
+    CriticalSpeedSurface, DepartureSampler, Exposure, MAX_SCENARIO_FILE_BYTES, Measure,
+    MeasureRisk, RiskColumn, RiskError, RiskResult, RiskStudy, Scenario, ScenarioFault,
+    StudyRunError, Tally,
 };
 use column_twin::study::{Batch, BatchEnd};
 use column_twin::whole_file;
 
+use measures::Compared;
 use tables::SampleWriter;
 
 /// Most samples of a study.
@@ -61,6 +65,9 @@ pub struct RiskArgs {
     /// Period for which the probabilities hold [years]
     #[arg(long, value_name = "YEARS", default_value_t = 1.0)]
     years: f64,
+    /// Compare the measures of the scenario, too: the annual probability behind each beside that without it
+    #[arg(long)]
+    measures: bool,
     /// Number of impacts that are drawn, such as 1e6
     #[arg(long, value_name = "N", default_value = "10000", value_parser = count)]
     samples: u64,
@@ -139,6 +146,11 @@ enum RiskCommandError {
     #[diagnostic(help("let it run to its end, or name fewer columns with --column"))]
     FleetInterrupted { done: usize, columns: usize },
     #[error(
+        "ended early: {done} of {measures} measures are finished, and the comparison above is theirs"
+    )]
+    #[diagnostic(help("let it run to its end, or ask for fewer samples"))]
+    MeasuresInterrupted { done: usize, measures: usize },
+    #[error(
         "ended early: {done} of {samples} samples are finished, and the result above is theirs"
     )]
     #[diagnostic(help("let it run to its end for narrower intervals, or ask for fewer samples"))]
@@ -148,9 +160,9 @@ enum RiskCommandError {
 impl From<RiskCommandError> for Failure {
     fn from(fault: RiskCommandError) -> Self {
         let exit = match &fault {
-            RiskCommandError::Interrupted { .. } | RiskCommandError::FleetInterrupted { .. } => {
-                Exit::Lossy
-            }
+            RiskCommandError::Interrupted { .. }
+            | RiskCommandError::MeasuresInterrupted { .. }
+            | RiskCommandError::FleetInterrupted { .. } => Exit::Lossy,
             RiskCommandError::Unreadable { .. }
             | RiskCommandError::Scenario(_)
             | RiskCommandError::Option { .. }
@@ -177,6 +189,8 @@ struct Outcome {
     /// Sets of inputs for which the severity fell somewhere with growing speed.
     not_monotonic: u64,
     varies_yield_strength: bool,
+    /// What predicts most severities; `None` where every response is computed.
+    surface: Option<CriticalSpeedSurface>,
 }
 
 /// Computes the risk and prints it to `output`.
@@ -186,13 +200,19 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
     }
     arguments.fleet.check(&[])?;
     let case = Case::from_arguments(arguments)?;
-    let outcome = case.compute(arguments, &Interruption::listen())?;
+    let interruption = Interruption::listen();
+    let outcome = case.compute(arguments, &interruption)?;
     let result = RiskResult::new(
         &case.scenario,
         &outcome.tally,
         case.exposure,
         arguments.confidence,
     );
+    let compared = match arguments.measures && outcome.end == BatchEnd::Complete {
+        true => compare(&case, arguments, &outcome, &result, &interruption)?,
+        false => Compared::default(),
+    };
+    drop(interruption);
     let mut files = String::new();
     if let Some(path) = &arguments.csv {
         write_file(path, tables::fragility(&result).as_bytes())?;
@@ -207,21 +227,22 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
         }
         Some(folder) => {
             let title = summary::title(&case.parameters, &case.scenario);
-            let drawn =
-                figures::draw_risk(folder, &title, &result).map_err(RiskCommandError::from)?;
+            let drawn = figures::draw_risk(folder, &title, &result, &compared.risks)
+                .map_err(RiskCommandError::from)?;
             files += &format!("Figures    {} files in {}\n", drawn.len(), folder.display());
         }
         None => {}
     }
     let text = match arguments.json {
-        true => Fields::json(arguments, &case, &outcome, &result)?,
+        true => Fields::json(arguments, &case, &outcome, &result, &compared)?,
         false => format!(
             "{}{files}",
             summary::Summary {
                 arguments,
                 case: &case,
                 outcome: &outcome,
-                result: &result
+                result: &result,
+                compared: &compared
             }
         ),
     };
@@ -230,6 +251,10 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
         .and_then(|()| output.flush());
     unless_closed(written).map_err(RiskCommandError::Output)?;
     match outcome.end {
+        BatchEnd::Complete if compared.is_interrupted => {
+            let (done, measures) = (compared.risks.len(), case.scenario.measures.len());
+            Err(RiskCommandError::MeasuresInterrupted { done, measures }.into())
+        }
         BatchEnd::Complete => Ok(()),
         BatchEnd::Interrupted(done) => Err(RiskCommandError::Interrupted {
             done,
@@ -289,6 +314,7 @@ impl Case {
                 });
             }
         }
+        let scenario = scenario.for_column(&parameters);
         let exposure = Exposure::new(&scenario, arguments.vehicles_per_day, arguments.years);
         Ok(Self {
             parameters,
@@ -306,30 +332,7 @@ impl Case {
         let column = RiskColumn::new(&self.parameters, &self.scenario)?;
         let sampler = DepartureSampler::new(&self.scenario, arguments.seed);
         let batch = threads::batch(arguments.threads, arguments.samples);
-        let surface = match arguments.exact {
-            true => None,
-            false => {
-                let designs = CriticalSpeedSurface::designs(&self.scenario, arguments.samples);
-                let mut search = Batch::default();
-                search.threads = batch.threads;
-                interruption
-                    .watch(
-                        &search,
-                        designs,
-                        "inputs with their critical speeds",
-                        || {
-                            CriticalSpeedSurface::new(
-                                &sampler,
-                                arguments.seed,
-                                &column,
-                                arguments.samples,
-                                &search,
-                            )
-                        },
-                    )
-                    .map_err(StudyRunError::from)?
-            }
-        };
+        let surface = self.surface(arguments, &column, &sampler, interruption)?;
         let mut study = RiskStudy::new(&sampler, &column);
         if let Some(surface) = &surface {
             study = study.with_predictions(surface);
@@ -360,8 +363,106 @@ impl Case {
                 .as_ref()
                 .map_or(0, CriticalSpeedSurface::not_monotonic),
             varies_yield_strength: column.varies_yield_strength(),
+            surface,
         })
     }
+
+    /// What predicts most severities of the samples; `None` where every response is computed.
+    fn surface(
+        &self,
+        arguments: &RiskArgs,
+        column: &RiskColumn,
+        sampler: &DepartureSampler,
+        interruption: &Interruption,
+    ) -> Result<Option<CriticalSpeedSurface>, RiskCommandError> {
+        if arguments.exact {
+            return Ok(None);
+        }
+        let designs = CriticalSpeedSurface::designs(&self.scenario, arguments.samples);
+        let mut search = Batch::default();
+        search.threads = threads::batch(arguments.threads, arguments.samples).threads;
+        let found = interruption.watch(
+            &search,
+            designs,
+            "inputs with their critical speeds",
+            || {
+                CriticalSpeedSurface::new(
+                    sampler,
+                    arguments.seed,
+                    column,
+                    arguments.samples,
+                    &search,
+                )
+            },
+        );
+        Ok(found.map_err(StudyRunError::from)?)
+    }
+}
+
+/// Computes the same samples behind each measure of the scenario.
+fn compare(
+    case: &Case,
+    arguments: &RiskArgs,
+    outcome: &Outcome,
+    without: &RiskResult,
+    interruption: &Interruption,
+) -> Result<Compared, RiskCommandError> {
+    let mut compared = Compared::default();
+    let sampler = DepartureSampler::new(&case.scenario, arguments.seed);
+    let own = RiskColumn::new(&case.parameters, &case.scenario)?;
+    for measure in &case.scenario.measures {
+        let parameters = match measure.column(&case.parameters) {
+            Ok(parameters) => parameters,
+            Err(reason) => {
+                let omitted = format!("{}: not computed for this column: {reason}", measure.name);
+                compared.omitted.push(omitted);
+                continue;
+            }
+        };
+        let ran = match &parameters {
+            None => {
+                let surface = outcome.surface.as_ref();
+                behind(measure, arguments, &sampler, &own, surface, interruption)?
+            }
+            Some(parameters) => {
+                let column = RiskColumn::new(parameters, &case.scenario)?;
+                let surface = case.surface(arguments, &column, &sampler, interruption)?;
+                let surface = surface.as_ref();
+                behind(measure, arguments, &sampler, &column, surface, interruption)?
+            }
+        };
+        // What has only a part of its samples is not comparable.
+        let Some(tally) = ran else {
+            compared.is_interrupted = true;
+            break;
+        };
+        let with = RiskResult::new(&case.scenario, &tally, case.exposure, arguments.confidence);
+        let section = parameters.and_then(|it| it.section().name.map(str::to_owned));
+        compared
+            .risks
+            .push(MeasureRisk::new(measure, section, without, &with));
+    }
+    Ok(compared)
+}
+
+/// The samples behind a measure; `None` after an interruption.
+fn behind(
+    measure: &Measure,
+    arguments: &RiskArgs,
+    sampler: &DepartureSampler,
+    column: &RiskColumn,
+    surface: Option<&CriticalSpeedSurface>,
+    interruption: &Interruption,
+) -> Result<Option<Tally>, RiskCommandError> {
+    let mut study = RiskStudy::new(sampler, column).behind(measure);
+    if let Some(surface) = surface {
+        study = study.with_predictions(surface);
+    }
+    let batch = threads::batch(arguments.threads, arguments.samples);
+    let (tally, end) = interruption.watch(&batch, arguments.samples, &measure.name, || {
+        study.run(&batch, 0..arguments.samples, |_| Ok::<_, StudyRunError>(()))
+    })?;
+    Ok((end == BatchEnd::Complete).then_some(tally))
 }
 
 fn read(path: &Path) -> Result<String, RiskCommandError> {
@@ -414,6 +515,10 @@ struct Fields<'a> {
     yield_strength_varies: bool,
     #[serde(flatten)]
     result: &'a RiskResult,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measures: Option<&'a [MeasureRisk]>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    measures_not_compared: Vec<String>,
 }
 
 impl Fields<'_> {
@@ -422,6 +527,7 @@ impl Fields<'_> {
         case: &Case,
         outcome: &Outcome,
         result: &RiskResult,
+        compared: &Compared,
     ) -> Result<String, RiskCommandError> {
         let json = |value: &column_twin::study::risk::Input| {
             serde_json::to_value(value).unwrap_or_default()
@@ -454,6 +560,8 @@ impl Fields<'_> {
             not_monotonic: outcome.not_monotonic,
             yield_strength_varies: outcome.varies_yield_strength,
             result,
+            measures: arguments.measures.then_some(&compared.risks),
+            measures_not_compared: compared.omitted.clone(),
         };
         serde_json::to_string_pretty(&fields)
             .map(|text| text + "\n")

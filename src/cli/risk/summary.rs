@@ -2,12 +2,14 @@
 
 use std::fmt;
 
+use super::measures::{self, Compared};
+use super::numbers::{interval, period, share, small};
 use super::{Case, Outcome, RiskArgs};
 use column_twin::figures::units::significant;
 use column_twin::parameters::Parameters;
 use column_twin::report::short;
 use column_twin::study::BatchEnd;
-use column_twin::study::risk::{Estimate, Input, RiskResult, Scenario};
+use column_twin::study::risk::{Comparison, Input, RiskResult, Scenario};
 
 /// One line that describes the column and the scenario.
 pub(super) fn title(parameters: &Parameters, scenario: &Scenario) -> String {
@@ -31,39 +33,7 @@ pub(super) struct Summary<'a> {
     pub case: &'a Case,
     pub outcome: &'a Outcome,
     pub result: &'a RiskResult,
-}
-
-/// A probability as a percentage, or with a power of ten where it is small.
-pub(super) fn share(value: f64) -> String {
-    match value {
-        0.0 => "0".to_owned(),
-        value if value < 1e-4 => format!("{value:.2e}"),
-        value => format!("{} %", significant(100.0 * value, 3)),
-    }
-}
-
-fn small(value: f64) -> String {
-    match value {
-        0.0 => "0".to_owned(),
-        value => format!("{value:.2e}"),
-    }
-}
-
-fn interval(estimate: &Estimate, text: fn(f64) -> String) -> String {
-    format!(
-        "{} ({} to {})",
-        text(estimate.value),
-        text(estimate.low),
-        text(estimate.high)
-    )
-}
-
-/// The period in words.
-pub(super) fn period(years: f64) -> String {
-    match short(years).as_str() {
-        "1" => "in 1 year".to_owned(),
-        years => format!("in {years} years"),
-    }
+    pub compared: &'a Compared,
 }
 
 /// Years in words.
@@ -84,6 +54,7 @@ impl fmt::Display for Summary<'_> {
             result,
             outcome,
             arguments,
+            compared,
         } = self;
         let exposure = &result.exposure;
         writeln!(f, "{}\n", title(&case.parameters, &case.scenario))?;
@@ -147,6 +118,10 @@ impl fmt::Display for Summary<'_> {
                 "  Where no sample reached a severity, its probability is not 0 but at most the upper end of the interval."
             )?;
         }
+        self.targets(f)?;
+        if arguments.measures {
+            measures::write(f, compared, result)?;
+        }
         if result.counts.impacts > 0 {
             self.classes(f)?;
             self.fragility(f)?;
@@ -201,6 +176,43 @@ impl fmt::Display for Summary<'_> {
 }
 
 impl Summary<'_> {
+    fn targets(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "\nTarget: how often the action, or a worse one, may be needed in one year"
+        )?;
+        for risk in &self.result.annual {
+            let target = &risk.target;
+            let times = risk.annual.value / target.probability;
+            let words = match risk.comparison {
+                Comparison::Met => "met".to_owned(),
+                Comparison::Exceeded => {
+                    format!("EXCEEDED, {} times the target", significant(times, 2))
+                }
+                Comparison::Undecided => {
+                    "not decided: the interval holds the target; draw more samples".to_owned()
+                }
+            };
+            writeln!(
+                f,
+                "  {:<22}{:<34}target {} (beta {}) [{}]: {words}",
+                risk.severity.to_string(),
+                interval(&risk.annual, small),
+                small(target.probability),
+                target.beta,
+                target.tag,
+            )?;
+        }
+        let mut sources: Vec<&str> = Vec::new();
+        for risk in &self.result.annual {
+            if !sources.contains(&risk.target.source) {
+                sources.push(risk.target.source);
+                writeln!(f, "  beta {}: {}", risk.target.beta, risk.target.source)?;
+            }
+        }
+        Ok(())
+    }
+
     fn classes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
@@ -231,24 +243,17 @@ impl Summary<'_> {
             .iter()
             .filter(|curve| curve.vehicle.is_none())
         {
-            match curve.fit {
-                Some(fit) => writeln!(
+            let severity = curve.severity.to_string();
+            match (curve.fit, curve.refused) {
+                (Some(fit), _) => writeln!(
                     f,
-                    "  {:<22}median {} m/s{} (standard error {} %), dispersion {}",
-                    curve.severity.to_string(),
+                    "  {severity:<22}median {} m/s (standard error {} %), dispersion {}",
                     significant(fit.median, 3),
-                    match curve.points.last() {
-                        Some(last) if fit.median > last.speed[1] => ", beyond all samples",
-                        _ => "",
-                    },
                     significant(100.0 * fit.median_error, 2),
                     significant(fit.dispersion, 3),
                 )?,
-                None => writeln!(
-                    f,
-                    "  {:<22}the samples do not determine a curve",
-                    curve.severity.to_string()
-                )?,
+                (None, Some(reason)) => writeln!(f, "  {severity:<22}no curve: {reason}")?,
+                (None, None) => {}
             }
         }
         Ok(())
@@ -305,8 +310,11 @@ impl Summary<'_> {
         writeln!(
             f,
             "  [T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption of this program; see docs/risk.md\n\
-             \nThe intervals are those of the simulation alone. They do not contain the uncertainty of the inputs, above all of the\n\
-             accident rate, nor that of the model."
-        )
+             \nThe intervals are those of the simulation alone. NOT EVALUATED, and outside of them:"
+        )?;
+        for it in self.result.not_evaluated {
+            writeln!(f, "  {}: {}", it.what, it.effect)?;
+        }
+        Ok(())
     }
 }

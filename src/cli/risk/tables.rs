@@ -11,7 +11,7 @@ use column_twin::whole_file::WholeFile;
 /// The fragility curves as CSV: one row for each vehicle (`all`: the whole traffic), severity and interval of the speed.
 pub(super) fn fragility(result: &RiskResult) -> String {
     let mut text = String::from(
-        "vehicle,severity,speed_from_m_s,speed_to_m_s,samples,probability,low,high,fit_median_m_s,fit_dispersion\n",
+        "vehicle,severity,speed_from_m_s,speed_to_m_s,samples,probability,low,high,fit_median_m_s,fit_dispersion,no_fit_because\n",
     );
     for curve in &result.fragility {
         for point in &curve.points {
@@ -19,9 +19,11 @@ pub(super) fn fragility(result: &RiskResult) -> String {
                 continue;
             };
             let [from, to] = point.speed;
-            let fit = curve.fit.map_or(",".to_owned(), |fit| {
-                format!("{},{}", fit.median, fit.dispersion)
-            });
+            let refused = || curve.refused.map_or(String::new(), |it| it.to_string());
+            let fit = match curve.fit {
+                Some(fit) => format!("{},{},", fit.median, fit.dispersion),
+                None => format!(",,\"{}\"", refused()),
+            };
             let _ = writeln!(
                 text,
                 "{},{},{from},{to},{},{value},{low},{high},{fit}",

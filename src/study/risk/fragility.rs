@@ -9,6 +9,10 @@ use crate::assessment::Severity;
 
 /// Most iterations of a fit.
 const MAX_ITERATIONS: usize = 60;
+/// Fewest samples with a severity, and without it, from which a curve is fitted.
+const FEWEST_EVENTS: f64 = 5.0;
+/// Largest standard error of the logarithm of a median: a speed that may as well be a quarter higher or lower helps nobody.
+const LARGEST_MEDIAN_ERROR: f64 = 0.25;
 
 /// The probability of a severity or a higher one as a function of the speed at the column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,6 +25,34 @@ pub struct FragilityCurve {
     pub points: Vec<FragilityPoint>,
     /// The lognormal curve through them; `None` where they do not determine one.
     pub fit: Option<LognormalFit>,
+    /// Why there is none.
+    pub refused: Option<Refused>,
+}
+
+/// Why the samples of a severity have no fragility curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, thiserror::Error)]
+#[serde(rename_all = "snake_case")]
+pub enum Refused {
+    /// Too few samples on one of its sides.
+    #[error("fewer than {FEWEST_EVENTS} samples with it or without it")]
+    TooFew,
+    /// The shares lie between 0 and 1 in less than two intervals of the speed, or do not rise with it.
+    #[error("the samples do not determine a curve")]
+    Undetermined,
+    /// The curve reaches 50 % outside of the speeds that were drawn.
+    #[error("the samples, {from:.1} to {to:.1} m/s fast, do not reach a probability of 50 %")]
+    OutsideSamples {
+        /// The slowest interval with samples begins here \[m/s\].
+        from: f64,
+        /// The fastest interval with samples ends here \[m/s\].
+        to: f64,
+    },
+    /// The median is not known well enough to be used.
+    #[error("too few samples: the standard error of its median is {:.0} %", 100.0 * .error)]
+    Uncertain {
+        /// Standard error of the logarithm of the median.
+        error: f64,
+    },
 }
 
 /// The probability in an interval of the speed.
@@ -59,7 +91,7 @@ impl LognormalFit {
 
     /// Probit regression on the logarithm of the speed: Fisher scoring from a given start. Each row has a speed, a number of
     /// trials and the share of events among them.
-    fn new(rows: &[(f64, f64, f64)]) -> Option<Self> {
+    fn new(rows: &[(f64, f64, f64)]) -> Result<Self, Refused> {
         let events: f64 = rows.iter().map(|(_, n, p)| n * p).sum();
         let trials: f64 = rows.iter().map(|(_, n, _)| n).sum();
         // Without events on both sides, or in one interval only, there is no maximum.
@@ -67,13 +99,17 @@ impl LognormalFit {
             .iter()
             .filter(|(_, n, p)| *n > 0.0 && *p > 0.0 && *p < 1.0)
             .count();
-        if events < 5.0 || trials - events < 5.0 || mixed < 2 {
-            return None;
+        if events < FEWEST_EVENTS || trials - events < FEWEST_EVENTS {
+            return Err(Refused::TooFew);
+        }
+        if mixed < 2 {
+            return Err(Refused::Undetermined);
         }
         let half = rows
             .iter()
             .find(|(_, n, p)| *n > 0.0 && *p >= 0.5)
-            .or(rows.last())?;
+            .or(rows.last())
+            .ok_or(Refused::Undetermined)?;
         let (mut a, mut b) = (-4.0 * libm::log(half.0), 4.0);
         let mut information = [0.0; 3];
         for _ in 0..MAX_ITERATIONS {
@@ -96,7 +132,7 @@ impl LognormalFit {
             let [i00, i01, i11] = information;
             let determinant = i00 * i11 - i01 * i01;
             if !(determinant.is_finite() && determinant > 1e-12 * i00 * i11) {
-                return None;
+                return Err(Refused::Undetermined);
             }
             let step = [
                 (i11 * score[0] - i01 * score[1]) / determinant,
@@ -107,7 +143,7 @@ impl LognormalFit {
             a += step[0] / length;
             b += step[1] / length;
             if !(a.is_finite() && b > 1e-3) {
-                return None;
+                return Err(Refused::Undetermined);
             }
             if step[1].abs() < 1e-9 * b && step[0].abs() < 1e-9 * (1.0 + a.abs()) {
                 break;
@@ -119,12 +155,31 @@ impl LognormalFit {
         // ln(median) = -a/b, dispersion = 1/b, by the delta method.
         let ratio = a / b;
         let median_variance = (vaa - 2.0 * ratio * vab + ratio * ratio * vbb) / (b * b);
-        Some(Self {
+        Ok(Self {
             median: libm::exp(-ratio),
             dispersion: 1.0 / b,
             median_error: median_variance.max(0.0).sqrt(),
             dispersion_error: vbb.sqrt() / (b * b),
         })
+    }
+
+    /// The fit, if its median lies among the speeds of the samples and is known well enough.
+    fn usable(self, points: &[FragilityPoint]) -> Result<Self, Refused> {
+        let mut sampled = points.iter().filter(|point| point.samples > 0);
+        let first = sampled.next().ok_or(Refused::TooFew)?;
+        let (from, to) = (
+            first.speed[0],
+            sampled.next_back().unwrap_or(first).speed[1],
+        );
+        if !(from..=to).contains(&self.median) {
+            return Err(Refused::OutsideSamples { from, to });
+        }
+        match self.median_error <= LARGEST_MEDIAN_ERROR {
+            true => Ok(self),
+            false => Err(Refused::Uncertain {
+                error: self.median_error,
+            }),
+        }
     }
 }
 
@@ -158,11 +213,13 @@ pub(super) fn curve(
             Some((middle, point.samples as f64, point.probability?.value))
         })
         .collect();
+    let fit = LognormalFit::new(&rows).and_then(|fit| fit.usable(&points));
     FragilityCurve {
         vehicle: class.map(|(_, vehicle)| vehicle),
         severity,
         points,
-        fit: LognormalFit::new(&rows),
+        fit: fit.ok(),
+        refused: fit.err(),
     }
 }
 
@@ -197,15 +254,48 @@ mod tests {
 
     #[test]
     fn what_does_not_determine_a_curve_has_no_fit() {
-        assert_eq!(LognormalFit::new(&[]), None);
+        let refused = |rows: &[(f64, f64, f64)]| LognormalFit::new(rows).unwrap_err();
+        assert_eq!(refused(&[]), Refused::TooFew);
+        let none = [(1.0, 100.0, 0.0), (2.0, 100.0, 0.0)];
+        assert_eq!(refused(&none), Refused::TooFew);
+        let step = [(1.0, 100.0, 0.0), (2.0, 100.0, 1.0)];
+        assert_eq!(refused(&step), Refused::Undetermined);
+        assert_eq!(refused(&[(1.0, 100.0, 0.5)]), Refused::Undetermined);
+    }
+
+    /// The speeds of a true curve with a median of 11 m/s say nothing of it if they end at 6 m/s, and little if they are few
+    /// and the curve is flat.
+    #[test]
+    fn a_median_outside_of_the_samples_is_refused_with_the_reason() {
+        let curve = |ends: std::ops::Range<u32>, samples: u64, dispersion: f64| {
+            let truth = |speed: f64| normal::probability(libm::log(speed / 11.0) / dispersion);
+            let points: Vec<_> = ends
+                .map(|it| [f64::from(it), f64::from(it + 1)])
+                .map(|speed| FragilityPoint {
+                    speed,
+                    samples,
+                    probability: None,
+                })
+                .collect();
+            let middle = |it: &FragilityPoint| 0.5 * (it.speed[0] + it.speed[1]);
+            let rows: Vec<_> = points
+                .iter()
+                .map(|it| (middle(it), samples as f64, truth(middle(it))))
+                .collect();
+            LognormalFit::new(&rows).and_then(|fit| fit.usable(&points))
+        };
+        let found = curve(2..20, 1000, 0.5).expect("a curve");
+        assert!((found.median - 11.0).abs() < 1e-3, "{found:?}");
+        let outside = curve(2..6, 1000, 0.5).unwrap_err();
+        assert_eq!(outside, Refused::OutsideSamples { from: 2.0, to: 6.0 });
         assert_eq!(
-            LognormalFit::new(&[(1.0, 100.0, 0.0), (2.0, 100.0, 0.0)]),
-            None
+            outside.to_string(),
+            "the samples, 2.0 to 6.0 m/s fast, do not reach a probability of 50 %"
         );
-        assert_eq!(
-            LognormalFit::new(&[(1.0, 100.0, 0.0), (2.0, 100.0, 1.0)]),
-            None
+        let few = curve(5..13, 10, 2.0).unwrap_err();
+        assert!(
+            matches!(few, Refused::Uncertain { error } if error > 0.25),
+            "{few:?}"
         );
-        assert_eq!(LognormalFit::new(&[(1.0, 100.0, 0.5)]), None);
     }
 }

@@ -11,6 +11,8 @@ use crate::parameters::Provenance;
 pub struct Input {
     /// The law.
     pub distribution: Distribution,
+    /// Whether the law follows from the steel of the column, for which [`super::Scenario::for_column`] replaces it.
+    pub of_steel: bool,
     /// Where its numbers come from; `None` for those of a user who gives none.
     pub tag: Option<Provenance>,
     /// The source, or the reason.
@@ -35,12 +37,39 @@ pub(super) const LAWS: [Definition; 8] = [
     law("distance_m", [0.0, f64::INFINITY], "m"),
     constant("accident_rate_per_m", [0.0, 1.0], "1/m"),
     constant("hit_width_m", [0.0, 100.0], "m"),
-    law("yield_strength_factor", [1e-3, 100.0], "-"),
+    law(YIELD_STRENGTH, [1e-3, 100.0], "-"),
     law("top_load_factor", [0.0, 100.0], "-"),
 ];
 
 /// The largest speed that a vehicle may have \[km/h\]: that of the parameter `impact.velocity`.
 const MAX_SPEED_KM_H: f64 = 216.0;
+
+/// The name of the law of the yield strength of a rolled section over its nominal one, by the JCSS Probabilistic Model Code,
+/// part 3, "Static properties of structural steel".
+const JCSS_STEEL: &str = "jcss_steel";
+/// The input that may have this law.
+const YIELD_STRENGTH: &str = "yield_strength_factor";
+/// `u`: the nominal value is so many logarithmic standard deviations away from the mean; of the range from -1.5 to -2 the end
+/// with the lower mean.
+const STEEL_FRACTILE: f64 = -1.5;
+/// `v`: coefficient of variation.
+const STEEL_VARIATION: f64 = 0.07;
+/// `C`: from the yield strength of usual mill tests to the static one \[Pa\].
+const STEEL_STATIC: f64 = 20e6;
+/// The law that stands for an unknown steel is that of S355.
+const USUAL_STEEL: f64 = 355e6;
+
+/// `f_y exp(-u v) - C` over `f_y`, with a coefficient of variation `v`, for a nominal strength \[Pa\]. The factor 1.05 of webs is
+/// left out, which is on the safe side. `C` takes at most a tenth of the nominal strength, for steels below all grades.
+///
+/// # Errors
+/// None for a positive strength.
+pub(super) fn jcss_steel(nominal: f64) -> Result<Distribution, DistributionFault> {
+    let reduction = STEEL_STATIC.min(0.1 * nominal);
+    let mean = libm::exp(-STEEL_FRACTILE * STEEL_VARIATION) - reduction / nominal;
+    let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
+    Distribution::lognormal(mean, STEEL_VARIATION * mean, unlimited)
+}
 
 pub(super) const MASS: Definition = law("mass_kg", [1e-3, 1e6], "kg");
 pub(super) const FORCE_FACTOR: Definition = law("force_factor", [1e-3, 100.0], "-");
@@ -105,6 +134,7 @@ impl LawRow {
                 "rayleigh:MEAN, with :MIN:MAX where it is cut",
             ),
             "uniform" => (&mut [&mut row.min, &mut row.max], "uniform:MIN:MAX"),
+            JCSS_STEEL if numbers.is_empty() => return Ok(row),
             _ => return Err("a law: fixed, normal, lognormal, rayleigh or uniform".to_owned()),
         };
         let required = match places.len() {
@@ -169,6 +199,10 @@ impl LawRow {
                 absent(&[value, sd])?;
                 Distribution::rayleigh(given("mean", self.mean)?, limits)
             }
+            JCSS_STEEL => {
+                absent(&[value, mean, sd, ("min", self.min), ("max", self.max)])?;
+                jcss_steel(USUAL_STEEL)
+            }
             "uniform" => {
                 absent(&[value, mean, sd])?;
                 Distribution::uniform([given("min", self.min)?, given("max", self.max)?])
@@ -202,6 +236,11 @@ impl Definition {
                 fault.expected,
             )
         })?;
+        let of_steel = row.law == JCSS_STEEL;
+        if of_steel && self.name != YIELD_STRENGTH {
+            let expected = format!("another law: {JCSS_STEEL} is that of {YIELD_STRENGTH}");
+            return Err((format!("{}.law", self.name), row.law.clone(), expected));
+        }
         let [lowest, highest] = self.range;
         // A law that leaves the range only with one draw in a billion is cut there; another one is a mistake.
         let [lower, upper] = [1e-9, 1.0 - 1e-9].map(|level| distribution.quantile(level));
@@ -230,6 +269,7 @@ impl Definition {
         }
         Ok(Input {
             distribution,
+            of_steel,
             tag: row.tag,
             source: row.source.clone(),
         })

@@ -35,7 +35,12 @@ mod estimate;
 mod evaluation;
 mod fragility;
 mod law;
+mod measure;
+mod measure_risk;
+#[cfg(test)]
+mod measure_tests;
 mod normal;
+mod protection;
 mod random;
 mod reach;
 mod result;
@@ -45,6 +50,7 @@ mod scenario_tests;
 mod sensitivity;
 mod study;
 mod tally;
+mod target;
 #[cfg(test)]
 mod tests;
 mod traffic;
@@ -54,8 +60,10 @@ pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS};
 pub use distribution::{Distribution, DistributionFault};
 pub use estimate::Estimate;
 pub use evaluation::{LimitState, RiskColumn, RiskError, SeverityAtSpeed};
-pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit};
+pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit, Refused};
 pub use law::Input;
+pub use measure::{Measure, MeasureEffect, MeasureFault};
+pub use measure_risk::{MeasureRisk, MeasureSeverity};
 pub use reach::LEAST_SPEED;
 pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
 pub use scenario::{
@@ -64,4 +72,5 @@ pub use scenario::{
 pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
 pub use study::{RiskStudy, StudyRunError};
 pub use tally::{Basis, CONTROL_SHARES, Prediction, RiskSample, Tally};
+pub use target::{AnnualRisk, Comparison, NOT_EVALUATED, NotEvaluated, Target};
 pub use traffic::Exposure;

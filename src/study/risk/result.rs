@@ -7,6 +7,7 @@ use super::fragility::{FragilityCurve, curve};
 use super::scenario::Scenario;
 use super::sensitivity::SeveritySensitivity;
 use super::tally::Tally;
+use super::target::{AnnualRisk, NOT_EVALUATED, NotEvaluated};
 use super::traffic::Exposure;
 use crate::assessment::Severity;
 use crate::study::SEVERITIES;
@@ -26,6 +27,10 @@ pub struct RiskResult {
     pub impact_in_period: Estimate,
     /// By severity that is reached or exceeded.
     pub severities: Vec<SeverityRisk>,
+    /// The probability in one year beside its target, by severity that is reached or exceeded.
+    pub annual: Vec<AnnualRisk>,
+    /// What lies outside of the intervals.
+    pub not_evaluated: &'static [NotEvaluated],
     /// By class of vehicles.
     pub classes: Vec<ClassRisk>,
     /// Of the whole traffic, then of every class, by severity.
@@ -101,11 +106,25 @@ impl RiskResult {
         enough.or_else(|| self.severities.iter().position(|risk| events(risk) > 0.0))
     }
 
+    /// Probability of at least one impact in one year.
+    #[must_use]
+    pub fn annual_impact(&self) -> Estimate {
+        let year = Exposure {
+            years: 1.0,
+            ..self.exposure
+        };
+        self.impact.map(|it| year.probability(it))
+    }
+
     /// Evaluates the counts of a study; `confidence` is that of every interval, such as 0.95.
     #[must_use]
     pub fn new(scenario: &Scenario, tally: &Tally, exposure: Exposure, confidence: f64) -> Self {
         let z = deviations(confidence);
         let total = tally.total();
+        let year = Exposure {
+            years: 1.0,
+            ..exposure
+        };
         let period = |estimate: Estimate| estimate.map(|it| exposure.probability(it));
         let impact = reach(tally, z);
         let risk = |severity: Severity| {
@@ -174,6 +193,14 @@ impl RiskResult {
             departures: exposure.departures(),
             impact,
             impact_in_period: period(impact),
+            annual: severities
+                .iter()
+                .filter_map(|risk| {
+                    let annual = risk.given_departure.map(|it| year.probability(it));
+                    AnnualRisk::new(risk.severity, annual)
+                })
+                .collect(),
+            not_evaluated: &NOT_EVALUATED,
             severities,
             classes,
             fragility: whole.chain(of_classes).collect(),
@@ -191,12 +218,13 @@ impl RiskResult {
     }
 }
 
-/// Probability that a vehicle that leaves the road on a course to the column reaches it.
+/// Probability that a vehicle that leaves the road on a course to the column reaches it. Vehicles that a measure stops are among
+/// the points that were drawn.
 fn reach(tally: &Tally, z: f64) -> Estimate {
     let impacts = tally.total().impacts();
     match tally.points {
         // Without a vehicle that reaches the column only the bound is known.
-        _ if impacts == 0 => Estimate {
+        _ if impacts == 0 && tally.held == 0 => Estimate {
             value: 0.0,
             low: 0.0,
             high: tally.reach_bound,

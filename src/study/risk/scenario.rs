@@ -7,8 +7,9 @@ use serde::Deserialize;
 use serde_json::{Map, Value as Json};
 
 use super::distribution::Distribution;
-use super::law::{Definition, FORCE_FACTOR, Input, LAWS, LawRow, MASS, Wrong};
-use crate::parameters::{CatalogueVehicle, Provenance, RIGID, vehicle_names};
+use super::law::{Definition, FORCE_FACTOR, Input, LAWS, LawRow, MASS, Wrong, jcss_steel};
+use super::measure::{MAX_MEASURES, Measure};
+use crate::parameters::{CatalogueVehicle, Parameters, Provenance, RIGID, vehicle_names};
 
 const SHIPPED_NAME: &str = "config/risk.json";
 const SHIPPED: &str = include_str!("../../../config/risk.json");
@@ -64,6 +65,8 @@ pub struct Scenario {
     pub top_load_factor: Input,
     /// The traffic; the shares add up to 1.
     pub classes: Vec<TrafficClass>,
+    /// Measures whose benefit can be computed.
+    pub measures: Vec<Measure>,
 }
 
 /// An entry of a scenario that is wrong.
@@ -216,7 +219,7 @@ impl Scenario {
             expected,
         };
         let known = |key: &str| {
-            ["name", "description", "classes"].contains(&key)
+            ["name", "description", "classes", "measures"].contains(&key)
                 || LAWS.iter().any(|it| it.name == key)
         };
         if let Some(key) = rows.keys().find(|key| !known(key)) {
@@ -225,7 +228,7 @@ impl Scenario {
                 key.clone(),
                 "an unknown entry".to_owned(),
                 format!(
-                    "one of name, description, based_on, classes, {}",
+                    "one of name, description, based_on, classes, measures, {}",
                     laws.join(", ")
                 ),
             ));
@@ -286,6 +289,8 @@ impl Scenario {
                 "shares that add up to 1; correct the shares".to_owned(),
             ));
         }
+        let measures =
+            measures(rows).map_err(|(entry, found, expected)| fault(entry, found, expected))?;
         Ok(Self {
             name: name.to_owned(),
             description: rows
@@ -302,7 +307,20 @@ impl Scenario {
             yield_strength_factor: law(yield_strength)?,
             top_load_factor: law(top_load)?,
             classes,
+            measures,
         })
+    }
+
+    /// The scenario for the steel of a column, on which the law of its yield strength may depend.
+    #[must_use]
+    pub fn for_column(mut self, parameters: &Parameters) -> Self {
+        let input = &mut self.yield_strength_factor;
+        if input.of_steel
+            && let Ok(distribution) = jcss_steel(parameters.steel().yield_strength)
+        {
+            input.distribution = distribution;
+        }
+        self
     }
 
     /// Replaces one law, given as `name=law:numbers`, such as `speed_km_h=lognormal:12:5` (mean, standard deviation),
@@ -369,6 +387,31 @@ impl Scenario {
     }
 }
 
+/// The measures of a scenario, each with a name of its own.
+fn measures(rows: &Map<String, Json>) -> Result<Vec<Measure>, Wrong> {
+    let Some(json) = rows.get("measures") else {
+        return Ok(Vec::new());
+    };
+    let list = json.as_array().filter(|list| list.len() <= MAX_MEASURES);
+    let list = list.ok_or_else(|| {
+        let expected = format!("an array of at most {MAX_MEASURES} measures");
+        ("measures".to_owned(), json.to_string(), expected)
+    })?;
+    let mut measures: Vec<Measure> = Vec::new();
+    for (index, json) in list.iter().enumerate() {
+        let measure = Measure::of_json(json).map_err(|(entry, found, expected)| {
+            let dot = if entry.is_empty() { "" } else { "." };
+            (format!("measures[{index}]{dot}{entry}"), found, expected)
+        })?;
+        if measures.iter().any(|it| it.name == measure.name) {
+            let expected = "a name that no other measure has".to_owned();
+            return Err((format!("measures[{index}].name"), measure.name, expected));
+        }
+        measures.push(measure);
+    }
+    Ok(measures)
+}
+
 fn shipped_rows(name: &str) -> Option<&'static Map<String, Json>> {
     SHIPPED_SCENARIOS.iter().find(|rows| name_of(rows) == name)
 }
@@ -399,21 +442,6 @@ fn traffic_class(json: &Json) -> Result<TrafficClass, Wrong> {
     }
     let catalogue = CatalogueVehicle::named(vehicle);
     let mass = MASS.input(&row.mass_kg)?;
-    // The rearmost mass takes the difference to the catalogue's total, and has to stay positive.
-    if let Some(catalogue) = catalogue {
-        let masses = &catalogue.masses.value.kg;
-        let front: f64 = masses[..masses.len() - 1].iter().sum();
-        let least = mass.distribution.limits()[0];
-        if least <= front {
-            return Err((
-                "mass_kg".to_owned(),
-                format!("masses from {least} kg"),
-                format!(
-                    "more than {front} kg, which the front masses of {vehicle} have; give a larger min"
-                ),
-            ));
-        }
-    }
     let force_factor = match (&row.force_factor, catalogue) {
         (Some(json), Some(_)) => FORCE_FACTOR.input(json)?,
         (Some(_), None) => {
@@ -426,12 +454,14 @@ fn traffic_class(json: &Json) -> Result<TrafficClass, Wrong> {
             Input {
                 distribution: Distribution::lognormal(1.0, scatter.value.coefficient, limits)
                     .map_err(|fault| ("force_factor".to_owned(), fault.found, fault.expected))?,
+                of_steel: false,
                 tag: Some(scatter.tag),
                 source: scatter.source.clone(),
             }
         }
         (None, None) => Input {
             distribution: Distribution::fixed(1.0).expect("1 is finite"),
+            of_steel: false,
             tag: None,
             source: "a rigid vehicle has no front with a force".to_owned(),
         },

@@ -7,6 +7,7 @@ use rayon::ThreadPoolBuildError;
 use super::critical_speeds::CriticalSpeedSurface;
 use super::departure::{Departure, DepartureSampler};
 use super::evaluation::LimitState;
+use super::measure::Measure;
 use super::tally::{Basis, CONTROL_SHARES, RiskSample, Tally};
 use crate::study::{Batch, BatchEnd};
 
@@ -17,6 +18,8 @@ pub struct RiskStudy<'a, L> {
     limit_state: &'a L,
     /// Predictions of the severity; `None`: every response is computed.
     predictions: Option<&'a CriticalSpeedSurface>,
+    /// A measure in front of the column.
+    measure: Option<&'a Measure>,
 }
 
 impl<'a, L: LimitState> RiskStudy<'a, L> {
@@ -27,6 +30,7 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
             sampler,
             limit_state,
             predictions: None,
+            measure: None,
         }
     }
 
@@ -39,10 +43,29 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         }
     }
 
-    /// The sample of this number with its severity.
+    /// The same study with the same vehicles, of which this measure stops some before the column.
+    #[must_use]
+    pub fn behind(self, measure: &'a Measure) -> Self {
+        Self {
+            measure: Some(measure),
+            ..self
+        }
+    }
+
+    /// The sample of this number with its severity. A vehicle that a measure stops keeps the speed that it would have had at the
+    /// column.
     #[must_use]
     pub fn sample(&self, index: u64) -> RiskSample {
-        let departure = self.sampler.departure(index);
+        let mut departure = self.sampler.departure(index);
+        if let Some(measure) = self.measure {
+            let class = &self.sampler.scenario().classes[departure.class];
+            let behind = measure.speed_behind(&departure, class);
+            if behind == 0.0 {
+                let basis = Basis::Stopped;
+                return RiskSample { departure, basis };
+            }
+            departure.velocity = behind;
+        }
         RiskSample {
             basis: self.basis(&departure),
             departure,

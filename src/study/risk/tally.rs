@@ -18,7 +18,7 @@ pub(super) const INPUT_BINS: usize = 50;
 /// How the severity of a sample is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Basis {
-    /// No vehicle that reaches the column was found: there is no impact.
+    /// No vehicle that reaches the column was found, or a measure stopped it: there is no impact.
     Stopped,
     /// The response was computed.
     Computed(Severity),
@@ -158,6 +158,8 @@ pub struct Tally {
     /// Upper end of the fragility curves \[m/s\].
     pub(super) greatest_speed: f64,
     pub(super) undetermined: u64,
+    /// Vehicles that a measure stopped.
+    pub(super) held: u64,
     /// Points that were drawn for the samples.
     pub(super) points: u64,
     /// Bound of the probability of reaching the column, of which the accepted points are a share.
@@ -180,6 +182,7 @@ impl Tally {
             points: 0,
             reach_bound: sampler.reach_bound(),
             undetermined: 0,
+            held: 0,
             by_speed: vec![vec![Cell::default(); SPEED_BINS]; classes],
             by_class: vec![Cell::default(); classes],
             by_input: vec![vec![Cell::default(); INPUT_BINS]; INPUTS],
@@ -193,6 +196,7 @@ impl Tally {
         self.points += departure.points;
         self.by_class[departure.class].add(*basis);
         if *basis == Basis::Stopped {
+            self.held += u64::from(departure.reaches_column());
             return;
         }
         {
@@ -208,6 +212,7 @@ impl Tally {
     /// Counts the samples of another part of the same study, too.
     pub fn merge(&mut self, other: &Self) {
         self.undetermined += other.undetermined;
+        self.held += other.held;
         self.points += other.points;
         let pairs = self.by_class.iter_mut().zip(&other.by_class);
         let by_speed = self
