@@ -6,6 +6,7 @@ use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement, ParameterEntry};
 use crate::parameters::Value;
 use crate::senses::RawBatch;
+use crate::time::{INVALID_STAMP, Nanos};
 use crate::twin::{Command, ImpactCommand, Refusal, RefusalCode};
 
 /// The command of a message on `impact_event`.
@@ -51,9 +52,9 @@ pub fn raw_batch(measurement: &Measurement) -> RawBatch<'_> {
     }
 }
 
-/// Converts invalid stamps too, so that their refusal can state the distance from the current time.
-pub fn nanos(stamp: Time) -> i64 {
-    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
+/// The time of a stamp. One with a second or more of nanoseconds is no time, and becomes one that every check rejects.
+pub fn nanos(stamp: Time) -> Nanos {
+    stamp.to_nanos().unwrap_or(INVALID_STAMP)
 }
 
 /// The parameters that the message changes.
@@ -94,12 +95,13 @@ mod tests {
         );
     }
 
+    /// It was taken for a later one.
     #[test]
-    fn an_invalid_stamp_is_converted() {
-        let stamp = Time {
-            sec: 1,
-            nanosec: u32::MAX,
-        };
-        assert_eq!(nanos(stamp), 1_000_000_000 + i64::from(u32::MAX));
+    fn a_stamp_with_a_second_or_more_of_nanoseconds_is_no_time() {
+        let of = |nanosec| nanos(Time { sec: 1, nanosec });
+        assert_eq!(of(999_999_999), 1_999_999_999);
+        for nanosec in [1_000_000_000, u32::MAX] {
+            assert_eq!(of(nanosec), INVALID_STAMP);
+        }
     }
 }

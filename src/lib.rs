@@ -18,6 +18,7 @@
 pub use column_mechanics as column;
 
 pub mod assessment;
+pub mod bounded_file;
 pub mod endpoints;
 #[cfg(feature = "record")]
 pub mod evidence;

@@ -244,3 +244,102 @@ fn the_demonstration_with_sensors_plays_its_own_vehicle() {
     assert_eq!(ended.status.code(), Some(2));
     assert_eq!(names(folder.path()), [""; 0]);
 }
+
+/// Each took gigabytes of memory, or a minute.
+#[test]
+fn links_to_endless_files_are_rejected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    symlink("/dev/zero", folder.path().join("endless")).expect("a link");
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let path = |name: &str| config.join(name).display().to_string();
+    let (column, sensors) = (path("heb220_s355.yaml"), path("sensors_industrial.yaml"));
+    for (arguments, expected) in [
+        (
+            vec![
+                "estimate",
+                "--config",
+                &column,
+                "--config",
+                &sensors,
+                "--measurements",
+                "endless",
+            ],
+            "a row is longer than 1048576 bytes",
+        ),
+        (
+            vec![
+                "measure", "endless", "--config", &column, "--config", &sensors,
+            ],
+            "a row is longer than 1048576 bytes",
+        ),
+        (
+            vec![
+                "risk",
+                "--scenario",
+                "motorway",
+                "--scenarios",
+                "endless",
+                "--distance",
+                "1",
+                "--vehicles-per-day",
+                "1",
+            ],
+            "larger than 1048576 bytes",
+        ),
+        (
+            vec!["capacity", "--state", "endless"],
+            "larger than 4194304 bytes",
+        ),
+        (
+            vec!["simulate", "--config", "endless"],
+            "larger than 1048576 bytes",
+        ),
+    ] {
+        let ended = run(folder.path(), &arguments);
+        let said = String::from_utf8_lossy(&ended.stderr);
+        // The words of an error are wrapped at the width of the terminal.
+        let words: Vec<&str> = said.split_whitespace().filter(|it| *it != "│").collect();
+        assert_eq!(ended.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(words.join(" ").contains(expected), "{arguments:?}: {said}");
+    }
+}
+
+/// The twin names only a part of such an identifier in its rejection, so that the command waited for an answer in vain.
+#[cfg(feature = "ros")]
+#[test]
+fn an_impact_with_an_identifier_that_no_event_can_have_is_bad_input() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for wrong in [&"x".repeat(100_000), "a\u{1b}[31m", ""] {
+        let arguments = [
+            "impact",
+            "--mass",
+            "10",
+            "--velocity",
+            "1",
+            "--event",
+            wrong,
+        ];
+        let ended = run(folder.path(), &arguments);
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{said}");
+        assert!(said.contains("--event: event_id is"), "{said}");
+    }
+}
+
+/// It aborted where an allocation did not fit.
+#[cfg(feature = "ros")]
+#[test]
+fn a_node_with_too_little_address_space_says_what_it_needs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = env!("CARGO_BIN_EXE_column-twin");
+    let ended = Command::new("sh")
+        .args(["-c", "ulimit -v 200000 && exec \"$0\" run", program])
+        .current_dir(folder.path())
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .output()
+        .expect("a shell");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(1), "{said}");
+    let words: Vec<&str> = said.split_whitespace().filter(|it| *it != "│").collect();
+    assert!(words.join(" ").contains("needs at least 512 MB"), "{said}");
+}

@@ -1,7 +1,6 @@
 //! `column-twin capacity`: the axial capacity of the column, virgin and as it is, and what follows for its load.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +12,7 @@ use super::simulate::parameters_of;
 use column_twin::assessment::{
     Assessment, AssessmentInput, RemainingCapacity, assess, imperfection, respond_and_rest,
 };
+use column_twin::bounded_file::read_text_at_most;
 use column_twin::column::{
     BucklingResistance, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome,
     PushDownPoint, Report, SimulationError, State, push_down, residual_state,
@@ -204,12 +204,7 @@ impl Column {
             path: path.to_owned(),
             reason,
         };
-        let size = fs::metadata(path).map_err(unreadable)?.len();
-        if size > MAX_STATE_FILE_BYTES {
-            let reason = format!("it is longer than {MAX_STATE_FILE_BYTES} bytes");
-            return Err(unreadable(io::Error::other(reason)));
-        }
-        let text = fs::read_to_string(path).map_err(unreadable)?;
+        let text = read_text_at_most(path, MAX_STATE_FILE_BYTES).map_err(unreadable)?;
         let saved = SavedState::from_json(&text, &parameters).map_err(|reason| {
             CapacityCommandError::State {
                 path: path.to_owned(),

@@ -39,7 +39,7 @@ With -p viewer.mode:=serve (save, connect, spawn) the Rerun viewer shows the pla
 A fleet has at most 2000 columns. With -p record.mode:=events one recording has all of them, and
 `column-twin verify` verifies it column by column.
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 stopped by SIGINT or
-SIGTERM, but messages are missing in the recordings.";
+SIGTERM, but messages are missing in the recordings, or damage could not be saved.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> {

@@ -13,11 +13,12 @@ use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, RosArguments, RowImpactOptions,
     report_line, send_impact, send_row_impact,
 };
+use column_twin::twin::event_id_fault;
 
 /// Arguments of `column-twin impact`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-#[command(mut_arg("mass", |it| it.required_unless_present("vehicle")), mut_arg("velocity", |it| it.required(true)))]
+#[command(mut_arg("mass", |it| it.help(MASS)), mut_arg("velocity", |it| it.required(true)))]
 pub struct ImpactArgs {
     #[command(flatten)]
     impact: ImpactSpecificationArgs,
@@ -53,6 +54,10 @@ pub struct ImpactArgs {
     timeout: u16,
 }
 
+/// What an event without a mass means; the help of other commands has the parameters of a file in mind.
+const MASS: &str =
+    "Total mass of the vehicle [kg]; default: its own mass, which a rigid vehicle does not have";
+
 const EXAMPLE: &str = "\
 The parameters named as defaults are those of the twin.
 
@@ -71,6 +76,9 @@ pub fn run(
     ros: &RosArguments,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
+    if let Some(reason) = arguments.event.as_deref().and_then(event_id_fault) {
+        return Err(Failure::plain(Exit::BadInput, format!("--event: {reason}")));
+    }
     if !arguments.row.is_empty() {
         return run_row(arguments, ros, out);
     }

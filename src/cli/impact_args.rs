@@ -87,11 +87,11 @@ impl ImpactSpecificationArgs {
         vehicle.into_iter().chain(numbers).collect()
     }
 
-    /// The options as an impact for a twin, for a command that requires a velocity, and a mass or a vehicle.
+    /// The options as an impact for a twin, for a command that requires a velocity.
     #[cfg(feature = "ros")]
     pub fn specification(&self) -> ImpactSpecification {
         ImpactSpecification {
-            // clap requires a velocity, and a mass unless a vehicle is named, which has its own.
+            // clap requires a velocity. Without a mass, the vehicle of the event or of the twin has its own.
             mass: self.mass.unwrap_or(f64::NAN),
             velocity: self.velocity.unwrap_or(f64::NAN),
             gap: self.gap,

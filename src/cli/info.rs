@@ -8,6 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::failure::{Exit, Failure, printed};
 use column_twin::column::{End, Outcome};
+use column_twin::messages::words::mass_in_words;
 use column_twin::printable::PrintableWriter;
 use column_twin::recording::{
     self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, SealFinding, instant,
@@ -200,7 +201,7 @@ fn print_event(event: &EventSummary, out: &mut impl Write) -> io::Result<()> {
         write!(out, ", {}", instant(stamp))?;
     }
     if let (Some(mass), Some(velocity)) = (event.mass, event.velocity) {
-        write!(out, ": {mass} kg at {velocity} m/s")?;
+        write!(out, ": {} at {velocity} m/s", mass_in_words(mass))?;
     }
     writeln!(out)?;
     match event.outcome {

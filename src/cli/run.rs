@@ -29,7 +29,7 @@ With -p record.mode:=always the node records everything that it receives and sen
 given by -p record.directory:=DIR. Recordings are sealed with the key of -p record.seal_key:=FILE, or
 with a fresh one, whose public part the log shows.
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 messages are missing
-in a recording.";
+in a recording, or damage could not be saved.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
@@ -65,14 +65,22 @@ pub(super) fn end_of_run(end: RunEnd) -> Result<(), Failure> {
             "a thread of the twin panicked; restart the node, and report its output",
         ));
     }
-    match end.lost_in_recording {
-        0 => Ok(()),
-        lost => Err(Failure::plain(
-            Exit::Lossy,
-            format!(
-                "{lost} messages are missing in the recordings; see the log for when and why, and `column-twin info` for what was recorded"
-            ),
-        )),
+    let mut lost = Vec::new();
+    if end.lost_in_recording > 0 {
+        lost.push(format!(
+            "{} messages are missing in the recordings; see the log for when and why, and `column-twin info` for what was recorded",
+            end.lost_in_recording
+        ));
+    }
+    if end.unsaved_states > 0 {
+        lost.push(format!(
+            "{} writes of a state file failed, so that damage may be missing after a restart; see the log for when and why",
+            end.unsaved_states
+        ));
+    }
+    match lost.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::plain(Exit::Lossy, lost.join("; "))),
     }
 }
 

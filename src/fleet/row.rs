@@ -7,7 +7,7 @@ use crate::messages::column_twin::{ImpactEvent, RowImpactEvent};
 use crate::messages::std_msgs::Header;
 use crate::parameters::{crushed_name, split_crush};
 use crate::printable::Printable;
-use crate::time::Nanos;
+use crate::time::{INVALID_STAMP_REASON, Nanos};
 use crate::twin::{ForecastEnd, NoticeLevel, Output, ReportOutput, Striking};
 
 /// Most columns of one event.
@@ -88,9 +88,7 @@ impl RowImpact {
         }
         let stamp = message.header.stamp.to_nanos();
         if stamp.is_none() {
-            faults.push(
-                "the stamp has a second or more of nanoseconds; expected 0 to 999999999".to_owned(),
-            );
+            faults.push(INVALID_STAMP_REASON.to_owned());
         }
         if let (true, Some(stamp)) = (faults.is_empty(), stamp) {
             let begins = begins_of(&message, &mut faults);

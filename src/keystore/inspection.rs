@@ -22,7 +22,7 @@ use super::layout::{
     CERTIFICATE, ENCLAVES, GOVERNANCE, GOVERNANCE_XML, IDENTITY_CA, IDENTITY_CA_KEY, PERMISSIONS,
     PERMISSIONS_CA, PERMISSIONS_CA_KEY, PERMISSIONS_XML, PRIVATE, PUBLIC, enclave_folder,
 };
-use super::store::{read, read_certificate};
+use super::store::{read, read_certificate, read_text};
 
 /// A keystore for people.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -258,7 +258,7 @@ fn allowed_topics(permissions: &Path) -> (BTreeSet<String>, BTreeSet<String>) {
 
 /// A warning if a document was edited after it was signed: the edit has no effect.
 fn unsigned_change(document: &Path, signed: &Path, remedy: &str) -> Option<String> {
-    let text = fs::read_to_string(document).ok()?;
+    let text = read_text(document).ok()?;
     let signed_text = signed_text(signed).ok()?;
     let start = text.find('<').unwrap_or_default();
     (text[start..].trim() != signed_text.trim()).then(|| {

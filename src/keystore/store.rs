@@ -9,6 +9,9 @@ use std::path::{Path, PathBuf};
 use openssl::pkey::{HasPublic, PKey, PKeyRef};
 use openssl::x509::X509;
 
+use crate::bounded_file::read_at_most;
+use crate::ros::security::{MAX_ENCLAVE_FILE_BYTES, STRICT_FILES};
+
 use super::access::Access;
 use super::certificates::{Authority, expiry, new_key};
 use super::documents::{
@@ -84,6 +87,10 @@ pub struct Renewal<'a> {
     pub now: i64,
 }
 
+/// What the file says to a person.
+const STRICT_FILES_TEXT: &[u8] = b"column-twin refuses enclaves of this keystore with a private key that other users can read.\n\
+    Remove this file to have a warning instead.\n";
+
 /// Makes a keystore. Its folder appears complete or not at all.
 ///
 /// # Errors
@@ -126,6 +133,7 @@ pub fn create(creation: &Creation<'_>) -> Result<(), KeystoreError> {
     ] {
         new_link(&link, Path::new(to))?;
     }
+    new_file(&at(STRICT_FILES), STRICT_FILES_TEXT)?;
     let governance = governance_xml(creation.domains, creation.data);
     let enclaves = at(ENCLAVES);
     new_file(&enclaves.join(GOVERNANCE_XML), governance.as_bytes())?;
@@ -509,7 +517,7 @@ fn is_there(path: &Path) -> bool {
 
 /// Reads a file.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, KeystoreError> {
-    fs::read(path).map_err(KeystoreError::io("read", path))
+    read_at_most(path, MAX_ENCLAVE_FILE_BYTES).map_err(KeystoreError::io("read", path))
 }
 
 /// Reads a text.

@@ -41,6 +41,15 @@ pub fn range_in_words(least: u8, most: u8, at_least: bool, decided_by: &str) -> 
     is_known.then(|| assessment::range_in_words(&least, &most, at_least, decided_by))
 }
 
+/// The mass of an event, which leaves it open with NaN or 0.
+#[must_use]
+pub fn mass_in_words(mass: f64) -> String {
+    match mass.is_nan() || mass == 0.0 {
+        true => "a vehicle of its own mass".to_owned(),
+        false => format!("{mass} kg"),
+    }
+}
+
 /// One line about an estimate.
 #[must_use]
 pub fn estimate_line(it: &ImpactEstimate) -> String {

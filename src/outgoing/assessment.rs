@@ -9,6 +9,10 @@ use crate::study::VehicleLimits;
 use crate::time::seconds;
 use crate::twin::{Assessed, Prediction, ReportOutput, Status};
 
+/// Why a column has to be inspected whose state file could not be used.
+const UNKNOWN_DAMAGE: &str = "the state file with the damage from before could not be used, so the column may have more damage \
+                              than the twin knows: restore the file, or examine the column and call ~/reset if it is undamaged";
+
 impl From<&ReportOutput> for ImpactReport {
     /// Leaves header, column and event empty, and sets the kind FORECAST.
     fn from(output: &ReportOutput) -> Self {
@@ -94,6 +98,14 @@ impl TwinStatus {
     pub(super) fn assessed(self, status: &Status) -> Self {
         let numbers = Numbers::of(status.assessed.as_deref());
         let ends = Ends::of(status.range.as_deref());
+        let (severity, deciding_criterion, reason) = match status.is_damage_unknown {
+            false => (
+                numbers.severity,
+                numbers.deciding_criterion,
+                numbers.reason.to_owned(),
+            ),
+            true => with_unknown_damage(&numbers),
+        };
         Self {
             range_least: ends.least,
             range_most: ends.most,
@@ -103,9 +115,9 @@ impl TwinStatus {
             residual_capacity: numbers.residual_capacity,
             capacity_ratio: numbers.capacity_ratio,
             reserve: numbers.reserve,
-            severity: numbers.severity,
-            deciding_criterion: numbers.deciding_criterion.to_owned(),
-            severity_reason: numbers.reason.to_owned(),
+            severity,
+            deciding_criterion: deciding_criterion.to_owned(),
+            severity_reason: reason,
             crush: PerMass::first(&status.vehicle.permanent_crush, status.vehicle.masses),
             error_estimate: status.error_estimate.unwrap_or(f64::NAN),
             ..self
@@ -208,6 +220,16 @@ impl<'a> Numbers<'a> {
             deciding_criterion,
             reason,
         }
+    }
+}
+
+/// Severity, deciding criterion and reason of a column that may have a damage that the twin does not know: at least an
+/// inspection, because the model may be milder than the column is.
+fn with_unknown_damage(numbers: &Numbers<'_>) -> (u8, &'static str, String) {
+    let reason = format!("{UNKNOWN_DAMAGE}; {}", numbers.reason);
+    match numbers.severity {
+        TwinStatus::SEVERITY_NONE => (TwinStatus::SEVERITY_INSPECT, "state_file", reason),
+        severity => (severity, numbers.deciding_criterion, reason),
     }
 }
 

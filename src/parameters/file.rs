@@ -1,10 +1,10 @@
 //! Reads ROS 2 parameter files.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
+
+use crate::bounded_file::read_text_at_most;
 
 use super::fault::{Fault, Origin, Problem, SourceFile};
 use super::given::{self, Assignment, Given};
@@ -50,7 +50,7 @@ pub(super) fn read_sections(path: &Path, node: &NodeName) -> (Vec<Section>, Vec<
 
 /// The text of a file of at most `max_bytes`.
 pub(super) fn source(path: &Path, max_bytes: u64) -> Result<SourceFile, Box<Fault>> {
-    let text = read_text(path, max_bytes).map_err(|message| {
+    let text = read_text_at_most(path, max_bytes).map_err(|error| {
         Box::new(Fault {
             name: None,
             value: None,
@@ -59,28 +59,13 @@ pub(super) fn source(path: &Path, max_bytes: u64) -> Result<SourceFile, Box<Faul
                 position: None,
                 excerpt: None,
             },
-            problem: Problem::Unreadable(message),
+            problem: Problem::Unreadable(error.to_string()),
         })
     })?;
     Ok(SourceFile {
         path: path.to_owned(),
         text: Arc::from(text),
     })
-}
-
-fn read_text(path: &Path, max_bytes: u64) -> Result<String, String> {
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    file.take(max_bytes + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > max_bytes {
-        return Err(format!(
-            "larger than {max_bytes} bytes, the maximum for a parameter file"
-        ));
-    }
-    String::from_utf8(bytes)
-        .map_err(|error| format!("not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
 }
 
 /// Returns what the text of a file assigns to this node's parameters, and all faults in its structure.

@@ -14,7 +14,7 @@ use super::draft::Draft;
 use super::fault::{Fault, Origin, ParameterFaults, Problem, SourceFile};
 use super::file::{self, Section};
 use super::given::{self, Assignment, Content};
-use super::node_name::{NodeName, with_slashes};
+use super::node_name::{NodeName, namespace_fault, with_slashes};
 use super::overrides::{Override, given_in_text};
 use super::yaml::Location;
 use super::{Parameters, Source};
@@ -138,6 +138,7 @@ struct Reader<'a> {
     rows: HashSet<String>,
     faults: Vec<Fault>,
     is_too_many_told: bool,
+    is_misnamed_told: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -149,6 +150,7 @@ impl<'a> Reader<'a> {
             rows: HashSet::new(),
             faults: Vec::new(),
             is_too_many_told: false,
+            is_misnamed_told: false,
         }
     }
 
@@ -196,6 +198,13 @@ impl<'a> Reader<'a> {
     fn column(&mut self, name: String, place: Origin, index: usize) {
         if let Some(known) = self.columns.get_mut(&name) {
             known.own.push(index);
+            return;
+        }
+        if let Some(reason) = namespace_fault(&name) {
+            let message =
+                format!("{name:?} is not a namespace of ROS: {reason}; rename the column");
+            self.fault(None, place, message);
+            self.is_misnamed_told = true;
             return;
         }
         if self.columns.len() == MAX_COLUMNS {
@@ -250,7 +259,7 @@ impl<'a> Reader<'a> {
             return self.failed();
         }
         self.report_misplaced();
-        if self.columns.is_empty() {
+        if self.columns.is_empty() && !self.is_misnamed_told {
             let message = "the fleet has no column; name each in a parameter file as a section without a wildcard, such as \
                            `/garage/a3:`, or in a row of a table (--columns)";
             self.fault(None, Origin::Direct, message.to_owned());

@@ -449,7 +449,6 @@ fn answer(seen: &Seen, sent: &Sent<'_>) -> Option<ImpactOutcome> {
     }
 }
 
-/// A status with a rejection.
 /// The vehicle and the mass of an event in words, as far as the event tells them.
 fn what_strikes(event: &ImpactEvent) -> String {
     let mass = (event.mass > 0.0).then(|| format!("{} kg", readable(event.mass)));
@@ -461,6 +460,7 @@ fn what_strikes(event: &ImpactEvent) -> String {
     }
 }
 
+/// A status with a rejection.
 #[cfg(test)]
 pub(super) fn refused(event_id: &str, count: u64) -> Seen {
     Seen::Status(TwinStatus {

@@ -12,6 +12,7 @@ use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
 use super::clock_watch::ClockWatch;
+use super::given_up::GivenUp;
 use super::lines::severity_word;
 use super::live_twin::Health;
 use super::lost_peers::LostPeers;
@@ -38,6 +39,8 @@ pub(super) struct NodeCounters {
     pub unlogged: AtomicU64,
     /// Peers that fell silent, and what was published meanwhile.
     pub lost_peers: Arc<LostPeers>,
+    /// Messages that were given up because they are too long.
+    pub given_up: Arc<GivenUp>,
     /// The simulated clock; `None` with the system's.
     pub clock: Option<ClockWatch>,
     /// The senders, if the parameters limit them.
@@ -202,6 +205,13 @@ pub(super) fn solver_status(health: &Health) -> DiagnosticStatus {
             DiagnosticStatus::ERROR,
             "a thread of the solver panicked; restart the node and report its log".to_owned(),
         ),
+        _ if health.unsaved_states > 0 => (
+            DiagnosticStatus::ERROR,
+            format!(
+                "{} writes of a state file failed, so that damage may be missing after a restart; the log has the reason",
+                health.unsaved_states
+            ),
+        ),
         (0, None) => (DiagnosticStatus::OK, "on time".to_owned()),
         (0, Some(hint)) => (
             DiagnosticStatus::OK,
@@ -292,6 +302,7 @@ pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let losses = [
         ("unreadable messages", count(&counters.unreadable)),
         ("missed messages", count(&counters.missed)),
+        ("messages that were too long", counters.given_up.count()),
         ("unpublished messages", count(&counters.unpublished)),
         ("unlogged messages", count(&counters.unlogged)),
         (

@@ -19,6 +19,7 @@ use crate::messages::column_twin::{
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
+use crate::messages::words::mass_in_words;
 use crate::outgoing::RecordingTap;
 use crate::parameters::Parameters;
 use crate::twin::{Accepted, Command, Refusal};
@@ -96,9 +97,9 @@ impl Subscriptions {
                 );
                 let event_id = event.event_id.clone();
                 tracing::debug!(
-                    "received impact event {event_id:?} of {}: {} kg, {} m/s, gap {} m, {:.6} s old",
+                    "received impact event {event_id:?} of {}: {}, {} m/s, gap {} m, {:.6} s old",
                     GuidPrefix::from(sender),
-                    event.mass,
+                    mass_in_words(event.mass),
                     event.velocity,
                     event.gap,
                     1e-9 * (twin.now().saturating_sub(nanos(event.header.stamp))) as f64,
@@ -175,8 +176,8 @@ pub(super) async fn each_on<M: serde::de::DeserializeOwned + 'static>(
                 if lost > 0 && is_reliable {
                     counters.missed.fetch_add(lost, Ordering::Relaxed);
                     tracing::error!(
-                        "{lost} messages on {name} were lost: they arrived faster than they could be handled, or were sent while \
-                         the network was interrupted"
+                        "{lost} messages on {name} were lost: they arrived faster than they could be handled, were too long, or were \
+                         sent while the network was interrupted"
                     );
                 }
                 handle(message, info);

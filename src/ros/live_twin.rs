@@ -72,6 +72,8 @@ pub struct Health {
     pub dropped_recording: u64,
     /// States that the viewer did not show.
     pub dropped_viewer: u64,
+    /// Writes of a state file that failed.
+    pub unsaved_states: u64,
     /// A thread of the twin panicked: nothing is computed, or no damage is saved.
     pub has_panicked: bool,
     /// All queues.
@@ -100,6 +102,7 @@ impl LiveTwin {
             None => Loaded::Absent,
             Some(path) => state_file::load(path, &parameters)?,
         };
+        let is_rejected = matches!(saved, Loaded::Rejected { .. });
         let saved = match saved {
             Loaded::Absent => None,
             Loaded::Damage(saved) => {
@@ -109,7 +112,7 @@ impl LiveTwin {
             }
             Loaded::Rejected { reason, kept_as } => {
                 tracing::warn!(
-                    "the state file cannot be used, so the column starts virgin: {reason}; the file was renamed to {}",
+                    "the state file cannot be used, so the column starts virgin, and its status calls for an inspection until ~/reset: {reason}; the file was renamed to {}",
                     kept_as.display()
                 );
                 None
@@ -118,6 +121,7 @@ impl LiveTwin {
         let has_sensors = !parameters.settings().sensors.names.is_empty();
         let measurements =
             has_sensors.then(|| Arc::new(node_viewer::measurement_queue(&parameters)));
+        let path_of_state = path.clone();
         let mut options = LiveOptions {
             state_file: path,
             real_time: RealTime::of(&parameters),
@@ -126,7 +130,16 @@ impl LiveTwin {
         };
         node_viewer::add_queue(&parameters, &mut options);
         let initial_parameters = Arc::new(parameters.clone());
-        let new = |now| Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
+        let stored = path_of_state.filter(|_| is_rejected);
+        let new = |now| -> Result<Twin, LiveTwinError> {
+            let mut twin = Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now)?;
+            if let Some(path) = stored {
+                // Saved at once, so that the next start still knows it.
+                twin.note_unknown_damage();
+                state_file::store(&path, &twin.saved_state(now))?;
+            }
+            Ok(twin)
+        };
         let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
             Some(clock) => {
                 let twin = new(clock.now())?;
@@ -183,7 +196,16 @@ impl LiveTwin {
         drop(running);
         match handle.stop() {
             // Includes what the stop itself lost.
-            Ok(statistics) => *last_health() = health_of(statistics, false),
+            Ok(statistics) => {
+                let mut last = last_health();
+                let stopped = health_of(statistics, false);
+                // The writer of the state file has gone, and with it its count.
+                let unsaved_states = last.unsaved_states.max(stopped.unsaved_states);
+                *last = Health {
+                    unsaved_states,
+                    ..stopped
+                };
+            }
             Err(panicked) => {
                 tracing::error!("{panicked}");
                 last_health().has_panicked = true;
@@ -337,6 +359,7 @@ pub(super) fn health_of(statistics: LiveStatistics, has_panicked: bool) -> Healt
         .map(|(name, count)| (name.to_owned(), count.to_string()))
         .to_vec(),
         hints: statistics.real_time.warnings().collect(),
+        unsaved_states: statistics.state_file_failures,
         has_panicked,
         queues,
     }

@@ -13,6 +13,7 @@ use rustdds::{
     StatusEvented,
 };
 
+use super::given_up::GivenUp;
 use super::guid_prefix::GuidPrefix;
 use super::lost_peers::LostPeers;
 use super::security::Peers;
@@ -37,6 +38,7 @@ pub struct Matches {
     names: Mutex<BTreeMap<GUID, String>>,
     changed: Condvar,
     lost_peers: Arc<LostPeers>,
+    given_up: Arc<GivenUp>,
     security_peers: Arc<Peers>,
 }
 
@@ -55,6 +57,11 @@ impl Matches {
     /// Which participants fell silent, and which of them came back.
     pub(super) fn lost_peers(&self) -> Arc<LostPeers> {
         Arc::clone(&self.lost_peers)
+    }
+
+    /// Messages that were given up because they are too long.
+    pub(super) fn given_up(&self) -> Arc<GivenUp> {
+        Arc::clone(&self.given_up)
     }
 
     /// Which participants joined with a valid identity, and how many were rejected.
@@ -199,6 +206,18 @@ impl Matches {
                          messages are exchanged; compare both with `ros2 topic info -v {name}`"
                     );
                 }
+            }
+            Event::SampleGivenUp {
+                local_reader,
+                remote_writer,
+                size,
+                limit,
+            } => {
+                let name = locked(&self.names).get(&local_reader).cloned();
+                let name = name.as_deref().unwrap_or("a service");
+                let sender = prefix(remote_writer.prefix);
+                self.given_up
+                    .take(name, sender, size, limit, Instant::now());
             }
             #[cfg(feature = "security")]
             Event::AuthenticationOutcome {

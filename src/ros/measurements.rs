@@ -9,7 +9,7 @@ use futures::FutureExt;
 use futures::future::{LocalBoxFuture, join_all};
 use ros2_client::{MessageInfo, Subscription};
 
-use crate::incoming::{nanos, raw_batch};
+use crate::incoming::raw_batch;
 use crate::live::{FleetMeasurements, MeasurementQueue};
 use crate::messages::Message as _;
 use crate::messages::builtin_interfaces::Time;
@@ -436,7 +436,11 @@ impl MeasurementSubscriptions {
                 let Some(column) = inputs.columns.first() else {
                     return;
                 };
-                let complete = sensor.push(&column.column_id, nanos(stamp), vector);
+                let Some(stamp) = stamp.to_nanos() else {
+                    NodeCounters::count(&counters.unreadable);
+                    return;
+                };
+                let complete = sensor.push(&column.column_id, stamp, vector);
                 if let Some(measurement) = complete {
                     column.take(&measurement, now());
                 }
@@ -567,7 +571,7 @@ mod tests {
             sample_period,
             values,
         } = &complete[0];
-        assert_eq!(nanos(header.stamp), first);
+        assert_eq!(header.stamp.to_nanos(), Some(first));
         assert_eq!((column_id.as_str(), sensor_id.as_str()), ("c", "a"));
         assert_eq!(
             (*sample_period, values.as_slice()),

@@ -7,6 +7,7 @@
 //! Deliberately absent: the `Spinner` of ros2-client (it subscribes to `/clock` with a wrong type, and its parameter
 //! services support neither descriptions nor sets), and all default qualities of service of the libraries.
 
+mod address_space;
 mod arguments;
 mod client;
 mod client_error;
@@ -19,6 +20,7 @@ mod felt;
 mod fleet;
 mod fleet_view;
 mod fresh_domain;
+mod given_up;
 mod guid_prefix;
 mod inputs;
 mod library_log;

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::parameters::NodeName;
+use crate::parameters::{NodeName, full_name_fault, namespace_fault, part_fault};
 
 /// A name is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -171,7 +171,8 @@ impl Names {
             None if substituted.starts_with('/') => substituted.clone(),
             None => joined(&self.namespace, &substituted),
         };
-        check_full_name(&full)
+        full_name_fault(&full)
+            .map_or(Ok(()), Err)
             .map_err(|reason| invalid(name, "topic or service name", reason))
             .map(|()| full)
     }
@@ -197,40 +198,13 @@ fn invalid(name: &str, what: &'static str, reason: &'static str) -> NameError {
 
 /// A node name has a single part: letters, digits and underscores, not beginning with a digit.
 fn check_node_name(name: &str) -> Result<(), NameError> {
-    check_token(name).map_err(|reason| invalid(name, "node name", reason))
+    part_fault(name).map_or(Ok(()), |reason| Err(invalid(name, "node name", reason)))
 }
 
 fn check_namespace(namespace: &str) -> Result<(), NameError> {
-    if namespace == "/" {
-        return Ok(());
-    }
-    check_full_name(namespace).map_err(|reason| invalid(namespace, "namespace", reason))
-}
-
-fn check_full_name(name: &str) -> Result<(), &'static str> {
-    let Some(rest) = name.strip_prefix('/') else {
-        return Err("it must begin with `/`");
-    };
-    if rest.ends_with('/') {
-        return Err("it must not end with `/`");
-    }
-    rest.split('/').try_for_each(check_token)
-}
-
-fn check_token(token: &str) -> Result<(), &'static str> {
-    if token.is_empty() {
-        return Err("there must be a name before and after each `/`");
-    }
-    if token.starts_with(|c: char| c.is_ascii_digit()) {
-        return Err("no part may begin with a digit");
-    }
-    if !token.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        return Err("only letters, digits and underscores are allowed between `/`");
-    }
-    if token.contains("__") {
-        return Err("underscores must not be repeated");
-    }
-    Ok(())
+    namespace_fault(namespace).map_or(Ok(()), |reason| {
+        Err(invalid(namespace, "namespace", reason))
+    })
 }
 
 #[cfg(test)]

@@ -22,6 +22,10 @@ use super::live_twin::LiveTwin;
 /// Maximum number of parameters in one request: more than exist, and few enough to answer quickly.
 pub(super) const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
 
+/// Maximum number of names in a request that is answered name by name. The answer to more of them would be longer than what
+/// RustDDS and others take as one message, and would vanish.
+const MAX_NAMES_ANSWERED: usize = 10 * MAX_PARAMETERS_PER_REQUEST;
+
 /// What a client has to know of a change that is accepted during a response.
 const WAITS: &str = "takes effect when the response ends";
 
@@ -80,12 +84,20 @@ pub(super) fn describe(
 }
 
 /// One reply for each request, as the services require: `answer` up to the bound, `reject` beyond it. `reject` receives the
-/// reason, which is empty after the first one, so that the reply does not grow beyond the request.
+/// reason, which is empty after the first one, so that the reply does not grow beyond the request. Far beyond the bound there is
+/// no reply for any of them, as in rclcpp where it cannot answer, and a warning.
 pub(super) fn each<T, A>(
     requested: &[T],
     answer: impl Fn(&T) -> A,
     reject: impl Fn(String) -> A,
 ) -> Vec<A> {
+    if requested.len() > MAX_NAMES_ANSWERED {
+        tracing::warn!(
+            "a request about parameters was answered with an empty list: {}",
+            too_many(requested.len())
+        );
+        return Vec::new();
+    }
     let (answered, rejected) = requested.split_at(requested.len().min(MAX_PARAMETERS_PER_REQUEST));
     let rejections = (0..rejected.len()).map(|index| {
         reject(match index {
@@ -102,8 +114,8 @@ pub(super) fn too_many(count: usize) -> String {
     )
 }
 
-/// Whether a request asks for this name, as in rclcpp: without prefixes all names with fewer than `depth` dots (0: any number);
-/// with prefixes the names equal to one of them, or below one with fewer than `depth` dots after it, including the first.
+/// Whether a request asks for this name, as in rclpy: without prefixes all names with fewer than `depth` dots (0: any number);
+/// with prefixes the names equal to one of them, or below one with fewer than `depth` dots behind it and its own dot.
 pub(super) fn is_listed(name: &str, request: &ListParametersRequest) -> bool {
     let within = |dots: usize| request.depth == 0 || (dots as u64) < request.depth;
     let below = |name: &str, prefix: &String| {
@@ -111,7 +123,7 @@ pub(super) fn is_listed(name: &str, request: &ListParametersRequest) -> bool {
             || name
                 .strip_prefix(prefix.as_str())
                 .and_then(|rest| rest.strip_prefix('.'))
-                .is_some_and(|rest| within(rest.matches('.').count() + 1))
+                .is_some_and(|rest| within(rest.matches('.').count()))
     };
     match request.prefixes.is_empty() {
         true => within(name.matches('.').count()),
@@ -476,17 +488,17 @@ mod tests {
     }
 
     #[test]
-    fn lists_as_rclcpp_does() {
+    fn lists_as_rclpy_does() {
         assert_eq!(names(&[], 0).len(), PARAMETERS.len());
         assert!(names(&[], 1).iter().all(|name| !name.contains('.')));
         assert_eq!(names(&[], 3).len(), PARAMETERS.len());
         let nested = "vehicle.spring_1.crush".to_owned();
-        assert!(names(&["vehicle"], 3).contains(&nested));
-        assert!(!names(&["vehicle"], 2).contains(&nested));
+        assert!(names(&["vehicle"], 2).contains(&nested));
+        // It was empty: the dot behind the prefix does not count.
+        let direct = names(&["vehicle"], 1);
+        assert!(direct.contains(&"vehicle.name".to_owned()) && !direct.contains(&nested));
         assert!(names(&["top"], 0).contains(&"top.load".to_owned()));
-        // The dot after the prefix counts too.
-        assert!(names(&["top"], 1).is_empty());
-        assert_eq!(names(&["top"], 2), names(&["top"], 0));
+        assert_eq!(names(&["top"], 1), names(&["top"], 0));
         assert_eq!(names(&["column_id", "nothing"], 0), ["column_id"]);
         let all = list(
             &Parameters::default(),
@@ -573,6 +585,19 @@ mod tests {
             descriptors[many - 2].description,
             "expected at most 1024 parameters in one request, found 1026; send several requests"
         );
+    }
+
+    /// They were answered with more than a message holds, and the client waited for ever.
+    #[test]
+    fn a_request_with_a_hundred_thousand_names_is_answered_with_an_empty_list() {
+        let names = vec!["top.load".to_owned(); 100_000];
+        let parameters = Parameters::default();
+        let request = GetParametersRequest {
+            names: names.clone(),
+        };
+        assert!(get(&parameters, &request).values.is_empty());
+        let request = DescribeParametersRequest { names };
+        assert!(describe(&parameters, &request).values.is_empty());
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::parameters::{Fault, FleetColumns, ParameterFaults, Parameters, Source
 use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
 
 use super::NODE_NAME;
+use super::address_space::{TooLittleAddressSpace, check_address_space};
 use super::arguments::RosArguments;
 use super::dds_threads::DdsThreads;
 use super::environment::{DiscoveryRange, Environment};
@@ -38,6 +39,8 @@ pub struct RunOptions {
 pub struct RunEnd {
     /// Messages missing in its recordings.
     pub lost_in_recording: u64,
+    /// Writes of a state file that failed.
+    pub unsaved_states: u64,
     /// A thread of the twin or of the DDS library panicked.
     pub has_panicked: bool,
 }
@@ -69,6 +72,9 @@ pub enum RunError {
     /// The key of the seals cannot be used.
     #[error("the recording cannot start: {0}")]
     SealKey(String),
+    /// The system grants too little address space.
+    #[error(transparent)]
+    AddressSpace(#[from] TooLittleAddressSpace),
     /// Logging or signal handling cannot be set up.
     #[error("{0}; a program can run only one node")]
     Process(Box<dyn std::error::Error + Send + Sync>),
@@ -86,6 +92,7 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     let (parameters, deprecated) = load_parameters(options, &names)?;
     // Before anything starts or is written.
+    check_address_space()?;
     protection(&environment.security, environment.domain_id)?;
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
@@ -119,6 +126,7 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let health = twin.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),
+        unsaved_states: health.unsaved_states,
         has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
 }

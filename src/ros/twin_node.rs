@@ -73,6 +73,7 @@ impl TwinNode {
         let counters = Arc::new(NodeCounters {
             sensors: sensors.clone(),
             lost_peers: node.matches().lost_peers(),
+            given_up: node.matches().given_up(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
             clock: is_simulated.then(|| ClockWatch::new(Instant::now())),
             ..NodeCounters::default()

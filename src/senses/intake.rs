@@ -18,7 +18,7 @@ use super::batch::Batch;
 use super::sensor_clock::SensorClock;
 use super::stillness::Stillness;
 use crate::sensors::Sensor;
-use crate::time::Nanos;
+use crate::time::{INVALID_STAMP, INVALID_STAMP_REASON, Nanos};
 
 /// Most samples of one batch.
 pub const MAX_BATCH_SAMPLES: usize = 65_536;
@@ -111,6 +111,9 @@ pub enum Rejection {
     /// Its sender sets no stamp.
     #[error("its stamp is 0; set header.stamp to the time of the first sample")]
     NoStamp,
+    /// Its stamp is no time.
+    #[error("{INVALID_STAMP_REASON}")]
+    InvalidStamp,
     /// It arrived before.
     #[error("a batch with its time arrived before")]
     Duplicate,
@@ -455,6 +458,9 @@ impl Channel {
                 found: raw.sample_period,
                 rate: self.sensor.rate,
             });
+        }
+        if raw.stamp == INVALID_STAMP {
+            return Err(Rejection::InvalidStamp);
         }
         if raw.stamp == 0 && received > EARLIEST {
             return Err(Rejection::NoStamp);

@@ -1,7 +1,9 @@
 //! Recorded readings of sensors, as a table in a CSV file.
 
-use std::io::{Read, Write};
+use std::cell::Cell;
+use std::io::{self, Read, Write};
 
+use crate::printable::Printable;
 use crate::sensors::Sensor;
 
 /// Most rows of a table: ten minutes at 10 kHz.
@@ -9,6 +11,34 @@ const MAX_ROWS: usize = 6_000_000;
 
 /// Largest file that is read \[byte\].
 const MAX_BYTES: u64 = 1 << 30;
+
+/// Longest row, with the comments before it \[byte\].
+const MAX_ROW_BYTES: u64 = 1 << 20;
+
+/// How much of a text from a table an error shows \[characters\].
+const MAX_SHOWN: usize = 60;
+
+/// A table as it is read, up to a length of each row and of the whole.
+struct BoundedRows<'a, R> {
+    source: R,
+    /// What may still be read of the current row \[byte\].
+    row_left: &'a Cell<u64>,
+}
+
+impl<R: Read> Read for BoundedRows<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let left = self.row_left.get();
+        if left == 0 {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidData,
+                format!("a row is longer than {MAX_ROW_BYTES} bytes"),
+            ));
+        }
+        let read = (&mut self.source).take(left).read(buffer)?;
+        self.row_left.set(left - read as u64);
+        Ok(read)
+    }
+}
 
 /// Readings of some sensors: rows in the order of time, each with the values of all sensors, NaN where one is missing.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -84,7 +114,14 @@ pub enum ReadingsError {
 }
 
 fn list(names: &[String]) -> String {
-    names.join(", ")
+    shown(&names.join(", "))
+}
+
+/// A text from a table as it may appear in an error: escaped, and of a bounded length.
+fn shown(text: &str) -> String {
+    let begin: String = text.chars().take(MAX_SHOWN).collect();
+    let rest = if begin.len() < text.len() { "..." } else { "" };
+    format!("{}{rest}", Printable(&begin))
 }
 
 impl Readings {
@@ -94,10 +131,14 @@ impl Readings {
     /// # Errors
     /// The first fault of the table, with its line and column.
     pub fn from_csv(text: impl Read, sensors: &[Sensor]) -> Result<Self, ReadingsError> {
+        let row_left = Cell::new(MAX_ROW_BYTES);
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
-            .from_reader(text.take(MAX_BYTES + 1));
+            .from_reader(BoundedRows {
+                source: text.take(MAX_BYTES + 1),
+                row_left: &row_left,
+            });
         let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
         let known: Vec<String> = sensors.iter().map(|sensor| sensor.name.clone()).collect();
         let no_column = |name: &str| ReadingsError::NoColumn {
@@ -109,12 +150,12 @@ impl Readings {
         let mut columns = Vec::new();
         for (column, name) in header.iter().enumerate() {
             if header[..column].contains(name) {
-                return Err(ReadingsError::Twice { name: name.clone() });
+                return Err(ReadingsError::Twice { name: shown(name) });
             }
             if column != time_column {
                 let sensor = known.iter().position(|it| it == name);
                 let sensor = sensor.ok_or_else(|| ReadingsError::UnknownSensor {
-                    name: name.clone(),
+                    name: shown(name),
                     known: known.clone(),
                 })?;
                 columns.push((column, sensor));
@@ -129,13 +170,14 @@ impl Readings {
         };
         let mut row = csv::StringRecord::new();
         while reader.read_record(&mut row)? {
+            row_left.set(MAX_ROW_BYTES);
             let line = row.position().map_or(0, csv::Position::line);
             let number = |column: usize| {
                 let text = row.get(column).unwrap_or("");
                 let fault = || ReadingsError::NoNumber {
                     line,
                     column: header[column].clone(),
-                    found: text.to_owned(),
+                    found: shown(text),
                 };
                 match text {
                     "" => Ok(f64::NAN),
@@ -147,7 +189,7 @@ impl Readings {
                 return Err(ReadingsError::NoNumber {
                     line,
                     column: "time".into(),
-                    found: row.get(time_column).unwrap_or("").to_owned(),
+                    found: shown(row.get(time_column).unwrap_or("")),
                 });
             }
             if let Some(&before) = readings.times.last()

@@ -113,6 +113,13 @@ impl Twin {
         Ok(twin)
     }
 
+    /// The column may have a damage that this twin does not know, because its state file could not be used: its status says so,
+    /// and calls for an inspection, until a reset. To be called before the first command.
+    pub fn note_unknown_damage(&mut self) {
+        self.registry.life.is_damage_unknown = true;
+        self.status.set_changed();
+    }
+
     /// Assesses the column at rest at once: after a start, a reset or a change of parameters. After a response, the look-ahead
     /// has done it in slices.
     pub(super) fn assess(&mut self) {

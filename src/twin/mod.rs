@@ -122,6 +122,7 @@ pub use range::{JudgedImpact, RangeTask};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{
     Counts, LastRefusal, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Refused, RefusedInput,
+    event_id_fault,
 };
 pub use saved_state::{SavedState, SavedStateError};
 pub use seen_ids::MAX_SEEN_IDS;

@@ -14,8 +14,8 @@ use super::what_if::Striking;
 use crate::assessment::BaseDemand;
 use crate::parameters::Parameters;
 use crate::printable::{Printable, is_printable};
-use crate::time::Nanos;
 use crate::time::seconds;
+use crate::time::{INVALID_STAMP, INVALID_STAMP_REASON, Nanos};
 
 /// Longest identifier of an event in characters.
 pub const MAX_EVENT_ID_CHARS: usize = 255;
@@ -60,6 +60,9 @@ pub struct Life {
     pub calibrations_since_reset: u32,
     /// The last of them.
     pub last_calibration: Option<Calibration>,
+    /// Whether the column may have a damage that the twin does not know, because its state file could not be used.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_damage_unknown: bool,
 }
 
 /// The last refusal since the start of the program.
@@ -167,16 +170,8 @@ impl Registry {
     /// # Errors
     /// The identifier is not a valid one, or was used before.
     pub fn check_event_id(&self, id: &str) -> Result<(), Refusal> {
-        let invalid = |reason: String| Err(Refusal::new(RefusalCode::EventIdInvalid, reason));
-        let chars = id.chars().take(MAX_EVENT_ID_CHARS + 1).count();
-        if chars == 0 {
-            return invalid("event_id is empty; give every impact its own identifier".to_owned());
-        }
-        if chars > MAX_EVENT_ID_CHARS || id.chars().take(chars).any(|c| !is_printable(c)) {
-            return invalid(format!(
-                "event_id is too long or contains control characters; \
-                 allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control or invisible characters"
-            ));
+        if let Some(reason) = event_id_fault(id) {
+            return Err(Refusal::new(RefusalCode::EventIdInvalid, reason));
         }
         if self.seen.contains(id) {
             let reason = "an impact with this event_id was accepted before; give every impact its own identifier";
@@ -328,6 +323,22 @@ pub(super) fn check_column_id(own: &str, found: &str) -> Result<(), Refusal> {
     Err(Refusal::new(RefusalCode::OtherColumn, reason))
 }
 
+/// Why no event can have this identifier; `None` if one can.
+#[must_use]
+pub fn event_id_fault(id: &str) -> Option<String> {
+    let chars = id.chars().take(MAX_EVENT_ID_CHARS + 1).count();
+    if chars == 0 {
+        return Some("event_id is empty; give every impact its own identifier".to_owned());
+    }
+    let is_invalid = chars > MAX_EVENT_ID_CHARS || id.chars().any(|c| !is_printable(c));
+    is_invalid.then(|| {
+        format!(
+            "event_id is too long or contains control characters; \
+             allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control or invisible characters"
+        )
+    })
+}
+
 /// # Errors
 /// The stamp is too old or too far ahead.
 pub(super) fn check_stamp(
@@ -335,6 +346,12 @@ pub(super) fn check_stamp(
     now: Nanos,
     parameters: &Parameters,
 ) -> Result<(), Refusal> {
+    if stamp == INVALID_STAMP {
+        return Err(Refusal::new(
+            RefusalCode::ImpactOutOfRange,
+            INVALID_STAMP_REASON,
+        ));
+    }
     let tolerance = &parameters.settings().event;
     let off = seconds(stamp.abs_diff(now));
     if stamp == 0 && now != 0 && off > tolerance.max_age {

@@ -66,6 +66,9 @@ pub struct SavedState {
     /// The last of them; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_calibration: Option<Calibration>,
+    /// Whether the column may have a further damage, because an earlier state file could not be used; until the next reset.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_damage_unknown: bool,
     /// Identifiers of accepted impacts, the oldest first, at most [`MAX_SEEN_IDS`](super::MAX_SEEN_IDS).
     pub seen_ids: Vec<Arc<str>>,
 }
@@ -138,6 +141,7 @@ impl SavedState {
             last_impact,
             calibrations_since_reset,
             last_calibration,
+            is_damage_unknown,
         } = registry.life.clone();
         Self {
             column_id: Arc::clone(registry.column_id()),
@@ -156,6 +160,7 @@ impl SavedState {
             last_impact,
             calibrations_since_reset,
             last_calibration,
+            is_damage_unknown,
             seen_ids: registry.seen_ids(),
         }
     }
@@ -170,6 +175,7 @@ impl SavedState {
             last_impact: self.last_impact.clone(),
             calibrations_since_reset: self.calibrations_since_reset,
             last_calibration: self.last_calibration,
+            is_damage_unknown: self.is_damage_unknown,
         }
     }
 

@@ -2,12 +2,13 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use super::saved_state::SavedState;
+use crate::bounded_file::read_text_at_most;
 use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
 
@@ -190,11 +191,15 @@ fn locked(
 ) -> Result<File, StateFileError> {
     let open = || {
         fs::create_dir_all(folder(lock))?;
-        File::options()
-            .create(true)
-            .truncate(false)
-            .write(true)
-            .open(lock)
+        let mut options = File::options();
+        options.create(true).truncate(false).write(true);
+        // Who can open the file can hold the lock, and keep the twin from starting.
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+        let file = options.open(lock)?;
+        #[cfg(unix)]
+        restrict(&file);
+        Ok(file)
     };
     let locked = open()
         .map_err(TryLockError::Error)
@@ -208,16 +213,27 @@ fn locked(
     })
 }
 
+/// Restricts a lock file of earlier versions, as far as it is ours.
+#[cfg(unix)]
+fn restrict(file: &File) {
+    use std::os::unix::fs::PermissionsExt;
+    // Where it belongs to another user, it stays as that user has made it.
+    let _ = file.set_permissions(fs::Permissions::from_mode(0o600));
+}
+
 /// Reads the state file for the column with these parameters. A file that cannot be used is kept under another name.
 ///
 /// # Errors
 /// The file exists but cannot be read, or cannot be renamed.
 pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileError> {
-    let text = match read(path) {
+    let text = match read_text_at_most(path, MAX_STATE_FILE_BYTES) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Loaded::Absent),
         Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-            return reject(path, error.to_string());
+            return reject(
+                path,
+                format!("it is not a state file of column_twin: {error}"),
+            );
         }
         Err(source) => {
             return Err(StateFileError::Unreadable {
@@ -230,20 +246,6 @@ pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileErr
         Ok(saved) => Ok(Loaded::Damage(Box::new(saved))),
         Err(error) => reject(path, error.to_string()),
     }
-}
-
-fn read(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    File::open(path)?
-        .take(MAX_STATE_FILE_BYTES + 1)
-        .read_to_string(&mut text)?;
-    if text.len() as u64 > MAX_STATE_FILE_BYTES {
-        let reason = format!(
-            "it is not a state file of column_twin: it is longer than {MAX_STATE_FILE_BYTES} bytes"
-        );
-        return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
-    }
-    Ok(text)
 }
 
 fn reject(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
@@ -300,6 +302,23 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn other_users_cannot_open_the_lock_files() {
+        use std::os::unix::fs::PermissionsExt;
+        let root = tempfile::tempdir().expect("a folder");
+        let path = root.path().join("column.json");
+        // As an earlier version has made it.
+        let own = root.path().join("column.json.lock");
+        File::create(&own).expect("a file");
+        fs::set_permissions(&own, fs::Permissions::from_mode(0o644)).expect("ours");
+        let _reserved = reserve(&path).expect("free");
+        for lock in [own, root.path().join(FOLDER_LOCK)] {
+            let mode = fs::metadata(&lock).expect("a file").permissions().mode();
+            assert_eq!(mode & 0o777, 0o600, "{}", lock.display());
+        }
+    }
 
     #[test]
     fn a_state_file_has_one_owner() {

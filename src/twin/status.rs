@@ -87,6 +87,8 @@ pub struct Status {
     pub calibrations_since_reset: u32,
     /// The last of them; `None` without one.
     pub last_calibration: Option<Calibration>,
+    /// Whether the column may have a damage that the twin does not know, because its state file could not be used.
+    pub is_damage_unknown: bool,
     /// `v1` of the column at rest: the visible damage \[m\].
     pub residual_v1: f64,
     /// `u2` of the column at rest \[m\].
@@ -177,6 +179,7 @@ impl Status {
             impacts_since_reset: life.impacts_since_reset,
             calibrations_since_reset: life.calibrations_since_reset,
             last_calibration: life.last_calibration,
+            is_damage_unknown: life.is_damage_unknown,
             residual_v1: sample_at_rest.v1,
             residual_u2: sample_at_rest.u2,
             plastic_work_since_reset: life.plastic_work_since_reset + plastic_work,

@@ -125,7 +125,9 @@ fn outputs_dropped_by_the_queue_to_the_node_are_missing_in_the_recording() {
     assert!(!health.queues.is_empty() && !health.statistics.is_empty());
     assert_eq!(latest().unwrap().dropped_recording, lost + 2);
     let diagnostics = recording.of::<DiagnosticArray>(&qos::DIAGNOSTICS);
-    let of_recording = diagnostics.last().unwrap().status.last().unwrap();
+    let mut statuses = diagnostics.last().unwrap().status.iter();
+    let of_recording = statuses.find(|it| it.name.ends_with(": recording"));
+    let of_recording = of_recording.unwrap();
     assert_eq!(of_recording.level, DiagnosticStatus::ERROR);
     assert_eq!(
         of_recording.message,

@@ -222,6 +222,19 @@ fn wrong_tables_and_empty_fleets_are_faults_and_never_panic() {
             "namespace,column_id,top.load,top.load\n/a,a,1,2\n",
             "columns.csv:1:30: \"top.load\" is given a second time",
         ),
+        // `column-twin run` rejects them, too.
+        (
+            "namespace,column_id\n/garage/b-1,a\n",
+            "columns.csv:2:1: \"/garage/b-1\" is not a namespace of ROS: only letters, digits and underscores",
+        ),
+        (
+            "namespace,column_id\n/a b<x>/..//=1,a\n",
+            "columns.csv:2:1: \"/a b<x>/../=1\" is not a namespace of ROS",
+        ),
+        (
+            "namespace,column_id\n/3a,a\n",
+            "no part may begin with a digit",
+        ),
         (
             "namespace,column_id\n/a/*,a\n",
             "namespace is not the name of one column",
@@ -243,6 +256,12 @@ fn wrong_tables_and_empty_fleets_are_faults_and_never_panic() {
         let faults = Files::new(yaml, table).load(&[]).expect_err(table);
         assert!(faults.contains(expected), "{table}\n{faults}");
     }
+    let named = of_yaml("/garage/b-1:\n  ros__parameters: {}\n").expect_err("no namespace");
+    assert!(
+        named.contains("fleet.yaml:2:3: \"/garage/b-1\" is not a namespace of ROS"),
+        "{named}"
+    );
+    assert!(!named.contains("has no column"), "{named}");
     let broken = Files::new("/**: [", "namespace,column_id\n/a,a\n").load(&[]);
     let broken = broken.expect_err("no YAML");
     assert!(

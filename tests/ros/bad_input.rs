@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::messages::std_msgs;
+use column_twin::parameters::Value;
 use column_twin::ros::ImpactOutcome;
 use column_twin::ros::qos::{self, Endpoint};
 use serde::Serialize;
@@ -258,7 +259,8 @@ fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
     const FLOOD: u64 = 10_000;
     const BATCH: u64 = 100;
     let domain = Domain::fresh();
-    let twin = RunningTwin::start(&domain, &[]);
+    let unlimited = [("senders.max_rate", Value::from(0.0))];
+    let twin = RunningTwin::start(&domain, &unlimited);
     let mut node = reader(&domain);
     let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
@@ -295,5 +297,26 @@ fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
         "{outcome:?}"
     );
+    twin.stop();
+}
+
+/// It vanished without a line, and blocked its reliable sender for good.
+#[test]
+fn an_event_that_is_longer_than_a_message_may_be_is_given_up_and_the_next_one_arrives() {
+    let domain = Domain::fresh();
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut node = reader(&domain);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
+    assert!(events.publish(event("before", now(), 10.0, 0.5)));
+    statuses.find("the event before", |it| it.events_accepted == 1);
+    assert!(events.publish(event(&"x".repeat(5_000_000), now(), 10.0, 0.5)));
+    assert!(events.publish(event("behind", now(), 10.0, 0.5)));
+    statuses.find("the event behind it", |it| it.event_id == "behind");
+    diagnostics.find("a message that was too long", |it| {
+        counted(it, "messages that were too long") == Some(1)
+    });
+    drop((statuses, diagnostics, events));
     twin.stop();
 }

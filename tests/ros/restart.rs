@@ -2,10 +2,14 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::parameters::Parameters;
-use column_twin::ros::{ImpactOutcome, Node, qos};
+use column_twin::ros::qos::{self, Endpoint};
+use column_twin::ros::{ImpactOutcome, Node};
 
 use super::domain::Domain;
 use super::loopback::{Incoming, Outgoing, PATIENCE, event, impact, now, reader};
@@ -184,4 +188,91 @@ fn one_state_file_serves_one_program() {
     assert!(first.terminate().0.success());
     let after = Program::ready(&domain, folder.path(), &QUIET);
     assert!(after.terminate().0.success());
+}
+
+/// Asks for a reset until it is answered: a request or an answer that comes before its reader is known is lost.
+fn reset(node: &mut Node) {
+    let endpoint = Endpoint {
+        name: "/column_twin/reset",
+        ..qos::RESET
+    };
+    let client = node
+        .client::<TriggerRequest, TriggerResponse>(&endpoint)
+        .unwrap();
+    let deadline = Instant::now() + PATIENCE;
+    while !matches!(client.receive_response(), Ok(Some((_, answer))) if answer.success) {
+        assert!(Instant::now() < deadline, "the node resets nothing");
+        client.send_request(TriggerRequest::default()).unwrap();
+        std::thread::park_timeout(Duration::from_millis(200));
+    }
+}
+
+/// A damaged column looked undamaged, with one warning at the start.
+#[test]
+fn a_rejected_state_file_calls_for_an_inspection_until_the_reset() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("state")).unwrap();
+    fs::write(state_file(folder.path()), "half of a file").unwrap();
+    let calls = |it: &TwinStatus| {
+        it.severity == TwinStatus::SEVERITY_INSPECT
+            && it.severity_reason.contains("could not be used")
+            && it.severity_reason.contains("~/reset")
+    };
+    // Also when it is restarted, and no other file is rejected.
+    for _ in 0..2 {
+        let program = Program::ready(&domain, folder.path(), &QUIET);
+        let mut node = reader(&domain);
+        let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+        let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
+        statuses.find("a status that calls for an inspection", calls);
+        diagnostics.find("a warning about the column", |array| {
+            array.status.iter().any(|it| {
+                it.name.ends_with("twin")
+                    && it.level == DiagnosticStatus::WARN
+                    && it.message.contains("state file")
+            })
+        });
+        drop((statuses, diagnostics, node));
+        assert!(program.terminate().0.success());
+    }
+    let program = Program::ready(&domain, folder.path(), &QUIET);
+    let mut node = reader(&domain);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    reset(&mut node);
+    statuses.find("a status without a reason", |it| {
+        it.severity == TwinStatus::SEVERITY_NONE
+            && !it.severity_reason.contains("could not be used")
+    });
+    drop((statuses, node));
+    assert!(program.terminate().0.success());
+    let program = Program::ready(&domain, folder.path(), &QUIET);
+    assert!(!calls(&status(&mut reader(&domain))));
+    assert!(program.terminate().0.success());
+}
+
+/// As on a full disk: the loss was logged once, and the exit code was 0.
+#[test]
+fn damage_that_cannot_be_saved_is_an_error_in_diagnostics_and_of_the_program() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = Program::ready(&domain, folder.path(), &QUIET);
+    let mut node = reader(&domain);
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
+    // Where the new file would be written.
+    let new = folder.path().join("state/column.json.new");
+    fs::create_dir(new).unwrap();
+    assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
+    let line = program.wait_for("cannot be written");
+    assert!(line.contains("ERROR"), "{line}");
+    diagnostics.find("an error of the solver", |array| {
+        array.status.iter().any(|it| {
+            it.name.ends_with("solver")
+                && it.level == DiagnosticStatus::ERROR
+                && it.message.contains("damage may be missing after a restart")
+        })
+    });
+    drop((diagnostics, node));
+    let (ended, _, log) = program.terminate();
+    assert_eq!(ended.code(), Some(3), "{log:#?}");
 }

@@ -1,6 +1,7 @@
 //! Making, extending, renewing and reading keystores.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
 
 use column_twin::keystore::{
     Addition, Creation, DataProtection, ENCLAVE_DAYS, EnclaveName, KeystoreError, Renewal, Twins,
@@ -10,8 +11,8 @@ use column_twin::ros::security::now;
 
 use super::made::{DAY, Made, listing, name, plans, today, twin};
 
-/// What `ros2 security create_keystore` and `create_enclave` of SROS 2 0.13.0 make; only the modes are stricter.
-const LAYOUT: [&str; 30] = [
+/// What `ros2 security create_keystore` and `create_enclave` of SROS 2 0.13.0 make; only the modes are stricter, and one file demands it.
+const LAYOUT: [&str; 31] = [
     "enclaves 755",
     "enclaves/column_twin 755",
     "enclaves/column_twin/cert.pem 644",
@@ -39,6 +40,8 @@ const LAYOUT: [&str; 30] = [
     "public/ca.cert.pem 644",
     "public/identity_ca.cert.pem -> ca.cert.pem",
     "public/permissions_ca.cert.pem -> ca.cert.pem",
+    // Not of SROS 2.
+    "security.strict_files 644",
     "enclaves/garage 755",
     "enclaves/garage/a1 755",
     "enclaves/garage/a1/governance.p7s -> ../../governance.p7s",
@@ -335,6 +338,10 @@ fn renewal_keeps_keys_and_everything_written_by_hand() {
     });
     assert_eq!(renewed.unwrap().len(), 3);
     fs::write(&operator_key, deployed).unwrap();
+    // Copied carelessly, it can be read by others, which the keystore forbids.
+    let careless = inspect(&made.path(), None, now()).unwrap();
+    assert!(!careless.is_usable(), "{careless:#?}");
+    fs::set_permissions(&operator_key, fs::Permissions::from_mode(0o600)).unwrap();
     let summary = inspect(&made.path(), None, now()).unwrap();
     assert!(summary.is_usable(), "{summary:#?}");
     assert!(summary.enclaves[1].publish.contains("rt/own"));

@@ -26,7 +26,16 @@ pub struct Peer {
 impl Peer {
     /// With the files of an enclave, or without any.
     pub fn start(domain_id: u16, enclave: Option<&Path>) -> Self {
-        let participant = participant(domain_id, enclave);
+        Self::of(participant(domain_id, enclave))
+    }
+
+    /// With a stack that does not check its own permissions.
+    pub fn without_own_checks(domain_id: u16, enclave: &Path) -> Self {
+        let builder = builder(domain_id, Some(enclave)).without_own_permission_checks();
+        Self::of(builder.build().expect("a participant"))
+    }
+
+    fn of(participant: DomainParticipant) -> Self {
         let publisher = participant
             .create_publisher(&QosPolicies::default())
             .unwrap();
@@ -69,17 +78,20 @@ impl Peer {
 
 /// A participant on loopback.
 pub fn participant(domain_id: u16, enclave: Option<&Path>) -> DomainParticipant {
+    builder(domain_id, enclave).build().expect("a participant")
+}
+
+fn builder(domain_id: u16, enclave: Option<&Path>) -> DomainParticipantBuilder {
     let localhost = IpAddr::V4(Ipv4Addr::LOCALHOST);
     let builder = DomainParticipantBuilder::new(domain_id).with_only_networks([localhost]);
-    let builder = match enclave {
+    match enclave {
         Some(folder) => {
             let files =
                 DomainParticipantSecurityConfigFiles::with_ros_default_names(folder, String::new());
             builder.builtin_security(files)
         }
         None => builder,
-    };
-    builder.build().expect("a participant")
+    }
 }
 
 fn topic(participant: &DomainParticipant, endpoint: &Endpoint) -> (Topic, QosPolicies) {

@@ -1,7 +1,10 @@
 //! How the program starts in every case of `ROS_SECURITY_*`.
 
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::Command;
+
+use column_twin::ros::security::STRICT_FILES;
 
 use super::domain::Domain;
 use super::keystore::{Keystore, RECOMMENDED};
@@ -77,8 +80,16 @@ fn enforced_security_without_an_enclave_does_not_start_and_permissive_warns() {
     );
     let log = refused(&domain, &[enable, enforce], &[]);
     assert!(log.contains("ROS_SECURITY_KEYSTORE is not set"), "{log}");
-    // Security is off: the other variables have no effect.
+    // Security is off: the other variables have no effect, which the node says, unlike rcl.
     let log = started(&domain, &[enforce, path], &nobody);
+    assert!(log.contains("Enforce has no effect without"), "{log}");
+    let misspelt = ("ROS_SECURITY_ENABLE", "True");
+    let log = started(&domain, &[misspelt, enforce, path], &nobody);
+    assert!(
+        log.contains("[WARN]") && log.contains("found `True`"),
+        "{log}"
+    );
+    let log = started(&domain, &[path], &nobody);
     assert!(!log.contains("security"), "{log}");
 }
 
@@ -149,5 +160,27 @@ fn every_command_that_opens_a_participant_enforces_security() {
             error.contains("/enclaves/nobody' does not exist."),
             "{arguments:?}: {error}"
         );
+    }
+}
+
+/// A keystore of SROS 2 has keys of mode 0644, and must work unchanged; one of ours demands better.
+#[test]
+fn a_key_that_others_can_read_is_a_warning_and_refused_where_the_keystore_demands_it() {
+    let (domain, keystore) = (Domain::fresh(), Keystore::new());
+    let folder = keystore.write(&keystore.unrestricted("/column_twin", &RECOMMENDED));
+    let open = std::fs::Permissions::from_mode(0o644);
+    std::fs::set_permissions(folder.join("key.pem"), open).unwrap();
+    let variables = [
+        ("ROS_SECURITY_ENABLE", "true"),
+        ("ROS_SECURITY_STRATEGY", "Enforce"),
+        ("ROS_SECURITY_KEYSTORE", text(keystore.path())),
+    ];
+    let arguments = ["--enclave", "/column_twin"];
+    let log = started(&domain, &variables, &arguments);
+    assert!(log.contains("restrict it with: chmod 600"), "{log}");
+    std::fs::write(keystore.path().join(STRICT_FILES), "").unwrap();
+    let log = refused(&domain, &variables, &arguments);
+    for part in ["mode 644", "chmod 600", STRICT_FILES] {
+        assert!(log.contains(part), "{log}");
     }
 }

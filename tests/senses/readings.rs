@@ -220,10 +220,38 @@ fn a_table_with_a_fault_is_rejected_with_its_place() {
             "time,v\n0,1,2\n",
             "expected a table of comma-separated values",
         ),
+        (
+            "time,\u{1b}[31m\n0,1\n",
+            "the column `\\u{1b}[31m` belongs to no sensor",
+        ),
     ] {
         let fault = Readings::from_csv(text.as_bytes(), &sensors)
             .expect_err(text)
             .to_string();
         assert!(fault.starts_with(expected), "{text:?}: {fault}");
     }
+}
+
+/// Such as a link to a device. Each took gigabytes and a minute.
+#[test]
+fn a_table_without_an_end_is_rejected_in_its_first_row_that_is_too_long() {
+    let sensors = [sensor("v", Quantity::Displacement, 0.8)];
+    for (begin, endless) in [
+        ("", 0),
+        ("", b'\n'),
+        ("", b'#'),
+        ("time,v\n0,1\n", b'9'),
+        ("time,v\n\"", b'\n'),
+    ] {
+        let text = std::io::Read::chain(begin.as_bytes(), std::io::repeat(endless));
+        let fault = Readings::from_csv(text, &sensors).expect_err("endless");
+        let said = fault.to_string();
+        assert!(
+            said.contains("a row is longer than 1048576 bytes"),
+            "{said}"
+        );
+    }
+    let long = format!("time,{}\n0,1\n", "x".repeat(100_000));
+    let fault = Readings::from_csv(long.as_bytes(), &sensors).expect_err("no sensor");
+    assert!(fault.to_string().len() < 500);
 }

@@ -228,7 +228,7 @@ fn a_damaged_state_file_is_rejected_and_kept() {
             vec![b' '; state_file::MAX_STATE_FILE_BYTES as usize + 1],
         )
         .expect("written");
-        assert!(rejection(&path, &[]).contains("longer than"));
+        assert!(rejection(&path, &[]).contains("larger than"));
     });
 }
 

@@ -1,10 +1,13 @@
 //! `metadata.yaml` of a recording, version 9, as rosbag2 writes it (`rosbag2_storage/yaml.hpp`).
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_yaml_ng::Value;
 
+use crate::bounded_file::read_at_most;
+use crate::bounded_yaml;
 use crate::error::RecordingError;
 
 /// Name of the file.
@@ -170,18 +173,14 @@ pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
         path: path.to_path_buf(),
         reason,
     };
-    let read = |source| RecordingError::io("read", path, source);
-    let length = std::fs::metadata(path).map_err(read)?.len();
-    if length > MAX_LENGTH {
-        return Err(bad(format!(
-            "expected at most {MAX_LENGTH} bytes, found {length}"
-        )));
-    }
-    let bytes = std::fs::read(path).map_err(read)?;
+    let bytes = read_at_most(path, MAX_LENGTH).map_err(|source| match source.kind() {
+        std::io::ErrorKind::InvalidData => bad(source.to_string()),
+        _ => RecordingError::io("read", path, source),
+    })?;
     let text = String::from_utf8(bytes).map_err(|_| bad("expected valid UTF-8".to_owned()))?;
-    let document: ReadDocument = serde_yaml_ng::from_str(&text).map_err(|error| {
+    let document: ReadDocument = bounded_yaml::parse(&text).map_err(|reason| {
         bad(format!(
-            "expected the metadata of a rosbag2 recording: {error}"
+            "expected the metadata of a rosbag2 recording: {reason}"
         ))
     })?;
     let metadata = document.rosbag2_bagfile_information;
@@ -211,6 +210,12 @@ pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
         return Err(bad(
             "expected names of files in relative_file_paths, found none".to_owned(),
         ));
+    }
+    let mut seen = HashSet::new();
+    if let Some(twice) = names.iter().find(|name| !seen.insert(name.as_str())) {
+        return Err(bad(format!(
+            "expected each file once in relative_file_paths, found {twice:?} twice"
+        )));
     }
     Ok(names)
 }

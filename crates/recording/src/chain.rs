@@ -24,7 +24,7 @@ const MESSAGE: u8 = 1;
 const METADATA: u8 = 2;
 
 /// A SHA-256.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Hash(pub [u8; 32]);
 
 impl fmt::Display for Hash {
@@ -127,6 +127,20 @@ pub(crate) struct TopicTexts<'a> {
     pub schema: &'a [u8],
     pub message_encoding: &'a str,
     pub metadata: &'a BTreeMap<String, String>,
+}
+
+impl Default for TopicTexts<'_> {
+    fn default() -> Self {
+        static NOTHING: BTreeMap<String, String> = BTreeMap::new();
+        Self {
+            name: "",
+            type_name: "",
+            schema_encoding: "",
+            schema: &[],
+            message_encoding: "",
+            metadata: &NOTHING,
+        }
+    }
 }
 
 impl TopicTexts<'_> {

@@ -1,6 +1,6 @@
 //! Topics with all their texts in the file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 
 use crate::chain::{Hash, TopicTexts};
@@ -88,8 +88,9 @@ impl From<&RecordedTopic> for Described {
 
 /// Checks that all names differ.
 pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
-    for (index, topic) in topics.iter().enumerate() {
-        if topics[..index].iter().any(|other| other.name == topic.name) {
+    let mut names = HashSet::new();
+    for topic in topics {
+        if !names.insert(&topic.name) {
             return Err(RecordingError::DuplicateTopic {
                 topic: topic.name.clone(),
             });

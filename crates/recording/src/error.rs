@@ -34,6 +34,12 @@ pub enum RecordingError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// The file was removed while it was being written.
+    #[error("the recording {} was removed while it was being written, and all of its messages are lost; leave the directory of a recording in place until it is finished", path.display())]
+    Removed {
+        /// The file.
+        path: PathBuf,
+    },
     /// The output exists already.
     #[error("{} exists already; nothing is overwritten: choose another name, or move it away", path.display())]
     Exists {
@@ -264,6 +270,7 @@ impl RecordingError {
             self,
             Self::Io { .. }
                 | Self::NoRoom { .. }
+                | Self::Removed { .. }
                 | Self::Write { .. }
                 | Self::WriteMetadata { .. }
                 | Self::Thread(_)

@@ -16,6 +16,7 @@ use mcap::records::{
     MetadataIndex, Record, Statistics, SummaryOffset, op,
 };
 
+use crate::compression::Unpacked;
 use crate::records::{HEAD, attachment};
 use crate::seal::SEAL;
 
@@ -36,6 +37,7 @@ pub(crate) struct IndexCheck {
     schemas: BTreeMap<u16, Vec<u8>>,
     channels: BTreeMap<u16, Vec<u8>>,
     chunk: Option<OpenChunk>,
+    unpacked: Unpacked,
     statistics: Statistics,
     times: Times,
     chunk_indexes: Vec<u8>,
@@ -274,6 +276,10 @@ impl IndexCheck {
                 header.compressed_size,
                 data.len()
             ));
+        }
+        if !header.compression.is_empty() {
+            let end = self.position + HEAD + content.len() as u64;
+            self.unpacked.add(end, header.uncompressed_size)?;
         }
         check_compressed(&header, &data)?;
         self.chunk = Some(OpenChunk {

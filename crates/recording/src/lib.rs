@@ -1,8 +1,11 @@
 #![doc = include_str!("../README.md")]
 
 mod bag_metadata;
+mod bounded_file;
+mod bounded_yaml;
 mod chain;
 mod compression;
+mod declared;
 mod decode;
 mod definition;
 mod described;

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use mcap::Attachment;
 use mcap::records::{Channel, Header, MessageHeader, Metadata, Record, SchemaHeader};
 
-use crate::chain::{Hash, TopicTexts};
+use crate::chain::Hash;
 use crate::compression::ChunkCompression;
+use crate::declared::{Keys, Schema, hash_of, text_length};
 use crate::error::RecordingError;
 use crate::files::files_of;
 use crate::keys::QOS_KEY;
@@ -72,6 +73,11 @@ struct Contents {
     profile: String,
     library: String,
     topics: Vec<RecordedTopic>,
+    schemas: HashMap<Hash, Arc<Schema>>,
+    /// The topics of the declarations so far, by a hash of what they declare.
+    declared: HashMap<Hash, TopicOfChannel>,
+    /// Indices of the topics by a hash of name, type and encodings.
+    indices: HashMap<Hash, usize>,
     notes: Notes,
     text: usize,
     messages: u64,
@@ -384,7 +390,7 @@ impl Reader {
 /// One pass over one file.
 struct Pass {
     records: RecordReader,
-    schemas: HashMap<u16, (SchemaHeader, Vec<u8>)>,
+    schemas: HashMap<u16, Arc<Schema>>,
     /// Topics of the channels.
     channels: HashMap<u16, TopicOfChannel>,
 }
@@ -453,49 +459,25 @@ impl Pass {
         match record {
             Record::Header(header) => contents.note_header(header),
             Record::Schema { header, data } => {
-                let (id, schema) = (header.id, (header, data.into_owned()));
+                let id = header.id;
+                let known = self.schemas.get(&id);
                 // Some writers repeat the schemas in every chunk.
-                if self.schemas.get(&id) != Some(&schema) {
-                    contents.add_text(schema.1.len() + schema.0.name.len())?;
+                let is_known = known.is_some_and(|known| known.is(&header, &data));
+                if !is_known {
+                    let schema = contents.schema_of(header, data.into_owned())?;
                     self.schemas.insert(id, schema);
                 }
             }
             Record::Channel(channel) => {
                 let id = channel.id;
                 let schema = self.schemas.get(&channel.schema_id);
-                let hash = hash_of(&channel, schema);
-                let index = contents.topic_of(channel, schema)?;
-                self.channels.insert(id, TopicOfChannel { index, hash });
+                let topic = contents.topic_of(channel, schema)?;
+                self.channels.insert(id, topic);
             }
             _ => {}
         }
         Ok(())
     }
-}
-
-fn hash_of(channel: &Channel, schema: Option<&(SchemaHeader, Vec<u8>)>) -> Hash {
-    let (type_name, schema_encoding, schema) = parts_of(schema);
-    let texts = TopicTexts {
-        name: &channel.topic,
-        type_name,
-        schema_encoding,
-        schema,
-        message_encoding: &channel.message_encoding,
-        metadata: &channel.metadata,
-    };
-    texts.hash()
-}
-
-/// Name of the type, encoding and text of a schema; empty without one.
-fn parts_of(schema: Option<&(SchemaHeader, Vec<u8>)>) -> (&str, &str, &[u8]) {
-    schema.map_or(("", "", &[]), |(it, data)| (&it.name, &it.encoding, data))
-}
-
-fn text_length(entries: &BTreeMap<String, String>) -> usize {
-    entries
-        .iter()
-        .map(|(key, value)| key.len() + value.len())
-        .sum()
 }
 
 impl Contents {
@@ -526,41 +508,57 @@ impl Contents {
         }
     }
 
-    /// Index of the topic of a channel; equal channels have the same topic.
+    /// A schema; equal schemas are kept once.
+    fn schema_of(&mut self, header: SchemaHeader, data: Vec<u8>) -> Result<Arc<Schema>, String> {
+        let schema = Schema::new(header, data);
+        if let Some(known) = self.schemas.get(&schema.hash) {
+            return Ok(Arc::clone(known));
+        }
+        self.add_text(schema.length())?;
+        let schema = Arc::new(schema);
+        self.schemas.insert(schema.hash, Arc::clone(&schema));
+        Ok(schema)
+    }
+
+    /// The topic of a channel; channels with equal texts have the same topic.
     fn topic_of(
         &mut self,
         channel: Channel,
-        schema: Option<&(SchemaHeader, Vec<u8>)>,
-    ) -> Result<usize, String> {
-        let (type_name, encoding, text) = parts_of(schema);
-        let same = |it: &RecordedTopic| {
-            *it.name == *channel.topic
-                && *it.type_name == *type_name
-                && it.encoding == channel.message_encoding
-                && it.schema_encoding == encoding
-                && *it.schema == *text
-        };
-        if let Some(index) = self.topics.iter().position(same) {
-            return Ok(index);
+        schema: Option<&Arc<Schema>>,
+    ) -> Result<TopicOfChannel, String> {
+        let keys = Keys::of(&channel, schema);
+        if let Some(topic) = self.declared.get(&keys.declaration) {
+            return Ok(*topic);
         }
-        if self.topics.len() >= MAX_TOPICS {
+        if self.declared.len() >= MAX_TOPICS {
             return Err(format!("expected at most {MAX_TOPICS} topics, found more"));
         }
-        self.add_text(channel.topic.len() + text_length(&channel.metadata) + text.len())?;
-        self.topics.push(RecordedTopic {
-            name: channel.topic.into(),
-            type_name: type_name.into(),
-            encoding: channel.message_encoding,
-            schema_encoding: encoding.to_owned(),
-            schema: text.into(),
-            qos: channel
-                .metadata
-                .get(QOS_KEY)
-                .and_then(|yaml| OfferedQos::from_yaml(yaml)),
-            metadata: channel.metadata,
-            messages: 0,
-        });
-        Ok(self.topics.len() - 1)
+        let text = schema.map_or(0, |it| it.text.len());
+        self.add_text(channel.topic.len() + text_length(&channel.metadata) + text)?;
+        let hash = hash_of(&channel, schema);
+        let index = match self.indices.get(&keys.topic) {
+            Some(index) => *index,
+            None => {
+                self.topics.push(RecordedTopic {
+                    type_name: schema.map_or("", |it| &it.name).into(),
+                    schema_encoding: schema.map_or_else(String::new, |it| it.encoding.clone()),
+                    schema: schema.map_or_else(|| [].into(), |it| Arc::clone(&it.text)),
+                    qos: channel
+                        .metadata
+                        .get(QOS_KEY)
+                        .and_then(|yaml| OfferedQos::from_yaml(yaml)),
+                    name: channel.topic.into(),
+                    encoding: channel.message_encoding,
+                    metadata: channel.metadata,
+                    messages: 0,
+                });
+                self.indices.insert(keys.topic, self.topics.len() - 1);
+                self.topics.len() - 1
+            }
+        };
+        let topic = TopicOfChannel { index, hash };
+        self.declared.insert(keys.declaration, topic);
+        Ok(topic)
     }
 
     fn count(&mut self, topic: usize, time: u64) {

@@ -10,7 +10,7 @@ use mcap::records::{AttachmentHeader, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, McapResult};
 
-use crate::compression::ChunkCompression;
+use crate::compression::{ChunkCompression, Unpacked};
 use crate::error::RecordingError;
 use crate::index_check::IndexCheck;
 
@@ -56,6 +56,7 @@ pub(crate) struct RecordReader {
     /// Where the next record of the file begins.
     position: u64,
     compression: Option<ChunkCompression>,
+    unpacked: Unpacked,
     /// The end of the data was reached; a summary follows.
     past_data: bool,
     /// Number of messages according to the statistics at the end of the file.
@@ -165,6 +166,7 @@ impl RecordReader {
             begins: position,
             position,
             compression: None,
+            unpacked: Unpacked::default(),
             past_data: false,
             stated_messages: None,
             end: None,
@@ -303,7 +305,7 @@ impl RecordReader {
                     )));
                 }
                 Ok(Some(Found::Chunk(bytes))) if self.chunk.is_none() && !self.past_data => {
-                    let opened = Chunk::open(bytes);
+                    let opened = Chunk::open(bytes, self.position, &mut self.unpacked);
                     let (chunk, compression) = opened.map_err(|reason| self.damaged(reason))?;
                     self.compression = Some(compression);
                     self.chunk = Some(chunk);
@@ -401,7 +403,12 @@ struct Chunk {
 }
 
 impl Chunk {
-    fn open(mut bytes: Vec<u8>) -> Result<(Self, ChunkCompression), String> {
+    /// Opens the chunk that ends at the byte `end` of its file.
+    fn open(
+        mut bytes: Vec<u8>,
+        end: u64,
+        unpacked: &mut Unpacked,
+    ) -> Result<(Self, ChunkCompression), String> {
         let header = match mcap::parse_record(op::CHUNK, &bytes) {
             Ok(Record::Chunk { header, .. }) => header,
             Ok(_) => return Err("expected a chunk".to_owned()),
@@ -423,6 +430,9 @@ impl Chunk {
                 MAX_CHUNK >> 20,
                 header.uncompressed_size
             ));
+        }
+        if compression != ChunkCompression::None {
+            unpacked.add(end, header.uncompressed_size)?;
         }
         // Bytes behind the compressed records are not part of them, and the mcap crate could read a record beyond its end.
         let head = 8 + 8 + 8 + 4 + 4 + header.compression.len() + 8;

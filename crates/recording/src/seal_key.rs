@@ -10,6 +10,7 @@ use ed25519_dalek::pkcs8::DecodePrivateKey as _;
 use ed25519_dalek::pkcs8::spki::DecodePublicKey as _;
 use ed25519_dalek::{SECRET_KEY_LENGTH, Signature, Signer as _, SigningKey, VerifyingKey};
 
+use crate::bounded_file::read_at_most;
 use crate::chain::{from_hex, to_hex};
 use crate::error::RecordingError;
 
@@ -218,12 +219,13 @@ pub(crate) fn random<const N: usize>() -> Result<[u8; N], RecordingError> {
 }
 
 fn read_text(path: &Path) -> std::io::Result<String> {
-    let length = fs::metadata(path)?.len();
-    if length > MAX_LENGTH {
-        let reason = format!("expected the file of a key, found {length} bytes");
-        return Err(std::io::Error::other(reason));
-    }
-    Ok(String::from_utf8_lossy(&fs::read(path)?).into_owned())
+    let bytes = read_at_most(path, MAX_LENGTH).map_err(|error| match error.kind() {
+        ErrorKind::InvalidData => {
+            std::io::Error::other(format!("expected the file of a key: {error}"))
+        }
+        _ => error,
+    })?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// What a text in PEM contains: `PRIVATE KEY`, for example.

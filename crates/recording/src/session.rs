@@ -177,6 +177,8 @@ struct Current {
     last_flush: Duration,
     /// Whether messages wait to be flushed.
     unflushed: bool,
+    /// All messages in it.
+    written: Unsaved,
 }
 
 impl fmt::Debug for Session {
@@ -294,6 +296,7 @@ impl Session {
             began: now,
             last_flush: now,
             unflushed: false,
+            written: Unsaved::default(),
         });
         self.delete_old(&directory, now);
     }
@@ -329,6 +332,9 @@ impl Session {
     /// Creates a directory with a new name.
     fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
         let parent = &self.options.directory;
+        // It existed at the start, and may have been removed with a recording in it.
+        fs::create_dir_all(parent)
+            .map_err(|source| RecordingError::io("create the directory", parent, source))?;
         let name = directory_name(&self.options.application, self.options.started + now);
         for attempt in 0..MAX_PER_SECOND {
             let directory = match attempt {
@@ -376,6 +382,8 @@ impl Session {
         match current.writer.write(entry) {
             Ok(()) => {
                 current.unflushed = true;
+                current.written.messages += 1;
+                current.written.bytes += entry.data.len() as u64;
                 self.counters.written.fetch_add(1, Ordering::Relaxed);
                 self.counters
                     .written_bytes
@@ -399,7 +407,10 @@ impl Session {
         } else if let Some(current) = self.writer.take() {
             self.ends_at(current.writer.directory(), current.writer.signed());
             let unsaved = current.writer.abandon();
-            self.cut_off(unsaved);
+            self.cut_off(match error {
+                RecordingError::Removed { .. } => current.written,
+                _ => unsaved,
+            });
         }
         set(&self.counters.current, None);
         set(&self.counters.failing, Some(Arc::clone(&reason)));
@@ -416,6 +427,15 @@ impl Session {
         let Some(mut current) = self.writer.take() else {
             return;
         };
+        if let Err(error) = current.writer.check_in_place() {
+            self.cut_off(current.written);
+            set(&self.counters.current, None);
+            self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
+            self.options.report(&RecorderReport::Failing {
+                reason: error.to_string(),
+            });
+            return;
+        }
         current.writer.add_lost(losses);
         set(&self.counters.current, None);
         let directory = current.writer.directory().to_path_buf();
@@ -489,6 +509,11 @@ impl Session {
     /// Does what is due: hands data to the operating system, records losses. Has to be called regularly.
     pub fn tick(&mut self, now: Duration) {
         if let Some(error) = self.syncing.take_failure() {
+            self.fail(&error, now);
+        }
+        if let Some(current) = &self.writer
+            && let Err(error) = current.writer.check_in_place()
+        {
             self.fail(&error, now);
         }
         self.note_losses(now);
@@ -631,6 +656,43 @@ mod tests {
             ),
             "{told:?}"
         );
+    }
+
+    /// The loss was noticed at the stop, and not counted.
+    #[test]
+    fn a_recording_that_is_removed_while_it_is_written_is_lost_at_once_and_another_one_begins() {
+        for with_parent in [false, true] {
+            let folder = tempfile::tempdir().unwrap();
+            let parent = folder.path().join("recordings");
+            fs::create_dir(&parent).unwrap();
+            let mut options = RecorderOptions::new(&parent, SystemTime::UNIX_EPOCH);
+            let told = Arc::new(Mutex::new(Vec::new()));
+            let telling = Arc::clone(&told);
+            options.on_report = Some(Arc::new(move |it| {
+                telling.lock().unwrap().push(it.to_string());
+            }));
+            let (mut session, counters) = session(options);
+            let counted = || {
+                let count = |it: &AtomicU64| it.load(Ordering::Relaxed);
+                (count(&counters.written), count(&counters.unwritten))
+            };
+            let at = Duration::from_millis;
+            (0..4).for_each(|index| session.take(entry(index == 0), at(0)));
+            session.tick(at(100));
+            assert_eq!(counted(), (4, 0));
+            let recording = parent.join("recording_1970_01_01-00_00_00");
+            fs::remove_dir_all(if with_parent { &parent } else { &recording }).unwrap();
+            session.tick(at(200));
+            assert_eq!(counted(), (0, 4));
+            assert!(told.lock().unwrap()[1].contains("was removed while"));
+            session.take(entry(false), at(6000));
+            session.tick(at(6100));
+            assert_eq!(counted(), (2, 4));
+            let again = parent.join("recording_1970_01_01-00_00_06");
+            fs::remove_dir_all(again).unwrap();
+            session.finish();
+            assert_eq!(counted(), (0, 6));
+        }
     }
 
     #[test]

@@ -76,6 +76,23 @@ impl Storage {
         self.0.file.set_len(length)
     }
 
+    /// Whether the file is still at this path. One that was removed can be written to, and nobody will ever read it.
+    pub fn is_at(&self, path: &Path) -> bool {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt as _;
+            let place = |it: std::fs::Metadata| (it.dev(), it.ino());
+            let own = self.0.file.metadata().map(place).ok();
+            // Without an answer nothing is known; an error of the disk shows when the next data is written.
+            match std::fs::metadata(path) {
+                Ok(found) => own.is_none_or(|own| own == place(found)),
+                Err(error) => error.kind() != io::ErrorKind::NotFound,
+            }
+        }
+        #[cfg(not(unix))]
+        path.exists()
+    }
+
     /// Waits until the written data would survive a loss of power.
     pub fn sync_data(&self) -> io::Result<()> {
         self.0.file.sync_data()

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::bounded_yaml;
+
 /// A topic to be recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TopicInfo {
@@ -115,7 +117,7 @@ impl OfferedQos {
 
     /// The first profile of such a text, of any version; `None` if none can be read.
     pub(crate) fn from_yaml(text: &str) -> Option<Self> {
-        let profiles: Vec<ReadProfile> = serde_yaml_ng::from_str(text).ok()?;
+        let profiles: Vec<ReadProfile> = bounded_yaml::parse(text).ok()?;
         profiles.first().map(|profile| Self {
             reliable: profile.reliability.is("reliable", 1),
             transient_local: profile.durability.is("transient_local", 1),

@@ -534,6 +534,17 @@ impl Writer {
         done.map_err(|error| (error, self.abandon()))
     }
 
+    /// # Errors
+    /// The file was removed, and with it all messages.
+    pub(crate) fn check_in_place(&self) -> Result<(), RecordingError> {
+        match self.storage.is_at(&self.path) {
+            true => Ok(()),
+            false => Err(RecordingError::Removed {
+                path: self.path.clone(),
+            }),
+        }
+    }
+
     /// Truncates the file to its last whole record and closes it. Returns the messages that are lost.
     pub(crate) fn abandon(self) -> Unsaved {
         // If the file is gone, there is nothing to truncate.

@@ -6,7 +6,6 @@ mod numbers;
 mod summary;
 mod tables;
 
-use std::fs;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -19,6 +18,7 @@ use super::fleet_study::FleetStudyArgs;
 use super::interruption::Interruption;
 use super::simulate::load;
 use super::threads;
+use column_twin::bounded_file::read_text_at_most;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::Parameters;
 use column_twin::study::risk::{
@@ -470,10 +470,7 @@ fn read(path: &Path) -> Result<String, RiskCommandError> {
         path: path.to_owned(),
         reason,
     };
-    if fs::metadata(path).map_err(unreadable)?.len() > MAX_SCENARIO_FILE_BYTES {
-        return Err(unreadable(io::Error::other("the file is too long")));
-    }
-    fs::read_to_string(path).map_err(unreadable)
+    read_text_at_most(path, MAX_SCENARIO_FILE_BYTES).map_err(unreadable)
 }
 
 fn write_file(path: &Path, content: &[u8]) -> Result<(), RiskCommandError> {

@@ -124,6 +124,7 @@ impl FleetTwin {
             false => Some(state_file::reserve_folder(Path::new(directory))?),
         };
         let (mut saved, mut state_files) = (Vec::new(), Vec::new());
+        let mut rejected = Vec::new();
         for column in columns {
             let Some(path) = state_file::path(&column.parameters) else {
                 continue;
@@ -133,10 +134,11 @@ impl FleetTwin {
                 Loaded::Damage(state) => Some(state),
                 Loaded::Rejected { reason, kept_as } => {
                     tracing::warn!(
-                        "the state file of {} cannot be used, so the column starts virgin: {reason}; the file was renamed to {}",
+                        "the state file of {} cannot be used, so the column starts virgin, and its status calls for an inspection until ~/reset_column: {reason}; the file was renamed to {}",
                         column.name,
                         kept_as.display()
                     );
+                    rejected.push((saved.len(), path.clone()));
                     None
                 }
             });
@@ -152,7 +154,14 @@ impl FleetTwin {
             Some(clock) => Arc::clone(clock) as _,
             None => Arc::new(SystemClock::new()),
         };
-        let twins = make_twins(columns, &saved, monotonic_nanos, clock.now())?;
+        let mut twins = make_twins(columns, &saved, monotonic_nanos, clock.now())?;
+        for (index, path) in rejected {
+            // Saved at once, so that the next start still knows it.
+            if let Some(twin) = twins.get_mut(index) {
+                twin.note_unknown_damage();
+                state_file::store(&path, &twin.saved_state(clock.now()))?;
+            }
+        }
         let options = FleetOptions {
             real_time: RealTime::of(node),
             threads: FleetOptions::threads_of(node),

@@ -79,6 +79,7 @@ impl FleetNode {
         let senders = Arc::new(senders);
         let counters = Arc::new(NodeCounters {
             lost_peers: node.matches().lost_peers(),
+            given_up: node.matches().given_up(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
             clock: settings
                 .use_sim_time

@@ -8,6 +8,7 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use crate::parameters::{FleetColumns, FleetSources};
 
 use super::super::NODE_NAME;
+use super::super::address_space::check_address_space;
 use super::super::arguments::RosArguments;
 use super::super::dds_threads::DdsThreads;
 use super::super::environment::{DiscoveryRange, Environment};
@@ -65,6 +66,7 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
     for warning in &columns.warnings {
         tracing::warn!("{warning}");
     }
+    check_address_space()?;
     let dds_threads = DdsThreads::stop_on_panic();
     let recording = RunRecording::start_of_fleet(&columns, &names)?;
     let (fleet, outputs) = FleetTwin::start(&columns).map_err(|error| match error {
@@ -97,6 +99,7 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
     let health = fleet.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),
+        unsaved_states: health.unsaved_states,
         has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
 }

@@ -1,12 +1,13 @@
 //! An enclave: the six files of a participant, checked before it starts.
 
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
+use std::io;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
+
+use crate::bounded_file::read_at_most;
 
 use super::SecurityError;
 use super::certificates::{Certificate, private_key};
@@ -43,7 +44,11 @@ pub const ENCLAVE_FILES: [(EnclaveFile, &str); 6] = [
 ];
 
 /// Maximum size of a file \[bytes\]; genuine ones have some kilobytes.
-const MAX_FILE_SIZE: u64 = 1 << 20;
+pub const MAX_ENCLAVE_FILE_BYTES: u64 = 1 << 20;
+
+/// A file at the top of a keystore by which its private keys must not be readable by others. `column-twin keystore` writes it;
+/// SROS 2 does not know it.
+pub const STRICT_FILES: &str = "security.strict_files";
 
 /// Topics without which no node of ros2-client starts.
 const NEEDED: [(Action, &str); 3] = [
@@ -83,6 +88,9 @@ pub enum EnclaveFault {
         /// The error of the system.
         reason: String,
     },
+    /// Others can read the private key, and the keystore forbids it.
+    #[error("{0}; the file {STRICT_FILES} of the keystore demands it")]
+    ExposedKey(String),
     /// A PEM file does not contain what it should.
     #[error("{file}: expected {expected} in PEM format, but it cannot be read: {reason}")]
     NotPem {
@@ -270,6 +278,8 @@ pub struct Enclave {
     pub ends: Vec<(EnclaveFile, Timestamp)>,
     /// How the governance document protects the domain.
     pub kinds: ProtectionKinds,
+    /// What is wrong with the permissions of its private key, and what to do.
+    pub exposed_key: Option<String>,
     /// Weak points that do not prevent the start.
     weak_points: Vec<String>,
 }
@@ -370,6 +380,10 @@ impl Enclave {
             .iter()
             .map(|it| (it.file, it.not_after))
             .collect();
+        let exposed_key = exposed_key(directory);
+        if is_strict(directory) {
+            faults.extend(exposed_key.clone().map(EnclaveFault::ExposedKey));
+        }
         ends.push((EnclaveFile::Permissions, grant.not_after));
         ends.sort_by_key(|(_, until)| *until);
         let [_, certificate, _] = certificates;
@@ -378,7 +392,8 @@ impl Enclave {
             directory: PathBuf::new(),
             subject: certificate.subject,
             ends,
-            weak_points: weak_points(directory, &governance),
+            exposed_key: exposed_key.filter(|_| !is_strict(directory)),
+            weak_points: weak_points(&governance),
             kinds: governance.kinds,
         })
     }
@@ -408,7 +423,8 @@ impl Enclave {
     pub fn warnings(&self, now: Timestamp) -> Vec<String> {
         let near = self.ends.iter().filter(|(_, until)| is_near(*until, now));
         let near = near.map(|(file, until)| expiry(*file, *until, now));
-        near.chain(self.weak_points.iter().cloned()).collect()
+        let weak_points = self.exposed_key.iter().chain(&self.weak_points);
+        near.chain(weak_points.cloned()).collect()
     }
 
     /// What has expired, and what will within [`EXPIRY_NOTICE`](super::EXPIRY_NOTICE), in words.
@@ -440,29 +456,16 @@ fn expiry(file: EnclaveFile, until: Timestamp, now: Timestamp) -> String {
 fn read(directory: &Path, file: EnclaveFile) -> Result<Vec<u8>, EnclaveFault> {
     let path = directory.join(file.name());
     let unreadable = |reason: String| EnclaveFault::Unreadable { file, reason };
-    let opened = match File::open(&path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            return Err(match path.read_link() {
-                Ok(target) => unreadable(format!(
-                    "it is a link to {}, which does not exist",
-                    target.display()
-                )),
-                Err(_) => EnclaveFault::Missing(file),
-            });
+    read_at_most(&path, MAX_ENCLAVE_FILE_BYTES).map_err(|error| {
+        match (error.kind(), path.read_link()) {
+            (io::ErrorKind::NotFound, Ok(target)) => unreadable(format!(
+                "it is a link to {}, which does not exist",
+                target.display()
+            )),
+            (io::ErrorKind::NotFound, Err(_)) => EnclaveFault::Missing(file),
+            _ => unreadable(error.to_string()),
         }
-        opened => opened.map_err(|error| unreadable(error.to_string()))?,
-    };
-    let mut content = Vec::new();
-    let mut bounded = opened.take(MAX_FILE_SIZE + 1);
-    bounded
-        .read_to_end(&mut content)
-        .map_err(|error| unreadable(error.to_string()))?;
-    if content.len() as u64 > MAX_FILE_SIZE {
-        return Err(unreadable(format!(
-            "it is larger than {MAX_FILE_SIZE} bytes"
-        )));
-    }
-    Ok(content)
+    })
 }
 
 /// What every node needs, unless the governance document leaves the topic open.
@@ -504,15 +507,28 @@ fn check_needed(
     }
 }
 
-fn weak_points(directory: &Path, governance: &Governance) -> Vec<String> {
+/// What is wrong with the permissions of the private key. A keystore of SROS 2 has mode 0644, and must work unchanged.
+fn exposed_key(directory: &Path) -> Option<String> {
+    let key = directory.join(EnclaveFile::Key.name());
+    let mode = key.metadata().ok()?.permissions().mode() & 0o777;
+    (mode & 0o077 != 0).then(|| {
+        let key = key.display();
+        format!(
+            "{key} can be read by other users of this machine (mode {mode:03o}), who can then speak in the name of this node; \
+             restrict it with: chmod 600 {key}"
+        )
+    })
+}
+
+/// Whether the keystore with this folder of an enclave has the file that forbids private keys that others can read.
+fn is_strict(directory: &Path) -> bool {
+    let enclaves = directory.ancestors().find(|it| it.ends_with("enclaves"));
+    let keystore = enclaves.and_then(Path::parent);
+    keystore.is_some_and(|it| it.join(STRICT_FILES).exists())
+}
+
+fn weak_points(governance: &Governance) -> Vec<String> {
     let mut weak = Vec::new();
-    let key = directory.join(EnclaveFile::Key.name()).metadata();
-    if key.is_ok_and(|key| key.permissions().mode() & 0o077 != 0) {
-        weak.push(format!(
-            "{} can be read by other users of this machine; restrict it with `chmod 600`",
-            directory.join(EnclaveFile::Key.name()).display()
-        ));
-    }
     if governance.allows_unauthenticated {
         weak.push(
             "governance.p7s admits peers without a certificate (allow_unauthenticated_participants)"

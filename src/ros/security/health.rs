@@ -31,9 +31,13 @@ impl Protection {
 #[cfg(feature = "security")]
 fn enclave_health(enclave: &super::Enclave, peers: &Peers, now: jiff::Timestamp) -> SecurityHealth {
     let (over, coming) = enclave.near_ends(now);
-    let (level, message) = match (over.is_empty(), coming.is_empty()) {
+    let weak: Vec<_> = coming
+        .into_iter()
+        .chain(enclave.exposed_key.clone())
+        .collect();
+    let (level, message) = match (over.is_empty(), weak.is_empty()) {
         (true, true) => (DiagnosticStatus::OK, "protected".to_owned()),
-        (true, false) => (DiagnosticStatus::WARN, coming.join("; ")),
+        (true, false) => (DiagnosticStatus::WARN, weak.join("; ")),
         (false, _) => (DiagnosticStatus::ERROR, over.join("; ")),
     };
     let text = |key: &str, value: &dyn ToString| (key.to_owned(), value.to_string());

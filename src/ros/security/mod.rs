@@ -27,7 +27,9 @@ use std::path::PathBuf;
 #[cfg(feature = "security")]
 pub use dates::{EXPIRY_NOTICE, now};
 #[cfg(feature = "security")]
-pub use enclave::{ENCLAVE_FILES, Enclave, EnclaveFault, EnclaveFile};
+pub use enclave::{
+    ENCLAVE_FILES, Enclave, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
+};
 #[cfg(feature = "security")]
 pub use governance::ProtectionKinds;
 pub use peers::Peers;
@@ -42,7 +44,8 @@ pub(super) use health::SecurityHealth;
 pub enum Protection {
     /// Security is not enabled.
     Off,
-    /// Security is enabled, but not enforced, and there is no enclave: the participant is unprotected for this reason.
+    /// The participant is unprotected for this reason: security is enabled, but not enforced, and there is no enclave; or it is
+    /// not enabled, but the variables look as if it was meant to be.
     Unprotected(String),
     /// The participant belongs to this enclave.
     #[cfg(feature = "security")]
@@ -98,7 +101,8 @@ pub fn protection(
     domain_id: u16,
 ) -> Result<Protection, SecurityError> {
     if !settings.is_enabled {
-        return Ok(Protection::Off);
+        let warning = settings.warning_of_security_off();
+        return Ok(warning.map_or(Protection::Off, Protection::Unprotected));
     }
     match enclave(settings, domain_id) {
         // Files that exist but are broken are an accident or an attack; running unprotected would hide it.
@@ -142,10 +146,13 @@ fn unprotected(settings: &SecuritySettings, error: &SecurityError) -> String {
         #[cfg(feature = "security")]
         other @ SecurityError::Broken { .. } => other.to_string(),
     };
+    let strategy = match &settings.odd_strategy {
+        Some(odd) => format!("ROS_SECURITY_STRATEGY=`{odd}`, which means the same as Permissive"),
+        None => format!("ROS_SECURITY_STRATEGY={}", settings.strategy),
+    };
     format!(
         "ROS_SECURITY_ENABLE=true, but messages are neither signed nor encrypted, and every peer is accepted: {reason}. With \
-         ROS_SECURITY_STRATEGY={}, this is not an error; set it to Enforce to require security",
-        settings.strategy
+         {strategy}, this is not an error; set it to Enforce to require security"
     )
 }
 
@@ -219,6 +226,38 @@ mod tests {
                 "{warning}"
             );
         }
+    }
+
+    #[test]
+    fn the_warning_names_the_strategy_that_was_found() {
+        let variables = [
+            ("ROS_SECURITY_ENABLE", "true"),
+            ("ROS_SECURITY_STRATEGY", "enforce"),
+        ];
+        let settings = SecuritySettings::from_variables(&|name| {
+            let found = variables.iter().find(|(known, _)| *known == name);
+            found.map(|(_, value)| (*value).to_owned())
+        });
+        let protection = protection(&settings.expect("valid"), 0).expect("goes on");
+        let said = protection.warning().expect("a warning");
+        assert!(said.contains("STRATEGY=`enforce`"), "{said}");
+        assert!(!said.contains("STRATEGY=Permissive"), "{said}");
+    }
+
+    #[test]
+    fn a_misspelt_request_for_security_is_a_warning_of_node_and_diagnostics() {
+        let settings = SecuritySettings {
+            odd_enable: Some("True".to_owned()),
+            strategy: SecurityStrategy::Enforce,
+            ..SecuritySettings::default()
+        };
+        let off = protection(&settings, 0).expect("goes on");
+        assert!(off.warning().is_some_and(|it| it.contains("found `True`")));
+        let health = off.health(&Peers::default()).expect("a status");
+        assert_eq!(
+            health.level,
+            crate::messages::diagnostic_msgs::DiagnosticStatus::WARN
+        );
     }
 
     #[cfg(feature = "security")]

@@ -6,6 +6,12 @@ use std::path::PathBuf;
 /// The enclave of a process that names none, as in rcl.
 pub const DEFAULT_ENCLAVE: &str = "/";
 
+/// Values of `ROS_SECURITY_ENABLE` that are meant as a no.
+const NO: [&str; 4] = ["false", "0", "no", "off"];
+
+/// How much of a value a warning shows \[characters\].
+const MAX_SHOWN: usize = 200;
+
 /// What happens without usable security files: `ROS_SECURITY_STRATEGY`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SecurityStrategy {
@@ -30,8 +36,12 @@ impl fmt::Display for SecurityStrategy {
 pub struct SecuritySettings {
     /// `ROS_SECURITY_ENABLE=true`; any other value means no.
     pub is_enabled: bool,
+    /// A value of `ROS_SECURITY_ENABLE` that is neither `true` nor says no, such as `True` or `1`, which rcl takes for a no.
+    pub odd_enable: Option<String>,
     /// `ROS_SECURITY_STRATEGY`.
     pub strategy: SecurityStrategy,
+    /// A value of `ROS_SECURITY_STRATEGY` that rcl does not know, such as `enforce`.
+    pub odd_strategy: Option<String>,
     /// `ROS_SECURITY_KEYSTORE`.
     pub keystore: Option<PathBuf>,
     /// `ROS_SECURITY_ENCLAVE_OVERRIDE`, or else `--enclave`, or else [`DEFAULT_ENCLAVE`].
@@ -45,7 +55,9 @@ impl Default for SecuritySettings {
     fn default() -> Self {
         Self {
             is_enabled: false,
+            odd_enable: None,
             strategy: SecurityStrategy::default(),
+            odd_strategy: None,
             keystore: None,
             enclave: DEFAULT_ENCLAVE.to_owned(),
             is_overridden: false,
@@ -73,12 +85,21 @@ impl SecuritySettings {
     /// `ROS_SECURITY_ENCLAVE_OVERRIDE` is not the name of an enclave while security is enabled.
     pub fn from_variables(get: &impl Fn(&str) -> Option<String>) -> Result<Self, EnclaveNameError> {
         let get = |name: &str| get(name).filter(|value| !value.is_empty());
+        let shown = |value: String| value.escape_default().take(MAX_SHOWN).collect();
+        let enable = get("ROS_SECURITY_ENABLE");
+        let strategy = get("ROS_SECURITY_STRATEGY");
         let mut settings = Self {
-            is_enabled: get("ROS_SECURITY_ENABLE").as_deref() == Some("true"),
-            strategy: match get("ROS_SECURITY_STRATEGY").as_deref() {
+            is_enabled: enable.as_deref() == Some("true"),
+            strategy: match strategy.as_deref() {
                 Some("Enforce") => SecurityStrategy::Enforce,
                 _ => SecurityStrategy::Permissive,
             },
+            odd_enable: enable
+                .filter(|it| it != "true" && !NO.contains(&it.to_lowercase().as_str()))
+                .map(shown),
+            odd_strategy: strategy
+                .filter(|it| !["Enforce", "Permissive"].contains(&it.as_str()))
+                .map(shown),
             keystore: get("ROS_SECURITY_KEYSTORE").map(PathBuf::from),
             ..Self::default()
         };
@@ -100,6 +121,25 @@ impl SecuritySettings {
             enclave.clone_into(&mut self.enclave);
         }
         self
+    }
+
+    /// A warning if security is off although the variables look as if it was meant to be on; rcl says nothing then.
+    #[must_use]
+    pub fn warning_of_security_off(&self) -> Option<String> {
+        let why = match (self.is_enabled, &self.odd_enable, self.strategy) {
+            (true, ..) | (false, None, SecurityStrategy::Permissive) => return None,
+            (false, Some(odd), _) => {
+                format!("only ROS_SECURITY_ENABLE=true enables it, found `{odd}`")
+            }
+            (false, None, SecurityStrategy::Enforce) => {
+                "ROS_SECURITY_STRATEGY=Enforce has no effect without ROS_SECURITY_ENABLE=true"
+                    .to_owned()
+            }
+        };
+        Some(format!(
+            "DDS security is off: {why}. Messages are neither signed nor encrypted, and every peer is accepted; set \
+             ROS_SECURITY_ENABLE=true, or unset both variables to run without security"
+        ))
     }
 
     /// The directory of the enclave's files, whether it exists or not; `None` without a keystore.
@@ -133,7 +173,7 @@ pub fn enclave_name(origin: &'static str, name: &str) -> Result<String, EnclaveN
     } else {
         Err(EnclaveNameError {
             origin,
-            name: name.escape_default().take(200).collect(),
+            name: name.escape_default().take(MAX_SHOWN).collect(),
         })
     }
 }
@@ -165,6 +205,34 @@ mod tests {
             let settings = with(&[("ROS_SECURITY_STRATEGY", value)]).expect("valid");
             assert_eq!(settings.strategy, strategy, "{value}");
         }
+    }
+
+    /// Security was off without a word.
+    #[test]
+    fn security_that_is_off_by_a_misspelt_value_is_a_warning() {
+        let warning = |variables: &[(&str, &str)]| {
+            let settings = with(variables).expect("valid").with_enclave(Some("/twin"));
+            settings.warning_of_security_off()
+        };
+        for odd in ["True", "TRUE", "1", "yes", "on", "true "] {
+            for strategy in ["Enforce", "Permissive", ""] {
+                let variables = [
+                    ("ROS_SECURITY_ENABLE", odd),
+                    ("ROS_SECURITY_STRATEGY", strategy),
+                ];
+                let warning = warning(&variables).expect(odd);
+                assert!(warning.contains(&format!("found `{odd}`")), "{warning}");
+            }
+        }
+        let enforced = ("ROS_SECURITY_STRATEGY", "Enforce");
+        let said = warning(&[enforced]).expect("a warning");
+        assert!(said.contains("Enforce has no effect"), "{said}");
+        let enabled = [("ROS_SECURITY_ENABLE", "true"), enforced];
+        assert_eq!(warning(&enabled), None);
+        for no in ["false", "False", "0", "no", "off", ""] {
+            assert_eq!(warning(&[("ROS_SECURITY_ENABLE", no)]), None, "{no}");
+        }
+        assert_eq!(warning(&[]), None);
     }
 
     #[test]

@@ -19,5 +19,6 @@ mod seal;
 mod seal_keys;
 mod sealed_repairs;
 mod sealed_sessions;
+mod slow_input;
 mod small_disk;
 mod unsealed_notes;

@@ -188,6 +188,18 @@ impl DomainParticipantBuilder {
     self
   }
 
+  #[cfg(feature = "security")]
+  /// For tests of others: a hostile participant, which does not check what its
+  /// own permissions allow it to do. To be called after the configuration of
+  /// security. Its peers check it nevertheless.
+  #[doc(hidden)]
+  pub fn without_own_permission_checks(mut self) -> Self {
+    if let Some(plugins) = self.security_plugins.as_mut() {
+      plugins.skip_own_checks();
+    }
+    self
+  }
+
   pub fn build(#[allow(unused_mut)] mut self) -> CreateResult<DomainParticipant> {
     // QosPolicies with possible security properties, otherwise default
     let participant_qos = QosPolicies {

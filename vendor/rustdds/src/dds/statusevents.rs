@@ -379,6 +379,16 @@ pub enum DomainParticipantStatusEvent {
     local_reader: GUID,
     remote_writer: GUID,
   },
+  /// A local Reader has given up a sample that is larger than what it
+  /// assembles from fragments. The Writer need not send it again.
+  SampleGivenUp {
+    local_reader: GUID,
+    remote_writer: GUID,
+    /// Size of the sample [bytes], as its Writer states it.
+    size: u32,
+    /// Largest sample that is assembled [bytes].
+    limit: u32,
+  },
   RemoteReaderQosIncompatible {
     local_writer: GUID,
     remote_reader: GUID,

@@ -200,8 +200,8 @@ impl AssemblyBuffer {
 const MAX_ASSEMBLY_BUFFERS: usize = 128;
 
 // Largest sample that is assembled from fragments, in bytes of serialized
-// payload. Fragments of a sample that claims to be larger are dropped.
-const MAX_FRAGMENTED_SAMPLE_SIZE: usize = 4 * 1024 * 1024;
+// payload. A Reader gives up a sample that claims to be larger.
+pub(crate) const MAX_FRAGMENTED_SAMPLE_SIZE: usize = 4 * 1024 * 1024;
 
 // Upper bound on the bytes that the incomplete samples of one writer occupy.
 // Which sample is dropped beyond it is decided as for `MAX_ASSEMBLY_BUFFERS`.

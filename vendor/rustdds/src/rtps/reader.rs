@@ -43,7 +43,9 @@ use crate::{
   network::udp_sender::UDPSender,
   polling::{ReadySender, SharedTimer, WakeReceiver},
   rtps::{
-    constant::MAX_DISCOVERY_SAMPLE_SIZE, fragment_assembler::FragmentAssembler, message_receiver::MessageReceiverState,
+    constant::MAX_DISCOVERY_SAMPLE_SIZE,
+    fragment_assembler::{FragmentAssembler, MAX_FRAGMENTED_SAMPLE_SIZE},
+    message_receiver::MessageReceiverState,
     rtps_writer_proxy::RtpsWriterProxy, timed_event::DpTimerEvent, Message,
   },
   structure::{
@@ -663,6 +665,11 @@ impl Reader {
       }
     }
 
+    if datafrag.data_size as usize > MAX_FRAGMENTED_SAMPLE_SIZE {
+      self.give_up_sample(writer_guid, seq_num, datafrag.data_size);
+      return;
+    }
+
     // Feed to fragment assembler ...
     let writer_seq_num = datafrag.writer_sn; // for borrow checker
     let completed_dds_data = self
@@ -683,6 +690,35 @@ impl Reader {
     } else {
       self.limit_fragments();
       self.garbage_collect_fragments();
+    }
+  }
+
+  // A sample that is never going to be assembled counts as irrelevant, as if
+  // the Writer had sent a GAP: a reliable Writer would otherwise repeat it for
+  // ever, and nothing behind it would be delivered.
+  fn give_up_sample(&mut self, writer_guid: GUID, seq_num: SequenceNumber, size: u32) {
+    let Some(writer_proxy) = self.matched_writer_mut(writer_guid) else {
+      return;
+    };
+    writer_proxy.set_irrelevant_change(seq_num);
+    let all_ackable_before = writer_proxy.all_ackable_before();
+    info!(
+      "Giving up a sample of {size} bytes on topic {:?}, the maximum is \
+       {MAX_FRAGMENTED_SAMPLE_SIZE}",
+      self.topic_name
+    );
+    self.send_participant_status(DomainParticipantStatusEvent::SampleGivenUp {
+      local_reader: self.my_guid,
+      remote_writer: writer_guid,
+      size,
+      limit: MAX_FRAGMENTED_SAMPLE_SIZE as u32,
+    });
+    let marker_moved = self.reliability != policy::Reliability::BestEffort
+      && self
+        .acquire_the_topic_cache_guard()
+        .mark_reliably_received_before(writer_guid, all_ackable_before);
+    if marker_moved {
+      self.notify_cache_change();
     }
   }
 
