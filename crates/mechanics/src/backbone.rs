@@ -101,7 +101,7 @@ pub(crate) struct Backbone {
     /// `4 b EI / (L M^p)` \[1/rad\].
     hardening: f64,
     softening: Option<SofteningProperties>,
-    surface: YieldSurface,
+    pub(crate) surface: YieldSurface,
 }
 
 /// The strength of both hinges of a bar without strain rate, over one increment of a push-down.

@@ -19,7 +19,6 @@ use super::bar_strength::BarStrength;
 use super::base_plate::BaseResistance;
 use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
 use super::shear::SliderStrength;
-use super::yield_surface::YieldSurface;
 
 /// Least resistance of a web relative to that of a virgin one, in the direction in which kinematic hardening weakens it: an
 /// unloaded web never yields.
@@ -138,28 +137,7 @@ pub(crate) struct StrengthLaw {
     /// Of the web of each bar; `None` where they do not yield.
     webs: Option<PerBar<WebLaw>>,
     /// What caps the moment of hinge 3.
-    connection: Option<Connection>,
-}
-
-/// The connection of the base and the yield surface of the section above it. As softening does, it changes the moment alone, which is
-/// held over one part of a step, at the normal force of its beginning.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Connection {
-    resistance: BaseResistance,
-    surface: YieldSurface,
-}
-
-impl Connection {
-    /// Caps the factors of hinge 3 under a normal force \[N\], and its growth within a part of a step: what hardens is the
-    /// section.
-    fn cap(&self, factors: &mut HingeFactors, growth: &mut f64, normal_force: f64) {
-        let most = self.resistance.moment(normal_force);
-        let capped = factors.capped(&self.surface, normal_force, most);
-        if capped != *factors {
-            *factors = capped;
-            *growth = 0.0;
-        }
-    }
+    connection: Option<BaseResistance>,
 }
 
 /// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to a virgin one.
@@ -253,14 +231,7 @@ impl StrengthLaw {
                 below: WebLaw::new(shear, below),
                 above: WebLaw::new(shear, above),
             }),
-            connection: p.base_connection.map(|resistance| Connection {
-                resistance,
-                surface: YieldSurface::new(
-                    p.resistance_moment,
-                    p.resistance_axial,
-                    p.yield_surface,
-                ),
-            }),
+            connection: p.base_connection,
         })
     }
 
@@ -339,12 +310,9 @@ impl StrengthLaw {
             webs: self.web_strengths(webs, turns, secs, collocation),
             held: PerBar::default(),
         };
-        if let Some(connection) = &self.connection {
-            let Prediction {
-                factors, growth, ..
-            } = &mut prediction;
-            let [_, base] = &mut factors.below;
-            connection.cap(base, &mut growth.below[1], forces.below.normal);
+        let base = &mut prediction.factors.below[1];
+        if self.cap_base(base, forces) {
+            prediction.growth.below[1] = 0.0;
         }
         prediction
     }
@@ -485,7 +453,7 @@ impl StrengthLaw {
                 hinge.factors = backbone.factors(dynamic, hinge.accumulated_rotation, 0.0);
             }
         }
-        self.cap_base(strengths, forces);
+        self.cap_base(&mut strengths.below[1].factors, forces);
         if self.webs.is_some() {
             for web in [&mut webs.below, &mut webs.above] {
                 let rate = self.rate.as_ref();
@@ -519,9 +487,8 @@ impl StrengthLaw {
             below: below.at_rest(accumulated.below, expected.below, forces.below.normal),
             above: above.at_rest(accumulated.above, expected.above, forces.above.normal),
         };
-        if let Some(connection) = &self.connection {
-            let [_, base] = &mut strength.below.factors;
-            connection.cap(base, &mut strength.below.growth[1], forces.below.normal);
+        if self.cap_base(&mut strength.below.factors[1], forces) {
+            strength.below.growth[1] = 0.0;
         }
         Some(strength)
     }
@@ -536,7 +503,7 @@ impl StrengthLaw {
                 hinge.factors = backbone.factors(1.0, hinge.accumulated_rotation, 0.0);
             }
         }
-        self.cap_base(strengths, forces);
+        self.cap_base(&mut strengths.below[1].factors, forces);
         for web in [&mut webs.below, &mut webs.above] {
             web.dynamic_gain = 0.0;
             web.held = 0.0;
@@ -545,12 +512,18 @@ impl StrengthLaw {
 }
 
 impl StrengthLaw {
-    /// Caps the moment of hinge 3 of hinges that do not flow.
-    fn cap_base(&self, strengths: &mut Strengths, forces: &PerBar<BarForces>) {
-        if let Some(connection) = &self.connection {
-            let [_, base] = &mut strengths.below;
-            connection.cap(&mut base.factors, &mut 0.0, forces.below.normal);
-        }
+    /// Caps the moment of hinge 3 by that of its connection, and tells whether it does: then nothing hardens within a part of a
+    /// step. As softening does, it changes the moment alone, which is held over the part, at the normal force of its beginning.
+    fn cap_base(&self, factors: &mut HingeFactors, forces: &PerBar<BarForces>) -> bool {
+        let Some(connection) = &self.connection else {
+            return false;
+        };
+        let normal = forces.below.normal;
+        let most = connection.moment(normal);
+        let capped = factors.capped(&self.backbones.below.surface, normal, most);
+        let is_capped = capped != *factors;
+        *factors = capped;
+        is_capped
     }
 }
 
