@@ -147,6 +147,11 @@ mod tests {
             "ROS_DISTRO is not set; ros2-client was built for 'jazzy'."
         ));
         assert!(!is_expected("a peer said: ROS_DISTRO is not set"));
+        // While a permitted peer joins.
+        assert!(is_expected(
+            "Failed to send message to readers. Encoding failed: SecurityError { msg: \"Could not find a remote \
+             EndpointCryptoHandle for the pair\" }"
+        ));
         let incompatible = |remote: &str| {
             format!(
                 "Local reader GUID {{95 EntityId::A}} and remote writer GUID {{{remote} EntityId::B}} have incompatible \

@@ -1,5 +1,6 @@
 //! A protected twin in its own process, an operator that it admits, and a third peer, which it must not admit.
 
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -52,16 +53,21 @@ impl Bed {
 
     /// The certificate of the twin is valid for so many days.
     fn with_certificate_for(governance: &Governance<'_>, days: i64) -> Self {
+        Self::prepared(governance, days, |_| {})
+    }
+
+    /// `prepare` may change the folder of the twin's enclave before the twin starts.
+    fn prepared(governance: &Governance<'_>, days: i64, prepare: impl FnOnce(&Path)) -> Self {
         let (keystore, domain) = (Keystore::new(), Domain::fresh());
         keystore.write(&keystore.unrestricted("/operator", governance));
         let identity = keystore.authority.issue("/column_twin", -1..days);
         let permissions = everything("/column_twin");
-        keystore.write(&Enclave::of(
+        prepare(&keystore.write(&Enclave::of(
             &keystore.authority,
             &identity,
             governance,
             &permissions,
-        ));
+        )));
         let folder = tempfile::tempdir().unwrap();
         let mut twin = Program::spawn(&domain, folder.path(), twin(&keystore));
         twin.wait_for("is ready in domain");
@@ -217,6 +223,18 @@ fn a_certificate_that_ends_within_thirty_days_is_announced_in_diagnostics() {
     let announced =
         |line: &String| line.contains("[WARN]") && line.contains("cert.pem of the enclave expires");
     assert!(log.iter().any(announced), "{log:#?}");
+}
+
+#[test]
+fn a_key_that_others_can_read_is_a_warning_in_diagnostics_with_the_chmod() {
+    let bed = Bed::prepared(&RECOMMENDED, 365, |enclave| {
+        let open = std::fs::Permissions::from_mode(0o644);
+        std::fs::set_permissions(enclave.join("key.pem"), open).unwrap();
+    });
+    let status = security_status(&bed, "any", |_| true);
+    assert_eq!(status.level, DiagnosticStatus::WARN, "{status:?}");
+    assert!(status.message.contains("chmod 600"), "{status:?}");
+    bed.twin.terminate();
 }
 
 #[test]
