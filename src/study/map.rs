@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, MapQuantity};
 use super::batch::{Batch, BatchEnd};
-use super::study_column::{Glance, Screening, StudyColumn, StudyError};
+use super::study_column::{Assumed, Glance, Screening, StudyColumn, StudyError};
 use crate::column::Impact;
 use crate::parameters::{ParameterFaults, Parameters, RIGID, Value};
 
@@ -39,9 +39,8 @@ pub struct DamageMap {
     variants: Vec<Variant>,
     rows: MapAxis,
     columns: MapAxis,
-    /// The nominal yield strength of each variant whose steel has the largest one that it may have \[Pa\], as its parameters give
-    /// it; empty where there is none.
-    nominal: Vec<Option<f64>>,
+    /// What each variant has that its parameters do not say; empty where that is nothing.
+    assumed: Vec<Assumed>,
     /// The columns that were needed last.
     kept: Mutex<VecDeque<(ColumnKey, KeptColumn)>>,
 }
@@ -220,19 +219,18 @@ impl DamageMap {
             variants,
             rows,
             columns,
-            nominal: Vec::new(),
+            assumed: Vec::new(),
             kept: Mutex::default(),
         })
     }
 
-    /// The map of other columns over the same axes, with the nominal yield strength of those that have the largest one that it
-    /// may have.
-    pub(super) fn with_variants(&self, variants: Vec<Variant>, nominal: Vec<Option<f64>>) -> Self {
+    /// The map of other columns over the same axes, with what their parameters do not say.
+    pub(super) fn with_variants(&self, variants: Vec<Variant>, assumed: Vec<Assumed>) -> Self {
         Self {
             variants,
             rows: self.rows.clone(),
             columns: self.columns.clone(),
-            nominal,
+            assumed,
             kept: Mutex::default(),
         }
     }
@@ -420,13 +418,18 @@ impl DamageMap {
         let changed = base
             .with_changes(changes)
             .map_err(|faults| faults.in_one_line())?;
-        let column = StudyColumn::virgin(&changed).map_err(|fault| fault.to_string())?;
-        let Some(strength) = self.nominal.get(variant).copied().flatten() else {
-            return Ok(column);
+        let assumed = match self.assumed.get(variant) {
+            // Of what the axes vary, the base has its part.
+            Some(Assumed::LargestStrength(nominal)) => {
+                let strength = nominal.settings().steel.yield_strength;
+                let nominal =
+                    changed.with_changes([("steel.yield_strength", Value::Double(strength))]);
+                let nominal = nominal.map_err(|faults| faults.in_one_line())?;
+                Assumed::LargestStrength(Arc::new(nominal))
+            }
+            other => other.cloned().unwrap_or_default(),
         };
-        let nominal = changed.with_changes([("steel.yield_strength", Value::Double(strength))]);
-        let nominal = nominal.map_err(|faults| faults.in_one_line())?;
-        Ok(column.with_overstrength(Arc::new(nominal)))
+        StudyColumn::assuming(&changed, &assumed).map_err(|fault| fault.to_string())
     }
 
     /// The place of a column among those that are kept; the longest kept one goes.

@@ -4,6 +4,7 @@
 //! As in the range of a verdict ([`ActionRange`](crate::assessment::ActionRange)), each assumption is changed alone to the ends of
 //! its range. Only the boundaries are searched anew, each around its place on the map, in some of its rows.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use serde::Serialize;
@@ -14,7 +15,8 @@ use super::critical::SEVERITIES;
 use super::map::{DamageMap, Variant};
 use super::refine::{BoundaryPoint, RefinedMap};
 use super::row_search::{Event, Expected, RefineError, Row, RowBoundary, Scale};
-use crate::assessment::{Assumption, HARDENING_BAND, OVERSTRENGTH, Severity};
+use super::study_column::Assumed;
+use crate::assessment::{Assumption, ConnectedBase, HARDENING_BAND, OVERSTRENGTH, Severity};
 use crate::parameters::{Parameters, Value};
 
 /// Most rows of a map in which the bands are computed; between them they are interpolated. Rows with names are all computed.
@@ -65,8 +67,7 @@ pub struct BandPoint {
 struct Changed {
     assumption: Assumption,
     changes: Vec<(&'static str, Value)>,
-    /// The steel has the largest strength that it may have.
-    has_overstrength: bool,
+    assumed: Assumed,
 }
 
 /// One row of the map with one assumption changed.
@@ -124,7 +125,7 @@ impl DamageMap {
     /// range of a verdict and each end of its range, every boundary is searched around its place. What an axis varies is not
     /// changed, because the map shows it.
     ///
-    /// That takes about 5 responses for each boundary, each row and each of at most 13 changes.
+    /// That takes about 5 responses for each boundary, each row and each of at most 14 changes.
     ///
     /// # Errors
     /// An axis of columns that is not a range. A row that cannot be computed with an assumption changed is in
@@ -133,7 +134,7 @@ impl DamageMap {
         let scale = Scale::of(self.columns())
             .ok_or_else(|| RefineError::NotARange(self.columns().quantity().name()))?;
         let (mut varied, mut not_varied) = (Vec::new(), Vec::new());
-        let (mut variants, mut nominal) = (Vec::new(), Vec::new());
+        let (mut variants, mut all_assumed) = (Vec::new(), Vec::new());
         // The variant of this map and the assumption of each variant of the changed one.
         let mut origins = Vec::new();
         for (variant, it) in self.variants().iter().enumerate() {
@@ -141,14 +142,13 @@ impl DamageMap {
                 let Changed {
                     assumption,
                     changes,
-                    has_overstrength,
+                    assumed,
                 } = changed;
                 match it.parameters.with_changes(changes) {
                     Ok(parameters) => {
                         let label = format!("{} {}", variants.len(), assumption.name());
                         variants.push(Variant { label, parameters });
-                        let strength = it.parameters.settings().steel.yield_strength;
-                        nominal.push(has_overstrength.then_some(strength));
+                        all_assumed.push(assumed);
                         origins.push((variant, assumption));
                         if !varied.contains(&assumption) {
                             varied.push(assumption);
@@ -168,7 +168,7 @@ impl DamageMap {
                 complete: true,
             });
         }
-        let changed = self.with_variants(variants, nominal);
+        let changed = self.with_variants(variants, all_assumed);
         let jobs: Vec<Job> = (origins.iter().enumerate())
             .flat_map(|(changed, (variant, _))| {
                 let rows = bands[variant * SEVERITIES.len()].points.iter();
@@ -329,7 +329,7 @@ fn changes(parameters: &Parameters, axes: [&MapAxis; 2]) -> Vec<Changed> {
         all.push(Changed {
             assumption,
             changes,
-            has_overstrength: false,
+            assumed: Assumed::Nothing,
         });
     };
     let both = |width: f64| [-width, width].into_iter().filter(|end| *end != 0.0);
@@ -395,7 +395,14 @@ fn changes(parameters: &Parameters, axes: [&MapAxis; 2]) -> Vec<Changed> {
         all.push(Changed {
             assumption: Assumption::YieldStrength,
             changes: vec![("steel.yield_strength", strength.into())],
-            has_overstrength: true,
+            assumed: Assumed::LargestStrength(Arc::new(parameters.clone())),
+        });
+    }
+    if ConnectedBase::of(parameters).is_ok_and(|base| base.is_assumed && base.bears_moment) {
+        all.push(Changed {
+            assumption: Assumption::BasePlate,
+            changes: Vec::new(),
+            assumed: Assumed::PlateInResponse,
         });
     }
     let has_vehicle = parameters.impact().vehicle.is_some();

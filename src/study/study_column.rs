@@ -4,7 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::Serialize;
 
-use crate::assessment::{AssessedResponse, PreparedAssessment, Severity, largest_plastic_rotation};
+use crate::assessment::{
+    AssessedResponse, ConnectedBase, PreparedAssessment, Severity, largest_plastic_rotation,
+};
 use crate::column::{
     CapacityError, ColumnProperties, End, HINGES, Impact, ImpactSpecification, Model, Outcome,
     PerBar, Scheme, SimulationError, State, StudyModel, StudyResponse, carried_over,
@@ -50,6 +52,18 @@ const FINE: Promise = Promise {
 /// yield rotation of a stocky column.
 const BARELY_PLASTIC: f64 = 2e-5;
 
+/// What a column has that its parameters do not say, for the bands of boundaries.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) enum Assumed {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Its steel has the largest strength that it may have; the parameters with the nominal one, of which the base is.
+    LargestStrength(Arc<Parameters>),
+    /// The plate that is assumed at its base limits the response, too.
+    PlateInResponse,
+}
+
 /// The column before a bumper of this height \[m\].
 type BeforeBumper = (f64, Arc<StudyColumn>);
 
@@ -69,8 +83,8 @@ pub struct StudyColumn {
     /// The column at rest, as each impact finds it.
     rest: State,
     assessment: PreparedAssessment,
-    /// The parameters with the nominal strength of the steel, where these have the largest one that it may have.
-    nominal: Option<Arc<Parameters>>,
+    /// What it has that its parameters do not say.
+    assumed: Assumed,
     /// The same column before the bumpers of other vehicles, by their height, once an impact has needed them.
     before_bumpers: Arc<Mutex<Vec<BeforeBumper>>>,
     /// The same column where other vehicles strike it, by the height of the impact point, once an impact has needed them.
@@ -177,27 +191,40 @@ impl StudyColumn {
             stepwise_model: StudyModel::stepwise(model),
             rest,
             assessment,
-            nominal: None,
+            assumed: Assumed::Nothing,
             before_bumpers: Arc::default(),
             struck_elsewhere: Arc::default(),
         })
     }
 
-    /// The same column, whose steel has the largest strength that it may have; `nominal` are its parameters with the nominal one.
-    /// Forces into the base contain the overstrength then.
-    #[must_use]
-    pub fn with_overstrength(mut self, nominal: Arc<Parameters>) -> Self {
-        self.assessment = self.assessment.with_overstrength(&nominal);
-        self.nominal = Some(nominal);
-        self
-    }
-
-    /// Another column, with the overstrength of this one.
-    fn with_own_strength(&self, other: Self) -> Self {
-        match &self.nominal {
-            Some(nominal) => other.with_overstrength(Arc::clone(nominal)),
-            None => other,
+    /// As [`virgin`](Self::virgin), with what the parameters do not say.
+    ///
+    /// # Errors
+    /// As [`virgin`](Self::virgin).
+    pub(super) fn assuming(parameters: &Parameters, assumed: &Assumed) -> Result<Self, StudyError> {
+        let own = parameters.column_properties();
+        let properties = match assumed {
+            Assumed::Nothing => own,
+            // The plate of the base is not of the same piece of steel.
+            Assumed::LargestStrength(nominal) => {
+                let nominal = nominal.column_properties();
+                ColumnProperties {
+                    base: nominal.base,
+                    base_connection: nominal.base_connection,
+                    ..own
+                }
+            }
+            Assumed::PlateInResponse => {
+                ConnectedBase::of(parameters).map_or(own, |base| own.on_plate(base.resistance))
+            }
+        };
+        let model = Model::new(&properties).map_err(SimulationError::from)?;
+        let mut column = Self::at_rest(parameters, model, State::at_rest(&model))?;
+        if let Assumed::LargestStrength(nominal) = assumed {
+            column.assessment = column.assessment.with_overstrength(nominal);
         }
+        column.assumed = assumed.clone();
+        Ok(column)
     }
 
     /// Whether the web of a bar can yield in shear, and whether the base is checked.
@@ -236,8 +263,12 @@ impl StudyColumn {
             true => carried,
             false => residual_state(&model, &carried).ok_or(StudyError::NoEquilibrium)?,
         };
-        let column = Self::at_rest(&self.parameters, model, rest)?;
-        let column = Arc::new(self.with_own_strength(column));
+        let mut column = Self::at_rest(&self.parameters, model, rest)?;
+        if let Assumed::LargestStrength(nominal) = &self.assumed {
+            column.assessment = column.assessment.with_overstrength(nominal);
+        }
+        column.assumed = self.assumed.clone();
+        let column = Arc::new(column);
         lock().push((wanted, Arc::clone(&column)));
         Ok(Some(column))
     }
@@ -265,7 +296,7 @@ impl StudyColumn {
         let Some(there) = there.map_err(StudyError::ImpactPoint)? else {
             return Ok(None);
         };
-        let column = Arc::new(self.with_own_strength(Self::virgin(&there)?));
+        let column = Arc::new(Self::assuming(&there, &self.assumed)?);
         lock().push((height, Arc::clone(&column)));
         Ok(Some(column))
     }
