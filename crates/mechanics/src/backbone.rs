@@ -101,7 +101,6 @@ pub(crate) struct Backbone {
     /// `4 b EI / (L M^p)` \[1/rad\].
     hardening: f64,
     softening: Option<SofteningProperties>,
-    pub(crate) surface: YieldSurface,
 }
 
 /// The strength of both hinges of a bar without strain rate, over one increment of a push-down.
@@ -120,7 +119,6 @@ impl Backbone {
         Self {
             hardening: 4.0 * b * p.bending_stiffness / (length * p.resistance_moment),
             softening: p.softening,
-            surface: YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface),
         }
     }
 
@@ -160,11 +158,12 @@ impl Backbone {
         &self,
         accumulated: [f64; 2],
         expected: [f64; 2],
-        normal: f64,
+        (surface, normal): (&YieldSurface, f64),
     ) -> StaticStrength {
         let factors = accumulated.map(|accumulated| self.factors(1.0, accumulated, 0.0));
         StaticStrength {
-            growth: [0, 1].map(|k| self.growth(accumulated[k], expected[k], normal, &factors[k])),
+            growth: [0, 1]
+                .map(|k| self.growth(accumulated[k], expected[k], (surface, normal), &factors[k])),
             factors,
         }
     }
@@ -178,13 +177,14 @@ impl Backbone {
     }
 
     /// How the moment of a hinge grows, relative to it, over the next plastic rotations \[1/rad\]: along the secant of its
-    /// hardening over the rotation `expected` \[rad\], while it bears the normal force `normal` \[N\] with the factors `factors`.
+    /// hardening over the rotation `expected` \[rad\], while it bears the normal force `normal` \[N\] with the factors `factors` of the virgin
+    /// surface `surface`.
     /// 0 where no rotation is expected.
     pub fn growth(
         &self,
         accumulated: f64,
         expected: f64,
-        normal: f64,
+        (surface, normal): (&YieldSurface, f64),
         factors: &HingeFactors,
     ) -> f64 {
         if self.hardening == 0.0 {
@@ -200,7 +200,7 @@ impl Backbone {
         let sum = (self.hardening * end).sqrt() + before;
         if sum > 0.0 && expected > 0.0 {
             let slope = self.hardening / sum * share;
-            slope / (1.0 + before) * self.surface.moment_gain(normal / factors.whole())
+            slope / (1.0 + before) * surface.moment_gain(normal / factors.whole())
         } else {
             0.0
         }

@@ -22,6 +22,7 @@ mod bar;
 mod bar_strength;
 mod base_plate;
 mod base_reactions;
+mod base_resistance;
 mod bracketing;
 mod buckling;
 mod bumper;
@@ -72,10 +73,9 @@ mod yielding;
 pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use backbone::HingeFactors;
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
-pub use base_plate::{
-    Anchors, BaseFactors, BaseFailure, BasePlate, BasePlateError, BaseResistance, stress_area,
-};
+pub use base_plate::{Anchors, BaseFactors, BasePlate, BasePlateError, stress_area};
 pub use base_reactions::BASE_WINDOW;
+pub use base_resistance::{BaseFailure, BaseResistance};
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
 };

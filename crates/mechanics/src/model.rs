@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::bar::{Bar, PerBar};
-use super::base_plate::BaseResistance;
+use super::base_resistance::BaseResistance;
 use super::frame::Frame;
 use super::geometry::Displacement;
 use super::modes::{self, Damping, Masses};

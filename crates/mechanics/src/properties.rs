@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::base_plate::BaseResistance;
+use super::base_resistance::BaseResistance;
 
 /// A column, its supports, the mass and the load on it, and its time stepping. SI units throughout.
 ///

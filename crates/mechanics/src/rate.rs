@@ -16,9 +16,10 @@ use serde::{Deserialize, Serialize};
 use super::backbone::{Backbone, HingeFactors, StaticStrength};
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bar_strength::BarStrength;
-use super::base_plate::BaseResistance;
+use super::base_resistance::BaseResistance;
 use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
 use super::shear::SliderStrength;
+use super::yield_surface::YieldSurface;
 
 /// Least resistance of a web relative to that of a virgin one, in the direction in which kinematic hardening weakens it: an
 /// unloaded web never yields.
@@ -132,6 +133,8 @@ pub(crate) enum Collocation {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StrengthLaw {
     rate: Option<RateFilter>,
+    /// Virgin surface of all hinges.
+    surface: YieldSurface,
     /// Of the hinges of each bar.
     backbones: PerBar<Backbone>,
     /// Of the web of each bar; `None` where they do not yield.
@@ -223,6 +226,7 @@ impl StrengthLaw {
         let [below, above] = p.clear_lengths();
         Some(Self {
             rate: p.rate.as_ref().map(|rate| RateFilter::new(rate, step_secs)),
+            surface: YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface),
             backbones: PerBar {
                 below: Backbone::new(p, below),
                 above: Backbone::new(p, above),
@@ -284,7 +288,7 @@ impl StrengthLaw {
                 backbone.growth(
                     hinges[k].accumulated_rotation,
                     expected,
-                    normal,
+                    (&self.surface, normal),
                     &factors[k],
                 )
             })
@@ -484,8 +488,16 @@ impl StrengthLaw {
             return None;
         }
         let mut strength = PerBar {
-            below: below.at_rest(accumulated.below, expected.below, forces.below.normal),
-            above: above.at_rest(accumulated.above, expected.above, forces.above.normal),
+            below: below.at_rest(
+                accumulated.below,
+                expected.below,
+                (&self.surface, forces.below.normal),
+            ),
+            above: above.at_rest(
+                accumulated.above,
+                expected.above,
+                (&self.surface, forces.above.normal),
+            ),
         };
         if self.cap_base(&mut strength.below.factors[1], forces) {
             strength.below.growth[1] = 0.0;
@@ -520,7 +532,7 @@ impl StrengthLaw {
         };
         let normal = forces.below.normal;
         let most = connection.moment(normal);
-        let capped = factors.capped(&self.backbones.below.surface, normal, most);
+        let capped = factors.capped(&self.surface, normal, most);
         let is_capped = capped != *factors;
         *factors = capped;
         is_capped
