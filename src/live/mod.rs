@@ -13,6 +13,7 @@ mod inbox;
 mod lateness;
 #[cfg(feature = "study")]
 mod libraries;
+mod marked;
 mod measurements;
 mod notifier;
 mod pool;
