@@ -11,11 +11,16 @@ mod background;
 mod by_key;
 #[cfg(feature = "study")]
 mod fleet_news;
+mod jobs;
 mod keeper;
 mod readers;
 mod schedule;
 #[cfg(feature = "study")]
 mod sensors;
+mod shared;
+mod sink;
+#[cfg(test)]
+mod tests;
 mod watch;
 mod worker;
 
@@ -29,29 +34,33 @@ use std::thread::{self, JoinHandle};
 use crossbeam_queue::ArrayQueue;
 use rustix::thread::sched_getaffinity;
 
+pub use background::BACKGROUND_THREAD;
+pub use keeper::STATE_WRITER_THREAD;
+#[cfg(feature = "study")]
+pub(super) use sensors::Sensors;
 #[cfg(feature = "study")]
 pub use sensors::{FleetMeasurements, SensingStatistics};
-pub use worker::MAX_THREADS;
+pub(super) use shared::Upkeep;
+pub use worker::{MAX_CLOCK_STEP_BACK, MAX_FLEET_COMMANDS, MAX_THREADS, SOLVER_THREAD};
 
 use super::clock::{Clock, monotonic_nanos};
-use super::inbox::{Reply, Request};
+use super::inbox::{ANSWER_TIMEOUT, Reply, Request};
 use super::notifier::Notifier;
 use super::queue::{OutputQueue, OutputQueues, QueueStats, Receiver, WhenFull};
 use super::real_time::{self, RealTime, RealTimeGrants, THREAD_STACK, Urgency};
-use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
+use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
 use crate::twin::{
     Accepted, ColumnSnapshot, Command, ImpactCommand, Prediction, Refusal, Striking, Twin,
 };
 use background::Background;
-use keeper::{Keeper, STATE_WRITER_THREAD};
+use keeper::Keeper;
 use readers::Readers;
 use schedule::Plan;
 #[cfg(feature = "study")]
-use sensors::{FleetSensing, Sensors};
-pub use worker::MAX_FLEET_COMMANDS;
-use worker::{Agreed, Counters, Shared, Slot, Upkeep};
+use sensors::FleetSensing;
+use shared::{Agreed, Counters, Shared, Slot};
 
 /// Outputs of each kind that wait for the reader, besides two for each column, which has a status at the start and another one
 /// with its critical velocities.
@@ -158,57 +167,22 @@ impl Pool {
     pub fn start(self, twins: Vec<Twin>, clock: Arc<dyn Clock>) -> std::io::Result<FleetHandle> {
         let receivers = self.outputs.iter().skip(self.taken_outputs);
         let receivers = receivers.map(|it| Receiver::new(Arc::clone(it))).collect();
-        let outputs = Arc::new(Readers::new(self.outputs, self.journals));
+        let outputs = Arc::new(Readers::new(self.outputs.clone(), self.journals));
         let (keeper, keeping) = match self.state_files.is_empty() {
             true => (None, None),
             false => {
-                let (outputs, clock) = (Arc::clone(&outputs), Arc::clone(&clock));
-                let (keeper, thread) = Keeper::start(self.state_files, outputs, clock)?;
+                let (paths, outputs) = (self.state_files.clone(), Arc::clone(&outputs));
+                let (keeper, thread) = Keeper::start(paths, outputs, Arc::clone(&clock))?;
                 (Some(keeper), Some(thread))
             }
         };
         let processors = sched_getaffinity(None).ok();
-        let (now, columns) = (clock.now(), twins.len());
-        let mut agreed = Agreed::new(columns, self.max_requests);
-        for column in 0..columns {
-            // Its first status, and what is to be computed for it.
-            let plan = Plan {
-                deadline: Some(now),
-                ..Plan::default()
-            };
-            agreed.schedule.plan(column as u32, plan);
-        }
-        let notifiers: Box<[Arc<Notifier>]> = (0..self.threads).map(|_| Arc::default()).collect();
-        notifiers.iter().for_each(|it| clock.serve(it));
-        let parameters = |twin: &Twin| RwLock::new(Arc::clone(twin.parameters()));
-        let slot = |twin| Mutex::new(Slot::new(twin, self.upkeep));
-        let shared = Arc::new(Shared {
-            parameters: twins.iter().map(parameters).collect(),
-            slots: twins.into_iter().map(slot).collect(),
-            agreed: Mutex::new(agreed),
-            inbox: ArrayQueue::new(self.max_requests),
-            notifiers,
-            waiting: AtomicU64::new(0),
-            clock: Arc::clone(&clock),
-            stop: AtomicBool::new(false),
-            outputs: Arc::clone(&outputs),
-            keeper,
-            upkeep: self.upkeep,
-            max_requests: self.max_requests,
-            background: Arc::new(Background::new(columns)),
-            #[cfg(feature = "study")]
-            news: self.sensors.as_ref().map(Sensors::news),
-            counters: Counters {
-                active: AtomicUsize::new(columns),
-                ..Counters::default()
-            },
-        });
+        let shared = Arc::new(self.share(twins, clock, outputs, keeper));
         let mut handle = FleetHandle {
             shared: Arc::clone(&shared),
             receivers: Mutex::new(receivers),
             solvers: Vec::new(),
             keeping,
-            computing: None,
             #[cfg(feature = "study")]
             sensing: None,
             real_time: RealTimeGrants::default(),
@@ -216,7 +190,8 @@ impl Pool {
         };
         let told = Arc::clone(&shared);
         let background = &shared.background;
-        handle.computing = Some(background.start(processors, move || told.wake_one())?);
+        // Nothing waits for its end, because it gets only the time that no other thread wants.
+        background.start(processors, move || told.wake_one())?;
         let (sender, grants) = sync_channel(self.threads);
         for number in 0..self.threads {
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
@@ -240,6 +215,51 @@ impl Pool {
         }
         Ok(handle)
     }
+
+    /// What the threads will share.
+    fn share(
+        &self,
+        twins: Vec<Twin>,
+        clock: Arc<dyn Clock>,
+        outputs: Arc<Readers>,
+        keeper: Option<Arc<Keeper>>,
+    ) -> Shared {
+        let (now, columns) = (clock.now(), twins.len());
+        let mut agreed = Agreed::new(columns, self.max_requests);
+        for column in 0..columns {
+            // Its first status, and what is to be computed for it.
+            let plan = Plan {
+                deadline: Some(now),
+                ..Plan::default()
+            };
+            agreed.schedule.plan(column as u32, plan);
+        }
+        let notifiers: Box<[Arc<Notifier>]> = (0..self.threads).map(|_| Arc::default()).collect();
+        notifiers.iter().for_each(|it| clock.serve(it));
+        let parameters = |twin: &Twin| RwLock::new(Arc::clone(twin.parameters()));
+        let slot = |twin| Mutex::new(Slot::new(twin, self.upkeep));
+        Shared {
+            parameters: twins.iter().map(parameters).collect(),
+            slots: twins.into_iter().map(slot).collect(),
+            agreed: Mutex::new(agreed),
+            inbox: ArrayQueue::new(self.max_requests),
+            notifiers,
+            waiting: AtomicU64::new(0),
+            clock,
+            stop: AtomicBool::new(false),
+            outputs,
+            keeper,
+            upkeep: self.upkeep,
+            max_requests: self.max_requests,
+            background: Arc::new(Background::new(columns)),
+            #[cfg(feature = "study")]
+            news: self.sensors.as_ref().map(Sensors::news),
+            counters: Counters {
+                active: AtomicUsize::new(columns),
+                ..Counters::default()
+            },
+        }
+    }
 }
 
 /// A fleet that runs in its own threads. Dropping the handle stops it.
@@ -249,7 +269,6 @@ pub struct FleetHandle {
     receivers: Mutex<Vec<Receiver>>,
     solvers: Vec<JoinHandle<()>>,
     keeping: Option<JoinHandle<()>>,
-    computing: Option<JoinHandle<()>>,
     /// `None` without sensors.
     #[cfg(feature = "study")]
     sensing: Option<FleetSensing>,
@@ -483,9 +502,6 @@ impl FleetHandle {
             keeper.stop();
         }
         let keeping = self.keeping.take().is_none_or(|it| it.join().is_ok());
-        if let Some(computing) = self.computing.take() {
-            let _ = computing.join(); // one that panicked has printed its message, and nothing is lost
-        }
         match (panicked, keeping) {
             (1.., _) => Err(Panicked(SOLVER_THREAD)),
             (_, false) => Err(Panicked(STATE_WRITER_THREAD)),

@@ -152,7 +152,9 @@ impl<I> Schedule<I> {
         self.busy -= 1;
         if let Some(since) = self.spare_since[index].take() {
             let rest = now.saturating_sub(since).max(0) * (BACKGROUND_SHARE as Nanos - 1);
-            self.spare_from[index] = now.saturating_add(rest);
+            // With each deadline there is a new share: a thread that was kept from its processor in between has not used it.
+            let next = plan.deadline.unwrap_or(Nanos::MAX);
+            self.spare_from[index] = now.saturating_add(rest).min(next);
         }
         self.plan(column, plan);
     }
@@ -343,6 +345,12 @@ mod tests {
             (share - 70..=share + 70).contains(&spent),
             "{spent} of {now}"
         );
+        // There is a new share with the next deadline, however long the last work took.
+        let next = plan(now + 900, None, true);
+        schedule.plan(1, next);
+        assert!(schedule.take(now).is_some());
+        schedule.give_back(1, next, now + 800);
+        assert_eq!(schedule.next_deadline(), Some(now + 900));
         // A clock that is set back does not keep anything from getting on.
         schedule.make_all_due();
         assert_eq!(schedule.take(5), Some((1, Job::Advance(Nanos::MIN))));
@@ -374,12 +382,12 @@ mod tests {
         let memory = allocation_counter::measure(|| {
             for now in 0..1_000 {
                 schedule.add_input(now as u32 % 7, now);
-                while let Some((column, _)) = schedule.take(now) {
+                for _ in 0..5 {
+                    let Some((column, _)) = schedule.take(now) else {
+                        break;
+                    };
                     let left = Some(now.unsigned_abs()).filter(|it| it % 3 == 0);
                     schedule.give_back(column, plan(now + 5, left, now % 2 == 0), now + 1);
-                    if now % 5 == 0 {
-                        break;
-                    }
                 }
                 let _ = schedule.take_inputs().count();
             }

@@ -7,15 +7,15 @@ use std::thread::{self, JoinHandle};
 
 use rustix::thread::CpuSet;
 
-use super::super::Panicked;
 use super::super::inbox::{Reply, Request};
 use super::super::libraries::{Libraries, LibraryStatistics};
 use super::super::measurements::MeasurementQueue;
 use super::super::queue::QueueStats;
 use super::super::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
 use super::super::sensing_news::SensingNews;
+use super::super::statistics::Panicked;
 use super::fleet_news::FleetNews;
-use super::worker::Shared;
+use super::shared::Shared;
 use crate::senses::Batch;
 use crate::twin::Command;
 
@@ -81,6 +81,18 @@ impl Sensors {
             libraries: Some(Arc::default()),
             deliver: None,
         })
+    }
+
+    /// Those of a single column.
+    pub fn of_one(measurements: Arc<MeasurementQueue>, deliver: Option<Deliver>) -> Self {
+        Self {
+            measurements: FleetMeasurements {
+                queues: [measurements].into(),
+            },
+            is_sensed: vec![true],
+            libraries: None,
+            deliver,
+        }
     }
 
     /// What the solver threads will tell the threads that feel impacts.
