@@ -1,19 +1,14 @@
-//! The queue of requests to the solver: bounded, and rejects requests when it is full.
+//! Requests to the solver threads, and the answers. Their queue is bounded, and rejects requests when it is full.
 //!
-//! A sender must know whether its command was accepted, so this queue never drops one. Streamed data, of which the newest
+//! A sender must know whether its command was accepted, so the queue never drops one. Streamed data, of which the newest
 //! matter most, need a separate queue that drops its oldest entries.
 
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
-use super::notifier::Notifier;
-use super::queue::{Queue, QueueStats, WhenFull};
-use crate::twin::{
-    Accepted, ColumnSnapshot, Command, ImpactCommand, Refusal, RefusalCode, Striking,
-};
+use crate::twin::{Accepted, ColumnSnapshot, Command, ImpactCommand, Refusal, Striking};
 
-/// Maximum number of queued requests; more are rejected.
+/// Maximum number of queued requests to a single twin; more are rejected.
 pub const MAX_COMMANDS: usize = 64;
 
 /// Maximum wait for an answer of the solver.
@@ -65,64 +60,5 @@ impl<T> Reply<T> {
 impl<T> Answer<T> {
     pub fn wait(&self, timeout: Duration) -> Result<T, RecvTimeoutError> {
         self.0.recv_timeout(timeout)
-    }
-}
-
-/// The queued requests, and the notifier that wakes the solver.
-#[derive(Debug)]
-pub(super) struct Inbox {
-    requests: Queue<Request>,
-    notifier: Arc<Notifier>,
-}
-
-impl Inbox {
-    pub fn new() -> Self {
-        Self {
-            requests: Queue::new("inputs".to_owned(), MAX_COMMANDS, WhenFull::Reject),
-            notifier: Arc::default(),
-        }
-    }
-
-    /// Wakes the solver when a request is submitted.
-    pub fn notifier(&self) -> &Arc<Notifier> {
-        &self.notifier
-    }
-
-    /// # Errors
-    /// The queue is full.
-    pub fn submit(&self, request: Request) -> Result<(), Refusal> {
-        let accepted = self.requests.push(request);
-        self.notifier.notify();
-        if accepted {
-            return Ok(());
-        }
-        let reason = format!(
-            "the queue of the solver is full ({MAX_COMMANDS} commands); try again, or send fewer events and parameter changes"
-        );
-        Err(Refusal::new(RefusalCode::QueueFull, reason))
-    }
-
-    /// Submits a request and waits for its answer.
-    ///
-    /// # Errors
-    /// The queue is full, or the solver does not answer in time.
-    pub fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
-        let (reply, answer) = Reply::channel();
-        self.submit(request(reply))?;
-        answer
-            .wait(ANSWER_TIMEOUT)
-            .map_err(|_| Refusal::no_answer(ANSWER_TIMEOUT.as_secs()))
-    }
-
-    pub fn take(&self) -> Option<Request> {
-        self.requests.pop()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.requests.is_empty()
-    }
-
-    pub fn stats(&self) -> QueueStats {
-        self.requests.stats()
     }
 }

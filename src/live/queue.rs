@@ -87,10 +87,6 @@ impl<T> Queue<T> {
         self.entries.pop()
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
     pub fn stats(&self) -> QueueStats {
         QueueStats {
             name: self.name.clone(),
@@ -179,11 +175,7 @@ impl OutputQueues {
         }
     }
 
-    pub fn push(&self, output: Output) {
-        self.push_of(0, output);
-    }
-
-    /// Adds an output of a column of a fleet. The outputs of one column keep their order, whichever threads they come from, as
+    /// Adds an output of a column. The outputs of one column keep their order, whichever threads they come from, as
     /// long as its threads work one after another.
     pub fn push_of(&self, column: u32, output: Output) {
         let number = self.next_number.fetch_add(1, Ordering::Relaxed);
@@ -382,10 +374,13 @@ mod tests {
                     while full(&queues) {
                         std::thread::yield_now();
                     }
-                    queues.push(match stamp % 2 {
-                        0 => Output::Notice(notice(stamp)),
-                        _ => Output::Journal(Journal::Status(status(stamp))),
-                    });
+                    queues.push_of(
+                        0,
+                        match stamp % 2 {
+                            0 => Output::Notice(notice(stamp)),
+                            _ => Output::Journal(Journal::Status(status(stamp))),
+                        },
+                    );
                 }
             });
             for expected in 0..OUTPUTS {
@@ -423,11 +418,14 @@ mod tests {
         receiver.waker().wake();
         assert!(receiver.receive(Duration::from_secs(3600)).is_none());
         let text: Arc<str> = "text".into();
-        queues.push(Output::Notice(Notice {
-            stamp: 0,
-            level: NoticeLevel::Info,
-            text,
-        }));
+        queues.push_of(
+            0,
+            Output::Notice(Notice {
+                stamp: 0,
+                level: NoticeLevel::Info,
+                text,
+            }),
+        );
         assert!(receiver.receive(Duration::from_secs(3600)).is_some());
     }
 }

@@ -1,10 +1,10 @@
 //! What the solvers tell a thread that feels impacts: without a lock, because they have deadlines.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crossbeam_queue::ArrayQueue;
 
+use super::marked::Marked;
 use super::measurements::MeasurementQueue;
 use crate::senses::MAX_EVENTS;
 use crate::time::Nanos;
@@ -19,10 +19,9 @@ const MAX_MERGED_EVENTS_OF_A_FLEET: usize = 16 * MAX_MERGED_EVENTS;
 /// Which columns may have changed, and which events are the same impact as an estimate.
 #[derive(Debug)]
 pub(super) struct SensingNews {
-    /// The columns that may have changed since they were taken out; each at most once.
-    changed: ArrayQueue<u32>,
-    /// Whether a column is among them; `None` for one without sensors.
-    is_changed: Box<[Option<AtomicBool>]>,
+    /// The columns that may have changed since they were taken out.
+    changed: Marked,
+    is_sensed: Box<[bool]>,
     merged: ArrayQueue<(u32, MergedEvent)>,
     /// Whose reader takes the news.
     measurements: Arc<MeasurementQueue>,
@@ -34,21 +33,18 @@ impl SensingNews {
         is_sensed: impl IntoIterator<Item = bool>,
         measurements: Arc<MeasurementQueue>,
     ) -> Self {
-        let is_sensed = is_sensed.into_iter();
-        let is_changed: Box<[_]> = is_sensed
-            .map(|is_sensed| is_sensed.then(|| AtomicBool::new(false)))
-            .collect();
-        let events = match is_changed.len() {
+        let is_sensed: Box<[bool]> = is_sensed.into_iter().collect();
+        let events = match is_sensed.len() {
             1 => MAX_MERGED_EVENTS,
             _ => MAX_MERGED_EVENTS_OF_A_FLEET,
         };
         let news = Self {
-            changed: ArrayQueue::new(is_changed.len().max(1)),
+            changed: Marked::new(is_sensed.len()),
             merged: ArrayQueue::new(events),
-            is_changed,
+            is_sensed,
             measurements,
         };
-        for column in 0..news.is_changed.len() {
+        for column in 0..news.is_sensed.len() {
             news.changed(column as u32);
         }
         news
@@ -67,12 +63,8 @@ impl SensingNews {
     }
 
     fn changed(&self, column: u32) {
-        let flag = self.is_changed.get(column as usize);
-        if let Some(Some(flag)) = flag
-            && !flag.swap(true, Ordering::SeqCst)
-        {
-            // There is room: each column is in the queue at most once.
-            let _ = self.changed.push(column);
+        if self.is_sensed.get(column as usize) == Some(&true) {
+            self.changed.mark(column);
             self.measurements.notifier().notify();
         }
     }
@@ -97,12 +89,7 @@ impl SensingNews {
 
     /// A column that may have changed since it was returned last.
     pub fn next_changed(&self) -> Option<u32> {
-        let column = self.changed.pop()?;
-        // Before it is looked at, so that a change while it is looked at is not forgotten.
-        if let Some(Some(flag)) = self.is_changed.get(column as usize) {
-            flag.store(false, Ordering::SeqCst);
-        }
-        Some(column)
+        self.changed.next()
     }
 
     /// An event that is the same impact as an estimate of this column.

@@ -1,10 +1,11 @@
-//! The one thread that computes what the columns of a fleet await in the background, with the lowest priority: ranges of verdicts,
-//! and the critical velocities of columns at rest.
+//! The one thread that computes what columns await in the background, with the lowest priority: ranges of verdicts, and the critical
+//! velocities of columns at rest.
 //!
 //! Columns that differ by their names only have the same results, which are computed once. Ranges come first, then columns that
-//! have been hit. For the others, of which there are many after the start, the thread takes only a part of a processor, because they
-//! are not urgent. The solver threads and this one share queues without locks only: a thread with the lowest priority must not hold a
-//! lock that they need. Whoever pops while another thread is preempted in the middle of its push has to wait, which is seldom.
+//! have been hit. For the others, of which a fleet has many after the start, the thread takes only a part of a processor, because they
+//! are not urgent. What a column no longer awaits is abandoned, after the response that is being computed. The solver threads and this
+//! one share queues without locks only: a thread with the lowest priority must not hold a lock that they need. A pop may spin while a
+//! push is preempted, which is rare.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -16,13 +17,14 @@ use crossbeam_queue::ArrayQueue;
 use rustix::thread::CpuSet;
 use rustix::time::{ClockId, clock_gettime};
 
-use super::super::background::BACKGROUND_THREAD;
 use super::super::clock::monotonic_nanos;
 use super::super::notifier::Notifier;
-use super::super::real_time::THREAD_STACK;
-use super::super::real_time::lower_priority;
+use super::super::real_time::{THREAD_STACK, lower_priority};
 use crate::parameters::MAX_COLUMNS;
 use crate::twin::{BackgroundKind, BackgroundTask, Command};
+
+/// The thread's name.
+pub const BACKGROUND_THREAD: &str = "column_twin/critical"; // the system shows the first 15 characters
 
 /// Maximum sleep between two checks of the stop flag.
 const MAX_SLEEP: Duration = Duration::from_secs(3600);
@@ -30,24 +32,42 @@ const MAX_SLEEP: Duration = Duration::from_secs(3600);
 /// Results that are kept for further columns of the same kind; the oldest is dropped.
 const MAX_KNOWN: usize = MAX_COLUMNS;
 
-/// For columns that have not been hit, the thread rests this many times as long as it has computed: it takes a fifth of a
+/// For columns of a fleet that have not been hit, the thread rests this many times as long as it has computed: it takes a fifth of a
 /// processor.
 const REST: u64 = 4;
 
 /// Processor time between two rests \[ns\], or that of one response if it takes longer.
 const BURST: u64 = 20_000_000;
 
-/// A column and what is to be computed for it.
-pub type Wanted = (u32, BackgroundTask);
+/// What is to be computed for a column.
+#[derive(Debug)]
+pub struct Wanted {
+    pub column: u32,
+    pub task: BackgroundTask,
+    is_abandoned: AtomicBool,
+}
 
-/// A column, what was computed for it, and the command with the result.
-pub type Known = (u32, BackgroundTask, Command);
+impl Wanted {
+    /// The column no longer awaits it.
+    pub fn abandon(&self) {
+        self.is_abandoned.store(true, Ordering::Relaxed);
+    }
+
+    fn is_abandoned(&self) -> bool {
+        self.is_abandoned.load(Ordering::Relaxed)
+    }
+}
+
+/// What was wanted, and the command with the result; `None` if it was abandoned.
+pub type Known = (Arc<Wanted>, Option<Command>);
 
 /// The computation in the background.
 #[derive(Debug)]
 pub struct Background {
     /// By their [`BackgroundKind`].
-    wanted: [ArrayQueue<Box<Wanted>>; BackgroundKind::COUNT],
+    wanted: [ArrayQueue<Arc<Wanted>>; BackgroundKind::COUNT],
+    /// Whether what is not urgent takes a part of a processor only.
+    rests: bool,
     /// Columns that want critical velocities, with the one for which they are being computed.
     unknown: AtomicUsize,
     known: ArrayQueue<Box<Known>>,
@@ -56,10 +76,11 @@ pub struct Background {
 }
 
 impl Background {
-    /// For a fleet of so many columns, each of which wants at most one result of each queue at a time.
+    /// For so many columns, each of which wants at most one result of each queue at a time.
     pub fn new(columns: usize) -> Self {
         Self {
             wanted: std::array::from_fn(|_| ArrayQueue::new(columns.max(1))),
+            rests: columns > 1,
             unknown: AtomicUsize::new(0),
             known: ArrayQueue::new(BackgroundKind::COUNT * columns.max(1)),
             notifier: Notifier::default(),
@@ -85,20 +106,23 @@ impl Background {
             })
     }
 
-    /// Asks for a result for a column; `false` if there is no room.
-    pub fn want(&self, column: u32, task: BackgroundTask) -> bool {
+    /// Asks for a result for a column; `None` if there is no room.
+    pub fn want(&self, column: u32, task: BackgroundTask) -> Option<Arc<Wanted>> {
         let kind = task.kind();
         let is_counted = usize::from(kind != BackgroundKind::Range);
         // Before the thread can take it out of the count.
         self.unknown.fetch_add(is_counted, Ordering::Relaxed);
-        let taken = self.wanted[kind as usize]
-            .push(Box::new((column, task)))
-            .is_ok();
+        let wanted = Arc::new(Wanted {
+            column,
+            task,
+            is_abandoned: AtomicBool::new(false),
+        });
+        let taken = self.wanted[kind as usize].push(Arc::clone(&wanted)).is_ok();
         if !taken {
             self.unknown.fetch_sub(is_counted, Ordering::Relaxed);
         }
         self.notifier.notify();
-        taken
+        taken.then_some(wanted)
     }
 
     /// The next result.
@@ -129,39 +153,43 @@ impl Background {
                 self.notifier.wait(MAX_SLEEP);
                 continue;
             };
-            let (column, task) = *wanted;
-            let same = found.iter().find(|(it, _)| task.has_the_result_of(it));
-            let kind = task.kind();
-            let command = match same {
-                Some((_, command)) => command.clone(),
-                None => {
-                    let is_urgent = kind != BackgroundKind::Undamaged;
-                    let go_on = &mut || {
-                        if !is_urgent {
-                            self.rest(&mut rested);
-                        }
-                        !self.stop.load(Ordering::Relaxed)
-                    };
-                    let Some(command) = task.compute(go_on) else {
-                        return;
-                    };
-                    if is_urgent {
-                        // It took no part of the others' time.
-                        rested = processor_time();
-                    }
-                    if found.len() == MAX_KNOWN {
-                        found.pop_front();
-                    }
-                    found.push_back((task.clone(), command.clone()));
-                    command
-                }
-            };
+            let command = self.result(&wanted, &mut found, &mut rested);
+            let is_counted = usize::from(wanted.task.kind() != BackgroundKind::Range);
             // There is room: a column wants nothing more of a queue before it has taken its result.
-            let _ = self.known.push(Box::new((column, task, command)));
-            let is_counted = usize::from(kind != BackgroundKind::Range);
+            let _ = self.known.push(Box::new((wanted, command)));
             self.unknown.fetch_sub(is_counted, Ordering::Relaxed);
             tell();
         }
+    }
+
+    /// Computes a result, or finds it among those of before; `None` if it is no longer awaited.
+    fn result(
+        &self,
+        wanted: &Wanted,
+        found: &mut VecDeque<(BackgroundTask, Command)>,
+        rested: &mut u64,
+    ) -> Option<Command> {
+        let task = &wanted.task;
+        if let Some((_, command)) = found.iter().find(|(it, _)| task.has_the_result_of(it)) {
+            return Some(command.clone());
+        }
+        let is_urgent = !self.rests || task.kind() != BackgroundKind::Undamaged;
+        let command = task.compute(&mut || {
+            if !is_urgent {
+                self.rest(rested);
+            }
+            !self.stop.load(Ordering::Relaxed) && !wanted.is_abandoned()
+        });
+        if is_urgent {
+            // It took no part of the others' time.
+            *rested = processor_time();
+        }
+        let command = command?;
+        if found.len() == MAX_KNOWN {
+            found.pop_front();
+        }
+        found.push_back((task.clone(), command.clone()));
+        Some(command)
     }
 
     /// Waits if enough has been computed since the last rest, which ended at `rested` \[ns of processor time\], unless a column
@@ -239,7 +267,7 @@ mod tests {
         assert_eq!(virgin.kind(), BackgroundKind::Undamaged);
         let background = Arc::new(Background::new(4));
         for (column, task) in [(0, &virgin), (1, &virgin), (2, &hit), (3, &virgin)] {
-            assert!(background.want(column, task.clone()));
+            assert!(background.want(column, task.clone()).is_some());
         }
         assert_eq!(background.unknown(), 4);
         let (sender, told) = std::sync::mpsc::sync_channel(4);
@@ -252,16 +280,32 @@ mod tests {
             })
             .collect();
         assert_eq!(background.unknown(), 0);
-        let order: Vec<_> = results.iter().map(|(column, _, _)| *column).collect();
+        let order: Vec<_> = results.iter().map(|(wanted, _)| wanted.column).collect();
         assert_eq!(order, [2, 0, 1, 3]);
-        for (_, task, command) in &results {
-            assert_eq!(Some(command), task.compute(&mut || true).as_ref());
+        for (wanted, command) in &results {
+            assert_eq!(*command, wanted.task.compute(&mut || true));
         }
-        let vehicles = |index: usize| match &results[index].2 {
-            Command::CriticalVelocities { vehicles } => Arc::clone(vehicles),
+        let vehicles = |index: usize| match &results[index].1 {
+            Some(Command::CriticalVelocities { vehicles }) => Arc::clone(vehicles),
             other => panic!("{other:?}"),
         };
         assert!(Arc::ptr_eq(&vehicles(1), &vehicles(3)));
+        background.stop();
+        thread.expect("starts").join().expect("no panic");
+    }
+
+    #[test]
+    fn what_is_no_longer_awaited_is_not_computed() {
+        let background = Arc::new(Background::new(1));
+        let wanted = background.want(0, task(false)).expect("room");
+        wanted.abandon();
+        let (sender, told) = std::sync::mpsc::sync_channel(1);
+        let thread = background.start(None, move || sender.send(()).expect("listened to"));
+        told.recv_timeout(Duration::from_secs(120))
+            .expect("an answer");
+        let (answered, command) = *background.take().expect("an answer");
+        assert!(Arc::ptr_eq(&answered, &wanted) && command.is_none());
+        assert_eq!(background.unknown(), 0);
         background.stop();
         thread.expect("starts").join().expect("no panic");
     }

@@ -1,27 +1,35 @@
-//! Writes the state files of a fleet in one thread, because a disk may be slow.
+//! Writes the state files in one thread, because a disk may be slow.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use crossbeam_queue::ArrayQueue;
+
 use super::super::clock::Clock;
+use super::super::marked::Marked;
 use super::super::notifier::Notifier;
-use super::super::state_writer::STATE_WRITER_THREAD;
+use super::super::queue::{QueueStats, WhenFull};
 use super::readers::Readers;
 use crate::twin::{Notice, NoticeLevel, Output, SavedState, state_file};
+
+/// The thread's name.
+pub const STATE_WRITER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
 
 /// Its stack \[B\]: a state is written as text, and the memory may be locked.
 const STACK: usize = 256 << 10;
 
-/// The states to be written: of each column the newest, so that there are at most as many as columns.
+/// The states to be written, without a lock: of each column only the newest matters.
 #[derive(Debug)]
 pub struct Keeper {
-    newest: Mutex<BTreeMap<u32, Arc<SavedState>>>,
+    newest: Box<[ArrayQueue<Arc<SavedState>>]>,
+    /// The columns with a state to be written.
+    waiting: Marked,
     notifier: Notifier,
     stop: AtomicBool,
+    given: AtomicU64,
     failures: AtomicU64,
     written: AtomicU64,
 }
@@ -34,9 +42,11 @@ impl Keeper {
         clock: Arc<dyn Clock>,
     ) -> std::io::Result<(Arc<Self>, JoinHandle<()>)> {
         let keeper = Arc::new(Self {
-            newest: Mutex::default(),
+            newest: paths.iter().map(|_| ArrayQueue::new(1)).collect(),
+            waiting: Marked::new(paths.len()),
             notifier: Notifier::default(),
             stop: AtomicBool::new(false),
+            given: AtomicU64::new(0),
             failures: AtomicU64::new(0),
             written: AtomicU64::new(0),
         });
@@ -49,8 +59,12 @@ impl Keeper {
     }
 
     pub fn write(&self, column: u32, saved: Arc<SavedState>) {
-        self.newest().insert(column, saved);
-        self.notifier.notify();
+        if let Some(newest) = self.newest.get(column as usize) {
+            newest.force_push(saved);
+            self.given.fetch_add(1, Ordering::Relaxed);
+            self.waiting.mark(column);
+            self.notifier.notify();
+        }
     }
 
     /// Lets the thread write the last states and end.
@@ -69,9 +83,16 @@ impl Keeper {
         self.written.load(Ordering::Relaxed)
     }
 
-    /// Held for a map operation only, never while a file is written.
-    fn newest(&self) -> std::sync::MutexGuard<'_, BTreeMap<u32, Arc<SavedState>>> {
-        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn stats(&self) -> QueueStats {
+        QueueStats {
+            name: "state file".to_owned(),
+            capacity: self.newest.len(),
+            len: self.waiting.len(),
+            when_full: WhenFull::DropOldest,
+            pushed: self.given.load(Ordering::Relaxed),
+            // A state that is replaced by a newer one before it is written is not lost.
+            dropped: 0,
+        }
     }
 
     fn run(&self, paths: &[PathBuf], outputs: &Readers, clock: &dyn Clock) {
@@ -79,15 +100,18 @@ impl Keeper {
         let mut failing = false;
         loop {
             let stop = self.stop.load(Ordering::SeqCst);
-            let next = self.newest().pop_first();
-            let Some((column, saved)) = next else {
+            let Some(column) = self.waiting.next() else {
                 if stop {
                     return;
                 }
                 self.notifier.wait(Duration::MAX);
                 continue;
             };
-            let Some(path) = paths.get(column as usize) else {
+            let place = (self.newest.get(column as usize), paths.get(column as usize));
+            let (Some(newest), Some(path)) = place else {
+                continue;
+            };
+            let Some(saved) = newest.pop() else {
                 continue;
             };
             let result = state_file::store(path, &saved);

@@ -1,18 +1,26 @@
-//! Many twins in real time: a pool of solver threads, bounded queues for all columns together, one thread for their state files
+//! One twin or many in real time: a pool of solver threads, bounded queues for all columns together, one thread for their state files
 //! and one for their critical velocities.
 //!
-//! A column that is at rest has neither thread nor timer nor queue, and no entry in the schedule. Inputs come first, then
-//! forecasts, that with the fewest steps left first, then states by their deadlines: a state that is late is not lost. The
-//! results are those of a single twin, bit for bit, because a twin does not depend on when it is stepped.
+//! A column has neither thread nor timer nor queue of its own; one of many that is at rest has no entry in the schedule either. Inputs
+//! come first, then forecasts, that with the fewest steps left first, then states by their deadlines: a state that is late is not lost.
+//! While one column alone responds, its states come before its forecast. The results do not depend on this, bit for bit, because a twin
+//! does not depend on when it is stepped. While columns respond, the solver threads allocate no memory for their states, and a single
+//! one finds every lock free.
 
 mod background;
+mod by_key;
 #[cfg(feature = "study")]
 mod fleet_news;
+mod jobs;
 mod keeper;
 mod readers;
 mod schedule;
 #[cfg(feature = "study")]
 mod sensors;
+mod shared;
+mod sink;
+#[cfg(test)]
+mod tests;
 mod watch;
 mod worker;
 
@@ -26,28 +34,33 @@ use std::thread::{self, JoinHandle};
 use crossbeam_queue::ArrayQueue;
 use rustix::thread::sched_getaffinity;
 
+pub use background::BACKGROUND_THREAD;
+pub use keeper::STATE_WRITER_THREAD;
+#[cfg(feature = "study")]
+pub(super) use sensors::Sensors;
 #[cfg(feature = "study")]
 pub use sensors::{FleetMeasurements, SensingStatistics};
-pub use worker::MAX_THREADS;
+pub(super) use shared::Upkeep;
+pub use worker::{MAX_CLOCK_STEP_BACK, MAX_FLEET_COMMANDS, MAX_THREADS, SOLVER_THREAD};
 
 use super::clock::{Clock, monotonic_nanos};
-use super::inbox::{Reply, Request};
+use super::inbox::{ANSWER_TIMEOUT, Reply, Request};
 use super::notifier::Notifier;
 use super::queue::{OutputQueue, OutputQueues, QueueStats, Receiver, WhenFull};
-use super::real_time::{self, RealTime, RealTimeGrants, Urgency};
-use super::state_writer::STATE_WRITER_THREAD;
-use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
+use super::real_time::{self, RealTime, RealTimeGrants, THREAD_STACK, Urgency};
+use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
-use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, Striking, Twin};
+use crate::twin::{
+    Accepted, ColumnSnapshot, Command, ImpactCommand, Prediction, Refusal, Striking, Twin,
+};
 use background::Background;
 use keeper::Keeper;
 use readers::Readers;
 use schedule::Plan;
 #[cfg(feature = "study")]
 use sensors::FleetSensing;
-pub use worker::MAX_FLEET_COMMANDS;
-use worker::{Agreed, Counters, Shared, Slot};
+use shared::{Agreed, Counters, Shared, Slot};
 
 /// Outputs of each kind that wait for the reader, besides two for each column, which has a status at the start and another one
 /// with its critical velocities.
@@ -55,9 +68,6 @@ const WAITING_OUTPUTS: usize = 512;
 
 /// States that wait for the reader: four seconds of one response, or 0.4 s of ten.
 const WAITING_STATES: usize = 4096;
-
-/// The stack of a solver thread \[B\]: a step needs a few kilobytes, and the memory may be locked.
-const STACK: usize = 1 << 20;
 
 /// Options of a live fleet.
 #[derive(Debug, Clone)]
@@ -100,7 +110,6 @@ impl LiveFleet {
         clock: Arc<dyn Clock>,
         options: FleetOptions,
     ) -> std::io::Result<(FleetHandle, Receiver)> {
-        let threads = options.threads.clamp(1, MAX_THREADS);
         let queue = OutputQueue {
             name: OutputQueue::ROS.to_owned(),
             states: WAITING_STATES,
@@ -110,87 +119,86 @@ impl LiveFleet {
         let first = Arc::new(OutputQueues::new(&queue));
         let receiver = Receiver::new(Arc::clone(&first));
         let further = options.further_outputs.iter();
-        let further: Vec<_> = further.map(|it| Arc::new(OutputQueues::new(it))).collect();
-        let receivers = further.iter().map(|it| Receiver::new(Arc::clone(it)));
-        let receivers = Mutex::new(receivers.collect());
-        let outputs = Arc::new(Readers::new([first].into_iter().chain(further)));
-        let (keeper, keeping) = match options.state_files.is_empty() {
+        let further = further.map(|it| Arc::new(OutputQueues::new(it)));
+        #[cfg(feature = "study")]
+        let sensors = {
+            let is_sensed = |twin: &Twin| !twin.parameters().settings().sensors.names.is_empty();
+            Sensors::of_fleet(twins.iter().map(is_sensed).collect())
+        };
+        let pool = Pool {
+            real_time: options.real_time,
+            threads: options.threads.clamp(1, MAX_THREADS),
+            state_files: options.state_files,
+            outputs: [first].into_iter().chain(further).collect(),
+            taken_outputs: 1,
+            journals: usize::from(options.journals),
+            upkeep: Upkeep::OnDemand,
+            max_requests: MAX_FLEET_COMMANDS,
+            #[cfg(feature = "study")]
+            sensors,
+        };
+        Ok((pool.start(twins, clock)?, receiver))
+    }
+}
+
+/// A pool of solver threads that is to be started.
+pub(super) struct Pool {
+    pub real_time: RealTime,
+    /// 1 to [`MAX_THREADS`].
+    pub threads: usize,
+    /// A path for each column, or none.
+    pub state_files: Vec<PathBuf>,
+    pub outputs: Vec<Arc<OutputQueues>>,
+    /// So many of them have a receiver already.
+    pub taken_outputs: usize,
+    /// So many of them get the journals.
+    pub journals: usize,
+    pub upkeep: Upkeep,
+    pub max_requests: usize,
+    #[cfg(feature = "study")]
+    pub sensors: Option<Sensors>,
+}
+
+impl Pool {
+    /// Starts the threads of these twins, whose indices name them from now on.
+    ///
+    /// # Errors
+    /// A thread cannot be started.
+    pub fn start(self, twins: Vec<Twin>, clock: Arc<dyn Clock>) -> std::io::Result<FleetHandle> {
+        let receivers = self.outputs.iter().skip(self.taken_outputs);
+        let receivers = receivers.map(|it| Receiver::new(Arc::clone(it))).collect();
+        let outputs = Arc::new(Readers::new(self.outputs.clone(), self.journals));
+        let (keeper, keeping) = match self.state_files.is_empty() {
             true => (None, None),
             false => {
-                let (keeper, thread) = Keeper::start(
-                    options.state_files,
-                    Arc::clone(&outputs),
-                    Arc::clone(&clock),
-                )?;
+                let (paths, outputs) = (self.state_files.clone(), Arc::clone(&outputs));
+                let (keeper, thread) = Keeper::start(paths, outputs, Arc::clone(&clock))?;
                 (Some(keeper), Some(thread))
             }
         };
         let processors = sched_getaffinity(None).ok();
-        let background = Arc::new(Background::new(twins.len()));
-        let mut agreed = Agreed::new();
-        let (now, columns) = (clock.now(), twins.len());
-        for column in 0..columns {
-            // Its first status, and what is to be computed for it.
-            let plan = Plan {
-                deadline: Some(now),
-                ..Plan::default()
-            };
-            agreed.schedule.plan(column as u32, plan);
-        }
-        let notifiers: Box<[Arc<Notifier>]> = (0..threads).map(|_| Arc::default()).collect();
-        notifiers.iter().for_each(|it| clock.serve(it));
-        #[cfg(feature = "study")]
-        let (measurements, news) = {
-            let is_sensed = |twin: &Twin| !twin.parameters().settings().sensors.names.is_empty();
-            let is_sensed: Vec<bool> = twins.iter().map(is_sensed).collect();
-            sensors::prepare(&is_sensed).unzip()
-        };
-        let shared = Arc::new(Shared {
-            parameters: twins
-                .iter()
-                .map(|twin| RwLock::new(Arc::clone(twin.parameters())))
-                .collect(),
-            slots: twins
-                .into_iter()
-                .map(|twin| Mutex::new(Slot::new(twin)))
-                .collect(),
-            agreed: Mutex::new(agreed),
-            inbox: ArrayQueue::new(MAX_FLEET_COMMANDS),
-            notifiers,
-            waiting: AtomicU64::new(0),
-            clock: Arc::clone(&clock),
-            stop: AtomicBool::new(false),
-            outputs: Arc::clone(&outputs),
-            keeper,
-            journals: options.journals,
-            background: Arc::clone(&background),
-            #[cfg(feature = "study")]
-            news,
-            counters: Counters {
-                active: AtomicUsize::new(columns),
-                ..Counters::default()
-            },
-        });
+        let shared = Arc::new(self.share(twins, clock, outputs, keeper));
         let mut handle = FleetHandle {
             shared: Arc::clone(&shared),
-            receivers,
+            receivers: Mutex::new(receivers),
             solvers: Vec::new(),
             keeping,
-            computing: None,
             #[cfg(feature = "study")]
             sensing: None,
             real_time: RealTimeGrants::default(),
             is_stopped: false,
         };
         let told = Arc::clone(&shared);
-        handle.computing = Some(background.start(processors, move || told.wake_one())?);
-        let (sender, grants) = sync_channel(threads);
-        for number in 0..threads {
+        let background = &shared.background;
+        // Nothing waits for its end, because it gets only the time that no other thread wants.
+        background.start(processors, move || told.wake_one())?;
+        let (sender, grants) = sync_channel(self.threads);
+        for number in 0..self.threads {
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
-            let real_time = options.real_time.clone();
+            let real_time = self.real_time.clone();
             let solver = thread::Builder::new()
                 .name(SOLVER_THREAD.to_owned())
-                .stack_size(STACK)
+                .stack_size(THREAD_STACK)
                 .spawn(move || {
                     let grants = real_time::request(&real_time);
                     let urgency = Urgency::of(&real_time, &grants);
@@ -201,18 +209,56 @@ impl LiveFleet {
         }
         handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
         #[cfg(feature = "study")]
-        if let Some(measurements) = measurements {
-            let reserved = &options.real_time.processors;
-            handle.sensing = Some(FleetSensing::start(
-                measurements,
-                &shared,
-                &clock,
-                &outputs.queues(),
-                reserved,
-                processors,
-            )?);
+        if let Some(sensors) = self.sensors {
+            let reserved = &self.real_time.processors;
+            handle.sensing = Some(FleetSensing::start(sensors, &shared, reserved, processors)?);
         }
-        Ok((handle, receiver))
+        Ok(handle)
+    }
+
+    /// What the threads will share.
+    fn share(
+        &self,
+        twins: Vec<Twin>,
+        clock: Arc<dyn Clock>,
+        outputs: Arc<Readers>,
+        keeper: Option<Arc<Keeper>>,
+    ) -> Shared {
+        let (now, columns) = (clock.now(), twins.len());
+        let mut agreed = Agreed::new(columns, self.max_requests);
+        for column in 0..columns {
+            // Its first status, and what is to be computed for it.
+            let plan = Plan {
+                deadline: Some(now),
+                ..Plan::default()
+            };
+            agreed.schedule.plan(column as u32, plan);
+        }
+        let notifiers: Box<[Arc<Notifier>]> = (0..self.threads).map(|_| Arc::default()).collect();
+        notifiers.iter().for_each(|it| clock.serve(it));
+        let parameters = |twin: &Twin| RwLock::new(Arc::clone(twin.parameters()));
+        let slot = |twin| Mutex::new(Slot::new(twin, self.upkeep));
+        Shared {
+            parameters: twins.iter().map(parameters).collect(),
+            slots: twins.into_iter().map(slot).collect(),
+            agreed: Mutex::new(agreed),
+            inbox: ArrayQueue::new(self.max_requests),
+            notifiers,
+            waiting: AtomicU64::new(0),
+            clock,
+            stop: AtomicBool::new(false),
+            outputs,
+            keeper,
+            upkeep: self.upkeep,
+            max_requests: self.max_requests,
+            background: Arc::new(Background::new(columns)),
+            #[cfg(feature = "study")]
+            news: self.sensors.as_ref().map(Sensors::news),
+            counters: Counters {
+                active: AtomicUsize::new(columns),
+                ..Counters::default()
+            },
+        }
     }
 }
 
@@ -223,7 +269,6 @@ pub struct FleetHandle {
     receivers: Mutex<Vec<Receiver>>,
     solvers: Vec<JoinHandle<()>>,
     keeping: Option<JoinHandle<()>>,
-    computing: Option<JoinHandle<()>>,
     /// `None` without sensors.
     #[cfg(feature = "study")]
     sensing: Option<FleetSensing>,
@@ -263,8 +308,10 @@ impl FleetHandle {
     /// # Panics
     /// There is no column with this index.
     pub fn submit(&self, column: u32, command: Command) -> Result<(), Refusal> {
+        self.check(column);
         let reply = Reply::none();
-        self.request(column, Request::Command { command, reply })
+        self.shared
+            .submit(column, Request::Command { command, reply })
     }
 
     /// Submits a command to a column and waits for the outcome.
@@ -304,8 +351,19 @@ impl FleetHandle {
         vehicle: &str,
         impact: &ImpactSpecification,
     ) -> Result<Prediction, Refusal> {
-        self.ask(column, |reply| Request::Snapshot { reply })?
+        self.snapshot(column)?
             .predict("", vehicle, impact, &monotonic_nanos)
+    }
+
+    /// A copy of the current state of a column.
+    ///
+    /// # Errors
+    /// The solver does not answer in time.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    pub fn snapshot(&self, column: u32) -> Result<ColumnSnapshot, Refusal> {
+        self.ask(column, |reply| Request::Snapshot { reply })
     }
 
     /// The parameters of a column that hold; a change that waits for the end of a response is not among them yet.
@@ -319,16 +377,12 @@ impl FleetHandle {
     }
 
     fn ask<T>(&self, column: u32, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
-        let (reply, answer) = Reply::channel();
-        self.request(column, request(reply))?;
-        answer
-            .wait(ANSWER_TIMEOUT)
-            .map_err(|_| Refusal::no_answer(ANSWER_TIMEOUT.as_secs()))
+        self.check(column);
+        self.shared.ask(column, request)
     }
 
-    fn request(&self, column: u32, request: Request) -> Result<(), Refusal> {
+    fn check(&self, column: u32) {
         assert!((column as usize) < self.columns(), "a column of the fleet");
-        self.shared.submit(column, request)
     }
 
     /// Where the measurements of the columns go; `None` without sensors.
@@ -353,20 +407,21 @@ impl FleetHandle {
         0
     }
 
-    /// Statistics since the start, of all columns together. Steps and iterations are not counted.
+    /// Statistics since the start, of all columns together.
     #[must_use]
     pub fn statistics(&self) -> LiveStatistics {
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let shared = &self.shared;
         let mut queues = vec![QueueStats {
             name: "inputs".to_owned(),
-            capacity: MAX_FLEET_COMMANDS,
+            capacity: shared.max_requests,
             len: shared.counters.waiting_requests.load(Ordering::Relaxed),
             when_full: WhenFull::Reject,
             pushed: read(&shared.counters.submitted),
             dropped: read(&shared.counters.rejected),
         }];
         queues.extend(shared.outputs.stats());
+        queues.extend(shared.keeper.as_ref().map(|it| it.stats()));
         #[cfg(feature = "study")]
         queues.extend(
             self.measurements()
@@ -378,8 +433,8 @@ impl FleetHandle {
             overruns: read(&shared.counters.overruns),
             skipped_periods: read(&shared.counters.skipped_periods),
             worst_lateness: read(&shared.counters.worst_lateness),
-            steps: 0,
-            newton_iterations: 0,
+            steps: read(&shared.counters.steps),
+            newton_iterations: read(&shared.counters.newton_iterations),
             state_file_failures: shared.keeper.as_ref().map_or(0, |it| it.failures()),
             lost_estimates: self.lost_estimates(),
             queues,
@@ -447,9 +502,6 @@ impl FleetHandle {
             keeper.stop();
         }
         let keeping = self.keeping.take().is_none_or(|it| it.join().is_ok());
-        if let Some(computing) = self.computing.take() {
-            let _ = computing.join(); // one that panicked has printed its message, and nothing is lost
-        }
         match (panicked, keeping) {
             (1.., _) => Err(Panicked(SOLVER_THREAD)),
             (_, false) => Err(Panicked(STATE_WRITER_THREAD)),

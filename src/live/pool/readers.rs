@@ -1,43 +1,56 @@
-//! The readers of the outputs of a fleet: each has queues of its own, so that a slow one loses its own outputs only.
+//! The readers of the outputs: each has queues of its own, so that a slow one loses its own outputs only.
 
 use std::sync::Arc;
 
 use super::super::queue::{OutputQueues, QueueStats};
 use crate::twin::Output;
 
-/// The queues to all readers; the first one, which publishes and records, also gets the journals.
+/// The queues to all readers.
 #[derive(Debug)]
-pub struct Readers(Box<[Arc<OutputQueues>]>);
+pub struct Readers {
+    queues: Box<[Arc<OutputQueues>]>,
+    /// The first so many also get the journals.
+    journals: usize,
+}
 
 impl Readers {
-    pub fn new(queues: impl IntoIterator<Item = Arc<OutputQueues>>) -> Self {
-        Self(queues.into_iter().collect())
+    pub fn new(queues: impl IntoIterator<Item = Arc<OutputQueues>>, journals: usize) -> Self {
+        Self {
+            queues: queues.into_iter().collect(),
+            journals,
+        }
+    }
+
+    /// Whether any reader gets the journals.
+    pub fn have_journals(&self) -> bool {
+        self.journals > 0
     }
 
     /// Adds an output of a column.
     pub fn push_of(&self, column: u32, output: Output) {
-        let Some((first, others)) = self.0.split_first() else {
-            return;
+        let readers = match output {
+            Output::Journal(_) => self.queues.get(..self.journals).unwrap_or_default(),
+            _ => &self.queues,
         };
-        if !matches!(output, Output::Journal(_)) {
+        if let Some((first, others)) = readers.split_first() {
             for it in others {
                 it.push_of(column, output.clone());
             }
+            first.push_of(column, output);
         }
-        first.push_of(column, output);
     }
 
     /// The queues, for another thread that has something to say.
     #[cfg(feature = "study")]
     pub fn queues(&self) -> Vec<Arc<OutputQueues>> {
-        self.0.to_vec()
+        self.queues.to_vec()
     }
 
     pub fn notify(&self) {
-        self.0.iter().for_each(|it| it.notify());
+        self.queues.iter().for_each(|it| it.notify());
     }
 
     pub fn stats(&self) -> impl Iterator<Item = QueueStats> {
-        self.0.iter().flat_map(|it| it.stats())
+        self.queues.iter().flat_map(|it| it.stats())
     }
 }

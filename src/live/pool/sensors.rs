@@ -1,22 +1,21 @@
-//! The sensors of a fleet: the queues of their measurements, a few threads that feel impacts, and one that prepares responses.
+//! The sensors: the queues of their measurements, a few threads that feel impacts, and one that prepares responses for a fleet.
 //!
-//! A column with sensors belongs to one thread and its queue, by its index. A fleet without sensors has none of this.
+//! A column with sensors belongs to one thread and its queue, by its index. Without sensors there is none of this.
 
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use rustix::thread::CpuSet;
 
-use super::super::clock::Clock;
 use super::super::inbox::{Reply, Request};
 use super::super::libraries::{Libraries, LibraryStatistics};
 use super::super::measurements::MeasurementQueue;
-use super::super::queue::{OutputQueues, QueueStats};
+use super::super::queue::QueueStats;
 use super::super::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
 use super::super::sensing_news::SensingNews;
-use super::super::{ANSWER_TIMEOUT, Panicked};
+use super::super::statistics::Panicked;
 use super::fleet_news::FleetNews;
-use super::worker::Shared;
+use super::shared::Shared;
 use crate::senses::Batch;
 use crate::twin::Command;
 
@@ -63,24 +62,49 @@ impl FleetMeasurements {
     }
 }
 
-/// The queues and the news of a fleet in which this is `true` for the columns with sensors; `None` if there is none.
-pub(super) fn prepare(is_sensed: &[bool]) -> Option<(FleetMeasurements, FleetNews)> {
-    if !is_sensed.contains(&true) {
-        return None;
+/// The sensors of the columns of a pool, before their threads are started.
+pub(in super::super) struct Sensors {
+    measurements: FleetMeasurements,
+    is_sensed: Vec<bool>,
+    /// Where equal columns share prepared responses; `None`: every column prepares its own.
+    libraries: Option<Arc<Libraries>>,
+    /// Takes the estimates; `None`: the twins.
+    deliver: Option<Deliver>,
+}
+
+impl Sensors {
+    /// Those of a fleet in which this is `true` for the columns with sensors; `None` if there is none.
+    pub fn of_fleet(is_sensed: Vec<bool>) -> Option<Self> {
+        is_sensed.contains(&true).then(|| Self {
+            measurements: FleetMeasurements::of(is_sensed.len()),
+            is_sensed,
+            libraries: Some(Arc::default()),
+            deliver: None,
+        })
     }
-    let measurements = FleetMeasurements::of(is_sensed.len());
-    let threads = measurements.queues.len();
-    let news = measurements
-        .queues
-        .iter()
-        .enumerate()
-        .map(|(thread, queue)| {
-            let own = is_sensed.iter().enumerate();
-            let own = own.map(|(column, is_sensed)| *is_sensed && column % threads == thread);
+
+    /// Those of a single column.
+    pub fn of_one(measurements: Arc<MeasurementQueue>, deliver: Option<Deliver>) -> Self {
+        Self {
+            measurements: FleetMeasurements {
+                queues: [measurements].into(),
+            },
+            is_sensed: vec![true],
+            libraries: None,
+            deliver,
+        }
+    }
+
+    /// What the solver threads will tell the threads that feel impacts.
+    pub(super) fn news(&self) -> FleetNews {
+        let queues = &self.measurements.queues;
+        let news = queues.iter().enumerate().map(|(thread, queue)| {
+            let own = self.is_sensed.iter().enumerate();
+            let own = own.map(|(column, is_sensed)| *is_sensed && column % queues.len() == thread);
             Arc::new(SensingNews::new(own, Arc::clone(queue)))
         });
-    let news = FleetNews::new(news.collect());
-    Some((measurements, news))
+        FleetNews::new(news.collect())
+    }
 }
 
 /// What was counted of the sensing of a fleet.
@@ -100,47 +124,55 @@ pub struct SensingStatistics {
 pub(super) struct FleetSensing {
     pub measurements: FleetMeasurements,
     threads: Vec<SensingThread>,
-    libraries: Arc<Libraries>,
+    libraries: Option<Arc<Libraries>>,
     preparing: Option<JoinHandle<()>>,
 }
 
 impl FleetSensing {
     pub fn start(
-        measurements: FleetMeasurements,
+        sensors: Sensors,
         shared: &Arc<Shared>,
-        clock: &Arc<dyn Clock>,
-        outputs: &[Arc<OutputQueues>],
         reserved: &[usize],
         processors: Option<CpuSet>,
     ) -> std::io::Result<Self> {
-        let libraries = Arc::<Libraries>::default();
+        let Sensors {
+            measurements,
+            libraries,
+            deliver,
+            ..
+        } = sensors;
+        let to_the_twins = || {
+            let told = Arc::clone(shared);
+            Deliver::of_fleet(move |column, record| {
+                let command = Command::Estimate(Arc::new(record));
+                let reply = Reply::none();
+                told.submit(column, Request::Command { command, reply })
+            })
+        };
+        let deliver = deliver.unwrap_or_else(to_the_twins);
+        let preparing = libraries.as_ref().map(|it| it.start(processors));
         let mut sensing = Self {
-            preparing: Some(libraries.start(processors)?),
-            libraries: Arc::clone(&libraries),
+            preparing: preparing.transpose()?,
+            libraries,
             threads: Vec::new(),
             measurements,
         };
         let news = shared.news.iter().flat_map(FleetNews::threads);
         for (queue, news) in sensing.measurements.queues.iter().zip(news) {
-            let (asked, told) = (Arc::clone(shared), Arc::clone(shared));
-            let deliver = Deliver::of_fleet(move |column, record| {
-                let command = Command::Estimate(Arc::new(record));
-                let reply = Reply::none();
-                told.submit(column, Request::Command { command, reply })
-            });
+            let asked = Arc::clone(shared);
             let surroundings = Surroundings {
-                clock: Arc::clone(clock),
-                outputs: outputs.to_vec(),
+                clock: Arc::clone(&shared.clock),
+                outputs: shared.outputs.queues(),
                 news: Arc::clone(news),
                 snapshot: Box::new(move |column| {
-                    let (reply, answer) = Reply::channel();
-                    asked.submit(column, Request::Snapshot { reply }).ok()?;
-                    answer.wait(ANSWER_TIMEOUT).ok()
+                    let snapshot = asked.ask(column, |reply| Request::Snapshot { reply });
+                    snapshot.ok()
                 }),
                 reserved: reserved.to_vec(),
-                libraries: Some(Arc::clone(&libraries)),
+                libraries: sensing.libraries.clone(),
             };
-            let thread = SensingThread::start(Arc::clone(queue), deliver, surroundings)?;
+            let queue = Arc::clone(queue);
+            let thread = SensingThread::start(queue, deliver.clone(), surroundings)?;
             sensing.threads.push(thread);
         }
         Ok(sensing)
@@ -155,13 +187,18 @@ impl FleetSensing {
         SensingStatistics {
             lost_estimates: self.lost_estimates(),
             delayed: self.threads.iter().map(|it| it.delayed()).sum(),
-            libraries: self.libraries.statistics(),
+            libraries: {
+                let libraries = self.libraries.as_ref();
+                libraries.map(|it| it.statistics()).unwrap_or_default()
+            },
         }
     }
 
     /// Ends the threads after their present slices of work.
     pub fn stop(&mut self) -> Result<(), Panicked> {
-        self.libraries.stop();
+        if let Some(libraries) = &self.libraries {
+            libraries.stop();
+        }
         // All of them are stopped, whatever one returns.
         let panicked = self
             .threads
