@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::evaluation::{band_properties, input_of, respond_and_rest};
 use super::{Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, Severity, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
-use crate::parameters::{Parameters, Value, plate_in_words};
+use crate::parameters::{Parameters, Value};
 
 /// What is assumed of an impact and its column, and not known exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -511,7 +511,7 @@ impl Case<'_> {
     fn base_plate(&self) -> Option<Found> {
         let base = ConnectedBase::of(self.parameters).ok()?;
         (base.is_assumed && base.bears_moment).then(|| {
-            let instead = format!("{} [A]", plate_in_words(&base.plate));
+            let instead = "assumed plate [A]".to_owned();
             let properties = self.properties.on_plate(base.resistance);
             let changed = self.with(instead, properties, *self.impact);
             (Assumption::BasePlate, Ok(changed))
