@@ -73,19 +73,19 @@ impl ReportDocument {
     /// A figure cannot be drawn.
     pub fn html(&self) -> Result<String, FigureError> {
         let several = self.impacts.len() > 1;
-        let notice = self.notice();
+        let notices = self.notices();
         let (mut bodies, mut annexes) = (Vec::new(), Vec::new());
         for (index, impact) in self.impacts.iter().enumerate() {
             let number = several.then_some(index + 1);
             let assessed = Assessed::of(impact);
             // What is signed tells that the recording is not what it was.
-            let notice = (!several).then_some(&notice);
+            let notices = (!several).then_some(&notices);
             bodies.push(pages::markup(
                 impact,
                 &assessed,
                 &self.details,
                 number,
-                notice,
+                notices,
             ));
             annexes.push(impact_section::annex(impact, &assessed, number)?);
         }
@@ -99,7 +99,7 @@ impl ReportDocument {
         };
         let felt = self.felt()?;
         let body = html! {
-            (self.cover(&notice))
+            (self.cover(&notices))
             @for body in &bodies { (body) }
             (felt)
             @for annex in &annexes { (annex) }
@@ -110,14 +110,15 @@ impl ReportDocument {
     }
 
     /// A page before the first impact, where there is more to say than about one impact.
-    fn cover(&self, notice: &Markup) -> Markup {
-        let overview = self.overview();
+    fn cover(&self, notices: &[Markup; 2]) -> Markup {
         let is_one = self.impacts.len() == 1;
+        let [before, after] = notices.each_ref().map(|it| (!is_one).then_some(it));
+        let overview = self.overview(after);
         let is_empty = |markup: &Markup| markup.0.trim().is_empty();
         html! {
-            @if !is_empty(&overview) || !(is_one || is_empty(notice)) {
+            @if !is_empty(&overview) || before.is_some_and(|it| !is_empty(it)) {
                 div.cover {
-                    @if !is_one { (notice) }
+                    @if let Some(before) = before { (before) }
                     (overview)
                     @if !is_one { (title_block::markup(&self.details, None)) }
                 }
@@ -125,20 +126,26 @@ impl ReportDocument {
         }
     }
 
-    /// What is wrong with where the impacts come from.
-    fn notice(&self) -> Markup {
+    /// What is wrong with where the impacts come from, before the verdict and after it.
+    fn notices(&self) -> [Markup; 2] {
         match &self.origin {
-            Origin::Simulation => html! {},
+            Origin::Simulation => [html! {}, html! {}],
             #[cfg(feature = "record")]
-            Origin::Recording(recorded) => recording_section::notice(recorded, &self.impacts),
+            Origin::Recording(recorded) => recording_section::notices(recorded, &self.impacts),
         }
     }
 
-    fn overview(&self) -> Markup {
+    #[cfg_attr(
+        not(feature = "record"),
+        expect(unused_variables, reason = "it belongs to a recording")
+    )]
+    fn overview(&self, after: Option<&Markup>) -> Markup {
         match &self.origin {
             Origin::Simulation => html! {},
             #[cfg(feature = "record")]
-            Origin::Recording(recorded) => recording_section::overview(recorded, &self.impacts),
+            Origin::Recording(recorded) => {
+                recording_section::overview(recorded, &self.impacts, after)
+            }
         }
     }
 

@@ -21,14 +21,14 @@ use crate::figures::units::{Unit, significant};
 /// Most characters of the description of an impact in a heading.
 const MAX_HEADING: usize = 110;
 
-/// The four pages; `number` among several impacts. The title block is on the first page of a report about one impact, and so is the
-/// `notice` of what has happened to the recording.
+/// The four pages; `number` among several impacts. The title block is on the first page of a report about one impact, and so are the
+/// `notices` of what has happened to the recording, before the verdict and after it.
 pub(super) fn markup(
     impact: &ReportedImpact,
     assessed: &Result<Assessed, String>,
     details: &ReportDetails,
     number: Option<usize>,
-    notice: Option<&Markup>,
+    notices: Option<&[Markup; 2]>,
 ) -> Markup {
     let anchor = number.map_or("impact".to_owned(), |number| format!("impact-{number}"));
     let title = shortened(&impact.title, MAX_HEADING);
@@ -40,8 +40,9 @@ pub(super) fn markup(
     html! {
         section.impact id=(anchor) {
             div.sheet.first {
-                @if let Some(notice) = notice { (notice) }
+                @if let Some([before, _]) = notices { (before) }
                 (verdict.markup(""))
+                @if let Some([_, after]) = notices { (after) }
                 h1 { (heading) }
                 (verdict.people())
                 (inspection::markup(impact, assessed))

@@ -17,15 +17,18 @@ use crate::study::{LIMIT_VELOCITIES, VehicleLimits};
 /// Maximum number of events in the overview; of more events, the last ones are listed.
 const MAX_ROWS: usize = 500;
 
-/// What is wrong with the recording, or missing in it: whoever signs a verdict on it must see that.
-pub(super) fn notice(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
-    html! {
+/// What is wrong with the recording, before the verdict on it, and which impacts the verdict does not contain, after it: whoever
+/// signs the verdict must see both.
+pub(super) fn notices(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> [Markup; 2] {
+    let before = html! {
         @if let Some((headline, reason)) = faults(recorded) {
             div.verdict.alarm {
                 p.headline { (headline) }
                 p { (reason) }
             }
         }
+    };
+    let after = html! {
         @let open = without_outcome(recorded, impacts);
         @if !open.is_empty() {
             p.fault {
@@ -33,11 +36,18 @@ pub(super) fn notice(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -
                 ". The verdict does not contain what they did to the column."
             }
         }
-    }
+    };
+    [before, after]
 }
 
-/// The head of the document: where it contains several impacts, the last verdict and a table of all of them.
-pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
+/// The head of the document: where it contains several impacts, the last verdict, what stands `after` it, and a table of all of them.
+pub(super) fn overview(
+    recorded: &ReportedRecording,
+    impacts: &[ReportedImpact],
+    after: Option<&Markup>,
+) -> Markup {
+    let none = html! {};
+    let after = after.unwrap_or(&none);
     let faults = faults(recorded);
     let several = impacts.len() > 1;
     let last = impacts.last().filter(|_| several);
@@ -47,6 +57,7 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
         @if let Some((last, event_id)) = last {
             (Verdict::of(last, &Assessed::of(last)).markup(&format!("After impact \"{event_id}\": ")))
         }
+        (after)
         @if impacts.is_empty() && faults.is_none() {
             div.verdict.warning {
                 p.headline { "No verdict: no impact of this recording has an outcome" }
