@@ -99,7 +99,7 @@ impl ReportDocument {
         };
         let felt = self.felt()?;
         let body = html! {
-            (self.cover(&notices))
+            (self.cover())
             @for body in &bodies { (body) }
             (felt)
             @for annex in &annexes { (annex) }
@@ -110,15 +110,12 @@ impl ReportDocument {
     }
 
     /// A page before the first impact, where there is more to say than about one impact.
-    fn cover(&self, notices: &[Markup; 2]) -> Markup {
+    fn cover(&self) -> Markup {
+        let overview = self.overview();
         let is_one = self.impacts.len() == 1;
-        let [before, after] = notices.each_ref().map(|it| (!is_one).then_some(it));
-        let overview = self.overview(after);
-        let is_empty = |markup: &Markup| markup.0.trim().is_empty();
         html! {
-            @if !is_empty(&overview) || before.is_some_and(|it| !is_empty(it)) {
+            @if !overview.0.trim().is_empty() {
                 div.cover {
-                    @if let Some(before) = before { (before) }
                     (overview)
                     @if !is_one { (title_block::markup(&self.details, None)) }
                 }
@@ -135,17 +132,11 @@ impl ReportDocument {
         }
     }
 
-    #[cfg_attr(
-        not(feature = "record"),
-        expect(unused_variables, reason = "it belongs to a recording")
-    )]
-    fn overview(&self, after: Option<&Markup>) -> Markup {
+    fn overview(&self) -> Markup {
         match &self.origin {
             Origin::Simulation => html! {},
             #[cfg(feature = "record")]
-            Origin::Recording(recorded) => {
-                recording_section::overview(recorded, &self.impacts, after)
-            }
+            Origin::Recording(recorded) => recording_section::overview(recorded, &self.impacts),
         }
     }
 

@@ -40,24 +40,24 @@ pub(super) fn notices(recorded: &ReportedRecording, impacts: &[ReportedImpact]) 
     [before, after]
 }
 
-/// The head of the document: where it contains several impacts, the last verdict, what stands `after` it, and a table of all of them.
-pub(super) fn overview(
-    recorded: &ReportedRecording,
-    impacts: &[ReportedImpact],
-    after: Option<&Markup>,
-) -> Markup {
-    let none = html! {};
-    let after = after.unwrap_or(&none);
+/// The head of the document: where it does not contain one impact alone, the notices and the last verdict; a table of all impacts.
+pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
+    // Those of a single impact stand on the page that is signed.
+    let [before, after] = match impacts.len() {
+        1 => Default::default(),
+        _ => notices(recorded, impacts).map(Some),
+    };
     let faults = faults(recorded);
     let several = impacts.len() > 1;
     let last = impacts.last().filter(|_| several);
     let last = last.and_then(|last| Some((last, &last.event.as_ref()?.0)));
     let unreported = impacts.is_empty() || recorded.events.len() > impacts.len();
     html! {
+        @if let Some(before) = before { (before) }
         @if let Some((last, event_id)) = last {
             (Verdict::of(last, &Assessed::of(last)).markup(&format!("After impact \"{event_id}\": ")))
         }
-        (after)
+        @if let Some(after) = after { (after) }
         @if impacts.is_empty() && faults.is_none() {
             div.verdict.warning {
                 p.headline { "No verdict: no impact of this recording has an outcome" }
