@@ -6,9 +6,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use column_twin::ros::security::protection;
-use column_twin::ros::{
-    self, Environment, FleetTwinError, RosArguments, RunEnd, RunError, RunOptions,
-};
+use column_twin::ros::{self, Environment, RosArguments, RunEnd, RunError, RunOptions, StartError};
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -46,10 +44,9 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
     match error {
         RunError::Parameters(faults) => faults.into(),
         error @ (RunError::SealKey(_)
-        | RunError::Fleet(
-            FleetTwinError::Selection(_)
-            | FleetTwinError::SensorSource { .. }
-            | FleetTwinError::Columns(_),
+        | RunError::Start(
+            _,
+            StartError::Selection(_) | StartError::SensorSource { .. } | StartError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),

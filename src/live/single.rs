@@ -154,6 +154,12 @@ impl LiveHandle {
             .predict(column_id, vehicle, impact, &monotonic_nanos)
     }
 
+    /// The pool of which this is the only column.
+    #[must_use]
+    pub fn into_pool(self) -> FleetHandle {
+        self.pool
+    }
+
     /// Statistics since the start.
     pub fn statistics(&self) -> LiveStatistics {
         self.pool.statistics()

@@ -14,9 +14,9 @@ use crate::outgoing::RecordingHealth;
 use super::clock_watch::ClockWatch;
 use super::given_up::GivenUp;
 use super::lines::severity_word;
-use super::live_twin::Health;
+use super::live_columns::Health;
 use super::lost_peers::LostPeers;
-use super::measurements::SensorInputs;
+use super::measurements::SensedColumns;
 use super::security::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
@@ -45,8 +45,6 @@ pub(super) struct NodeCounters {
     pub clock: Option<ClockWatch>,
     /// The senders, if the parameters limit them.
     pub senders: Option<Arc<Senders>>,
-    /// The sensors, if the parameters declare any.
-    pub sensors: Option<Arc<SensorInputs>>,
 }
 
 impl NodeCounters {
@@ -71,6 +69,8 @@ pub(super) struct Observed<'a> {
     pub recording: Option<&'a RecordingHealth>,
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
+    /// `None` without sensors.
+    pub sensors: Option<&'a SensedColumns>,
     pub counters: &'a NodeCounters,
 }
 
@@ -82,6 +82,7 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
         health,
         recording,
         security,
+        sensors,
         counters,
     } = observed;
     let mut status = vec![
@@ -94,7 +95,7 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
-    let sensors = counters.sensors.as_ref();
+    let sensors = sensors.and_then(|it| it.columns().first());
     status.extend(sensors.map(|it| sensors_status(it.status(nanos(header.stamp)))));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
@@ -411,6 +412,7 @@ mod tests {
                 health,
                 recording: None,
                 security: None,
+                sensors: None,
                 counters,
             },
         );
@@ -543,6 +545,7 @@ mod tests {
                     health: &Health::default(),
                     recording: None,
                     security: None,
+                    sensors: None,
                     counters: &counters,
                 },
             )

@@ -26,8 +26,8 @@ use crate::twin::{Accepted, Command, Refusal};
 
 use super::diagnostics::NodeCounters;
 use super::guid_prefix::GuidPrefix;
-use super::live_twin::LiveTwin;
-use super::measurements::{MeasurementSubscriptions, SensorInputs};
+use super::live_columns::LiveColumns;
+use super::measurements::{MeasurementSubscriptions, SensedColumns};
 use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
@@ -56,13 +56,13 @@ impl Subscriptions {
         node: &mut Node,
         parameters: &Parameters,
         senders: Arc<Senders>,
-        sensors: Option<Arc<SensorInputs>>,
+        sensed: Option<Arc<SensedColumns>>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let simulated = parameters.settings().use_sim_time;
-        let measurements = sensors.map(|inputs| {
+        let measurements = sensed.map(|sensed| {
             let (senders, recording) = (Arc::clone(&senders), recording.clone());
-            MeasurementSubscriptions::new(node, parameters, inputs, senders, recording)
+            MeasurementSubscriptions::new(node, sensed, senders, recording)
         });
         Ok(Self {
             measurements: measurements.transpose()?,
@@ -76,7 +76,7 @@ impl Subscriptions {
     }
 
     /// Handles messages until the task is stopped.
-    pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
+    pub async fn run(self, twin: Arc<LiveColumns>, counters: Arc<NodeCounters>) {
         let events = each(
             &self.events,
             &qos::IMPACT_EVENT,
@@ -104,7 +104,7 @@ impl Subscriptions {
                     event.gap,
                     1e-9 * (twin.now().saturating_sub(nanos(event.header.stamp))) as f64,
                 );
-                if let Err(refusal) = twin.submit(impact_command(event)) {
+                if let Err(refusal) = twin.submit(0, impact_command(event)) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
                     if let Some(recording) = &self.recording {
                         recording.rejected(
@@ -299,7 +299,7 @@ impl Services {
     }
 
     /// Answers requests until the task is stopped.
-    pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
+    pub async fn run(self, twin: Arc<LiveColumns>, counters: Arc<NodeCounters>) {
         let ParameterServers {
             get,
             types,
@@ -384,9 +384,9 @@ impl Services {
                         "a decision about an estimate",
                     ) {
                         Ok(()) => {
-                            let own = requests::check_column(twin.column_id(), &request.column_id);
+                            let own = twin.face().requested(&request.column_id);
                             requests::confirm_estimate(request, |command| {
-                                own.and_then(|()| twin.execute(command))
+                                twin.execute(own?, command)
                             })
                         }
                         Err(refusal) => requests::not_decided(&refusal),
@@ -400,30 +400,28 @@ impl Services {
                 |sender, request| {
                     match admit(sender, &qos::CALIBRATE, "a calibration") {
                         Ok(()) => {
-                            let own = requests::check_column(twin.column_id(), &request.column_id);
-                            requests::calibrate(&request, |command| {
-                                own.and_then(|()| twin.execute(command))
-                            })
+                            let own = twin.face().requested(&request.column_id);
+                            requests::calibrate(&request, |command| twin.execute(own?, command))
                         }
                         Err(refusal) => requests::not_calibrated(&refusal),
                     }
                 }
             ),
             answer(&qos::GET_PARAMETERS, &get, counters, |request| {
-                parameters::get(&twin.parameters(), &request)
+                parameters::get(twin, &request)
             }),
             answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
-                parameters::types(&twin.parameters(), &request)
+                parameters::types(twin, &request)
             }),
             answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
-                parameters::list(&twin.parameters(), &request)
+                parameters::list(twin, &request)
             }),
             answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
-                parameters::describe(&twin.parameters(), &request)
+                parameters::describe(twin, &request)
             }),
             answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
                 match admit(sender, &qos::SET_PARAMETERS, "a request") {
-                    Ok(()) => parameters::set(twin, request),
+                    Ok(()) => parameters::set(twin, &request),
                     Err(refusal) => parameters::set_rejected(&request, &refusal),
                 }
             }),
@@ -494,10 +492,13 @@ pub(super) async fn answer_from<Request, Response>(
     }
 }
 
-fn reset(twin: &LiveTwin) -> TriggerResponse {
-    let outcome = twin.execute(Command::Reset {
-        source: "service ~/reset".into(),
-    });
+fn reset(twin: &LiveColumns) -> TriggerResponse {
+    let outcome = twin.execute(
+        0,
+        Command::Reset {
+            source: "service ~/reset".into(),
+        },
+    );
     TriggerResponse {
         success: outcome.is_ok(),
         message: match outcome {
@@ -507,10 +508,14 @@ fn reset(twin: &LiveTwin) -> TriggerResponse {
     }
 }
 
-fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactResponse {
-    let parameters = twin.parameters();
+fn predicted(twin: &LiveColumns, request: &PredictImpactRequest) -> PredictImpactResponse {
+    let parameters = twin.parameters(0);
     let settings = parameters.settings();
-    match twin.predict(&request.column_id, &request.vehicle, &request.into()) {
+    match twin
+        .face()
+        .requested(&request.column_id)
+        .and_then(|it| twin.predict(it, &request.vehicle, &request.into()))
+    {
         Ok(prediction) => PredictImpactResponse {
             success: true,
             report: ImpactReport {
@@ -533,10 +538,10 @@ fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactRe
     }
 }
 
-fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, Refusal> {
+fn set_column(twin: &LiveColumns, message: &ColumnParameters) -> Result<Accepted, Refusal> {
     let topic = qos::COLUMN_PARAMETERS.name;
-    let command = column_command(message, twin.column_id());
-    let outcome = twin.execute(command);
+    let command = column_command(message, twin.face().id(0));
+    let outcome = twin.execute(0, command);
     match &outcome {
         Ok(Accepted::Waiting) => tracing::info!(
             "the parameters on {topic} were accepted; they take effect when the response ends"

@@ -2,7 +2,7 @@
 //!
 //! This module implements what ROS users expect and the client library lacks: `--ros-args`, the environment variables,
 //! names and remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin
-//! runs behind [`LiveTwin`] and is independent of ROS.
+//! runs behind [`LiveColumns`] and is independent of ROS.
 //!
 //! Deliberately absent: the `Spinner` of ros2-client (it subscribes to `/clock` with a wrong type, and its parameter
 //! services support neither descriptions nor sets), and all default qualities of service of the libraries.
@@ -16,6 +16,7 @@ mod dds_threads;
 mod diagnostics;
 mod duplicates;
 mod environment;
+mod face;
 mod felt;
 mod fleet;
 mod fleet_view;
@@ -25,7 +26,7 @@ mod guid_prefix;
 mod inputs;
 mod library_log;
 mod lines;
-mod live_twin;
+mod live_columns;
 mod log_limit;
 mod loss_log;
 mod lost_peers;
@@ -62,13 +63,14 @@ pub use client::{
 };
 pub use client_error::ClientError;
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use face::Face;
 pub use felt::follow_sensors;
-pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};
+pub use fleet::{FleetNode, FleetRunOptions, run_fleet};
 pub use fresh_domain::FreshDomain;
 pub use lines::{
     Seen, decision_word, in_unit, range_of, report_line, severities_in_words, severity_word,
 };
-pub use live_twin::{Health, LiveTwin, LiveTwinError};
+pub use live_columns::{Health, LiveColumns, StartError};
 pub use matches::Matches;
 pub use measure::{MeasureOptions, Measured, send_measurements};
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};

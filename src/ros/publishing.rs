@@ -21,9 +21,10 @@ use crate::twin::{
 
 use super::clock_watch::SeldomWarning;
 use super::diagnostics::{NodeCounters, Observed, diagnostics, same_state};
-use super::live_twin::{Health, LiveTwin};
+use super::live_columns::{Health, LiveColumns};
 use super::loss_log::LossLog;
 use super::matches::Matches;
+use super::measurements::SensedColumns;
 use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;
@@ -48,8 +49,9 @@ pub(super) struct Publishing {
     publishers: Publishers,
     recording: Option<Arc<dyn RecordingTap>>,
     outgoing: Outgoing,
-    twin: Arc<LiveTwin>,
+    twin: Arc<LiveColumns>,
     counters: Arc<NodeCounters>,
+    sensed: Option<Arc<SensedColumns>>,
     protection: Arc<Protection>,
     peers: Arc<Peers>,
     node_name: String,
@@ -81,11 +83,12 @@ struct Publishers {
 impl Publishing {
     pub fn new(
         node: &mut Node,
-        twin: Arc<LiveTwin>,
+        twin: Arc<LiveColumns>,
         counters: Arc<NodeCounters>,
+        sensed: Option<Arc<SensedColumns>>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
-        let parameters = twin.parameters();
+        let parameters = twin.parameters(0);
         let of_twin: Result<_, _> = Topic::ALL
             .iter()
             .map(|topic| node.publisher(topic.endpoint()))
@@ -110,6 +113,7 @@ impl Publishing {
             waiting: Vec::new(),
             twin,
             counters,
+            sensed,
             protection: node.protection(),
             peers: node.security_peers(),
             last_diagnostics: None,
@@ -379,6 +383,7 @@ impl Publishing {
                 health: &health,
                 recording: self.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
+                sensors: self.sensed.as_deref(),
                 counters: &self.counters,
             },
         );

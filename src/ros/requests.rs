@@ -13,16 +13,6 @@ impl ros2_client::Message for ConfirmEstimateResponse {}
 impl ros2_client::Message for CalibrateRequest {}
 impl ros2_client::Message for CalibrateResponse {}
 
-/// Checks that a request to a single twin is for its column.
-pub(super) fn check_column(own: &str, wanted: &str) -> Result<(), Refusal> {
-    if wanted.is_empty() || wanted == own {
-        return Ok(());
-    }
-    let reason =
-        format!("the request is for column {wanted:?}, but this is the twin of column {own:?}");
-    Err(Refusal::new(RefusalCode::OtherColumn, reason))
-}
-
 /// Passes a decision about an estimate to a twin.
 pub(super) fn confirm_estimate(
     request: ConfirmEstimateRequest,

@@ -14,8 +14,7 @@ use super::address_space::{TooLittleAddressSpace, check_address_space};
 use super::arguments::RosArguments;
 use super::dds_threads::DdsThreads;
 use super::environment::{DiscoveryRange, Environment};
-use super::fleet::FleetTwinError;
-use super::live_twin::{LiveTwin, LiveTwinError};
+use super::live_columns::{LiveColumns, StartError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
 use super::rosout::start_logging;
@@ -60,12 +59,9 @@ pub enum RunError {
     /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// The twin cannot be started.
-    #[error("the twin cannot start: {0}")]
-    Twin(#[from] LiveTwinError),
-    /// The fleet cannot be started.
-    #[error("the fleet cannot start: {0}")]
-    Fleet(#[source] FleetTwinError),
+    /// The twin or the fleet cannot be started.
+    #[error("the {0} cannot start: {1}")]
+    Start(&'static str, #[source] StartError),
     /// The recording cannot be started.
     #[error("the recording cannot start: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),
@@ -102,7 +98,8 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     }
     let dds_threads = DdsThreads::stop_on_panic();
     let recording = RunRecording::start(&parameters, &names)?;
-    let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default())?;
+    let (twin, outputs) = LiveColumns::start_one(parameters, LiveOptions::default())
+        .map_err(|error| RunError::Start("twin", error))?;
     let node = TwinNode::start(
         environment,
         names,

@@ -72,7 +72,8 @@ struct Watched {
 }
 
 impl SensorWatch {
-    pub fn new(sensors: usize, started: Nanos) -> Self {
+    /// `of` names the column of a fleet in a line about a sensor, and is empty for a single twin; the columns share a log.
+    pub fn new(sensors: usize, started: Nanos, of: String, log: Arc<SensorLog>) -> Self {
         let watched = Watched {
             condition: SensorCondition::Waiting,
             counts: SensorCounts::default(),
@@ -86,17 +87,8 @@ impl SensorWatch {
             sensors: vec![watched; sensors],
             lost_by_queue: 0,
             unknown: 0,
-            of: String::new(),
-            log: Arc::default(),
-        }
-    }
-
-    /// The sensors of this column of a fleet, whose columns share a log.
-    pub fn of_column(self, column_id: &str, log: Arc<SensorLog>) -> Self {
-        Self {
-            of: format!(" of column {column_id:?}"),
+            of,
             log,
-            ..self
         }
     }
 
@@ -328,6 +320,10 @@ fn value(health: &SensorHealth) -> (String, String) {
 mod tests {
     use super::*;
 
+    fn watch(sensors: usize) -> SensorWatch {
+        SensorWatch::new(sensors, 0, String::new(), Arc::default())
+    }
+
     fn health(condition: SensorCondition, counts: SensorCounts) -> SensorHealth {
         SensorHealth {
             name: "laser".into(),
@@ -341,7 +337,7 @@ mod tests {
 
     #[test]
     fn faults_are_warnings_as_long_as_they_last() {
-        let mut watch = SensorWatch::new(1, 0);
+        let mut watch = watch(1);
         let mut status = |condition, counts, now| {
             let sensors = [health(condition, counts)];
             let status = watch.status(&sensors, &Strays::default(), 0, now);
@@ -386,7 +382,7 @@ mod tests {
 
     #[test]
     fn strays_and_counts_are_shown() {
-        let mut watch = SensorWatch::new(1, 0);
+        let mut watch = watch(1);
         let strays = Strays {
             other_column: 7,
             unknown_sensor: 3,

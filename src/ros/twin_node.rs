@@ -25,9 +25,9 @@ use super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
 use super::diagnostics::NodeCounters;
 use super::environment::Environment;
 use super::inputs::{Services, Subscriptions};
-use super::live_twin::LiveTwin;
+use super::live_columns::LiveColumns;
 use super::matches::Matches;
-use super::measurements::SensorInputs;
+use super::measurements::SensedColumns;
 use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
@@ -41,7 +41,7 @@ use super::task::Task;
 pub struct TwinNode {
     // In the order in which they are stopped.
     inputs: Vec<Task>,
-    twin: Arc<LiveTwin>,
+    twin: Arc<LiveColumns>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
     waker: Waker,
@@ -57,21 +57,20 @@ impl TwinNode {
     pub fn start(
         environment: &Environment,
         names: Names,
-        twin: Arc<LiveTwin>,
+        twin: Arc<LiveColumns>,
         outputs: impl OutputSource,
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
-        let is_simulated = twin.parameters().settings().use_sim_time;
-        let parameters = twin.parameters();
+        let is_simulated = twin.parameters(0).settings().use_sim_time;
+        let parameters = twin.parameters(0);
         let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
         let senders = Senders::new(&parameters.settings().senders, identities);
         senders.warn_of_enclaves();
         let senders = Arc::new(senders);
-        let sensors = SensorInputs::new(&twin, &parameters, recording.clone());
+        let sensed = SensedColumns::new(&twin, recording.as_ref());
         let counters = Arc::new(NodeCounters {
-            sensors: sensors.clone(),
             lost_peers: node.matches().lost_peers(),
             given_up: node.matches().given_up(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
@@ -86,24 +85,25 @@ impl TwinNode {
             &mut node,
             Arc::clone(&twin),
             Arc::clone(&counters),
+            sensed.clone(),
             recording.clone(),
         )?;
         let subscriptions = Subscriptions::new(
             &mut node,
-            &twin.parameters(),
+            &twin.parameters(0),
             Arc::clone(&senders),
-            sensors,
+            sensed,
             recording.clone(),
         )?;
-        let services = Services::new(&mut node, &twin.parameters(), senders, recording)?;
+        let services = Services::new(&mut node, &twin.parameters(0), senders, recording)?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
-        let real_time = RealTime::of(&twin.parameters());
+        let real_time = RealTime::of(&twin.parameters(0));
         let publisher = spawn(PUBLISHING_THREAD, move || {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
-        let events = node.twin_events(&twin.parameters().settings().column_id)?;
+        let events = node.twin_events(&twin.parameters(0).settings().column_id)?;
         let matches = Arc::clone(&counters);
         let (event_twin, service_twin) = (Arc::clone(&twin), Arc::clone(&twin));
         let inputs = vec![

@@ -20,7 +20,7 @@ use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
 use column_twin::ros::qos::{Endpoint, Qos};
-use column_twin::ros::{FleetNode, FleetTwin, Names, Node, qos};
+use column_twin::ros::{FleetNode, LiveColumns, Names, Node, qos};
 use column_twin::twin::Command;
 use ros2_client::Publisher;
 use serde::de::DeserializeOwned;
@@ -51,7 +51,7 @@ fn parameters(column_id: &str, more: &[(&str, Value)]) -> Parameters {
 /// A fleet whose node is recorded, and a peer that hits its columns.
 struct RecordedFleet {
     node: FleetNode,
-    fleet: Arc<FleetTwin>,
+    fleet: Arc<LiveColumns>,
     recording: Arc<NodeRecording>,
     events: Publisher<ImpactEvent>,
     parameters: Publisher<ColumnParameters>,
@@ -94,7 +94,7 @@ impl RecordedFleet {
             |options| options,
         );
         let recording = recording.expect("starts").expect("is asked for");
-        let (fleet, outputs) = FleetTwin::start(&columns).expect("starts");
+        let (fleet, outputs) = LiveColumns::start_fleet(&columns).expect("starts");
         let tap: Arc<dyn RecordingTap> = Arc::clone(&recording) as _;
         let node = FleetNode::start(
             &domain.environment,

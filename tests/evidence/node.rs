@@ -17,7 +17,7 @@ use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, ImpactRequest, LiveTwin, Names, Raw, TwinNode, send_impact,
+    ImpactOptions, ImpactOutcome, ImpactRequest, LiveColumns, Names, Raw, TwinNode, send_impact,
 };
 use column_twin::twin::{Command as TwinCommand, Journal};
 use tempfile::TempDir;
@@ -95,7 +95,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
         real_time: RealTime::none(),
         ..LiveOptions::default()
     };
-    let (twin, outputs) = LiveTwin::start(parameters, options).unwrap();
+    let (twin, outputs) = LiveColumns::start_one(parameters, options).unwrap();
     let node = TwinNode::start(
         &domain.environment,
         names,
@@ -125,7 +125,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
             changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
             source: "test".into(),
         };
-        twin.execute(load).unwrap();
+        twin.execute(0, load).unwrap();
         let refused = impact(&domain, id, velocity);
         assert!(
             matches!(refused, Ok(ImpactOutcome::Refused(_))),
@@ -135,7 +135,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
     let reset = TwinCommand::Reset {
         source: "test".into(),
     };
-    twin.execute(reset).unwrap();
+    twin.execute(0, reset).unwrap();
     node.stop();
     let statistics = recording.stop().unwrap();
     assert_eq!((statistics.lost, statistics.write_errors), (0, 0));

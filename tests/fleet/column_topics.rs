@@ -11,7 +11,7 @@ use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::visualization_msgs::MarkerArray;
 use column_twin::outgoing::Topic;
-use column_twin::ros::{FleetNode, FleetTwin, Names, qos};
+use column_twin::ros::{FleetNode, LiveColumns, Names, qos};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
 use rustdds::{
@@ -27,7 +27,7 @@ const LINGER: Duration = Duration::from_millis(100);
 
 /// A fleet whose columns keep topics of their own for [`LINGER`].
 pub fn start(domain: &Domain, columns: usize) -> Running {
-    let (fleet, outputs) = FleetTwin::start(&fleet(columns)).expect("starts");
+    let (fleet, outputs) = LiveColumns::start_fleet(&fleet(columns)).expect("starts");
     let node = FleetNode::start_with(
         &domain.environment,
         Names::new("/", "column_twin", &[]).expect("valid"),

@@ -15,7 +15,7 @@ use column_twin::messages::column_twin::{
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumns, FleetSources, NodeName};
 use column_twin::ros::{
-    FleetNode, FleetTwin, ImpactOptions, ImpactOutcome, ImpactRequest, Names, RowImpactOptions,
+    FleetNode, ImpactOptions, ImpactOutcome, ImpactRequest, LiveColumns, Names, RowImpactOptions,
     qos, send_impact, send_row_impact,
 };
 
@@ -51,12 +51,12 @@ pub fn fleet(columns: usize) -> FleetColumns {
 
 pub struct Running {
     pub node: FleetNode,
-    pub fleet: Arc<FleetTwin>,
+    pub fleet: Arc<LiveColumns>,
 }
 
 impl Running {
     pub fn start(domain: &Domain, columns: usize) -> Self {
-        let (fleet, outputs) = FleetTwin::start(&self::fleet(columns)).expect("starts");
+        let (fleet, outputs) = LiveColumns::start_fleet(&self::fleet(columns)).expect("starts");
         let names = Names::new("/", "column_twin", &[]).expect("valid");
         let node = FleetNode::start(
             &domain.environment,

@@ -18,11 +18,11 @@ use crate::live::{Notifier, Waker};
 use crate::outgoing::Topic;
 
 use super::super::dds_threads::TOPICS_THREAD;
+use super::super::live_columns::LiveColumns;
 use super::super::matches::Discovered;
 use super::super::node::{Node, NodeError, Siblings};
 use super::super::raw::Raw;
 use super::super::twin_node::spawn;
-use super::live_fleet::FleetTwin;
 
 /// The name of the node to which the topics of a column belong, in the namespace of the column. It has no services, so it is not
 /// that of the node of a single twin.
@@ -89,13 +89,13 @@ impl ColumnTopics {
     /// The thread cannot be started.
     pub fn start(
         node: &Node,
-        fleet: &FleetTwin,
+        fleet: &LiveColumns,
         linger: Option<Duration>,
         waker: Waker,
         counts: Arc<TopicCounts>,
     ) -> Result<(Self, Receiver<ColumnChange>), NodeError> {
         let own = node.names().namespace();
-        let names = (0..).zip(fleet.column_names());
+        let names = (0..).zip(fleet.face().names());
         // A column in the namespace of the node would have the topics that all columns share.
         let others = names.filter(|(_, name)| &***name != own);
         let endpoints = Topic::COUNT as u32;
@@ -113,7 +113,7 @@ impl ColumnTopics {
         let creator = Creator {
             shared: Arc::clone(&shared),
             siblings: node.siblings(),
-            names: fleet.column_names().to_vec(),
+            names: fleet.face().names().to_vec(),
             nodes: HashMap::new(),
             changes: sender,
             waker,

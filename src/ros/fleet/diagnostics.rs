@@ -13,7 +13,7 @@ use super::super::diagnostics::{
     security_status, senders_status, solver_status,
 };
 use super::super::lines::severity_word;
-use super::super::live_twin::Health;
+use super::super::live_columns::Health;
 use super::super::security::SecurityHealth;
 use super::column_topics::TopicCounts;
 use super::sensors::FleetSensors;

@@ -25,17 +25,16 @@ use super::super::diagnostics::NodeCounters;
 use super::super::inputs::{
     MAX_NAMED_CHARS, ParameterServers, answer, answer_from, each, follow_clock, record, tell,
 };
+use super::super::live_columns::LiveColumns;
 use super::super::measurements::{MeasurementSubscriptions, SensedColumns};
 use super::super::node::{Node, NodeError};
-use super::super::parameter_services::{set_rejected, set_rejected_atomically};
+use super::super::parameter_services as parameters;
 use super::super::qos;
 use super::super::requests;
 use super::super::senders::Senders;
 use super::super::type_descriptions::{
     self, GetTypeDescriptionRequest, GetTypeDescriptionResponse,
 };
-use super::live_fleet::FleetTwin;
-use super::parameter_services as parameters;
 use super::rejected::not_taken;
 use super::rows::RowImpacts;
 
@@ -61,7 +60,7 @@ impl FleetSubscriptions {
     ) -> Result<Self, NodeError> {
         let measurements = sensed.map(|sensed| {
             let (senders, recording) = (Arc::clone(&senders), recording.clone());
-            MeasurementSubscriptions::of_fleet(node, sensed, senders, recording)
+            MeasurementSubscriptions::new(node, sensed, senders, recording)
         });
         Ok(Self {
             measurements: measurements.transpose()?,
@@ -75,13 +74,13 @@ impl FleetSubscriptions {
     }
 
     /// Handles messages until the task is stopped.
-    pub async fn run(self, fleet: Arc<FleetTwin>, counters: Arc<NodeCounters>) {
+    pub async fn run(self, fleet: Arc<LiveColumns>, counters: Arc<NodeCounters>) {
         let events = each(
             &self.events,
             &qos::IMPACT_EVENT,
             &counters,
             |event: ImpactEvent, info| {
-                let Some(column) = fleet.index_of(&event.column_id) else {
+                let Some(column) = fleet.face().index_of(&event.column_id) else {
                     return ignore(&counters, &qos::IMPACT_EVENT, &event.column_id);
                 };
                 if let Err(rejected) = self.senders.admit(info.publisher_gid(), Instant::now()) {
@@ -182,7 +181,7 @@ impl FleetServices {
     }
 
     /// Answers requests until the task is stopped.
-    pub async fn run(self, fleet: Arc<FleetTwin>, counters: Arc<NodeCounters>) {
+    pub async fn run(self, fleet: Arc<LiveColumns>, counters: Arc<NodeCounters>) {
         let (fleet, counters) = (&*fleet, &*counters);
         let descriptions = self.descriptions;
         let ParameterServers {
@@ -203,7 +202,7 @@ impl FleetServices {
         let admit = |gid: Gid, column_id: &str, endpoint: &Endpoint, what: &str| {
             let admitted = self.senders.admit(gid, Instant::now());
             admitted.map_err(|rejected| {
-                let column_id = fleet.index_of(column_id).map(|_| column_id);
+                let column_id = fleet.face().index_of(column_id).map(|_| column_id);
                 tell(&recording, column_id, endpoint, what, &rejected);
                 rejected.refusal
             })
@@ -216,7 +215,7 @@ impl FleetServices {
                 |message: RowImpactEvent, info| {
                     // Columns that are elsewhere are those of another fleet on this topic.
                     let ids = &message.column_ids;
-                    if !ids.is_empty() && ids.iter().all(|it| fleet.index_of(it).is_none()) {
+                    if !ids.is_empty() && ids.iter().all(|it| fleet.face().index_of(it).is_none()) {
                         return ignore(counters, &qos::ROW_IMPACT_EVENT, &ids[0]);
                     }
                     let id = message.event_id.chars().take(MAX_NAMED_CHARS);
@@ -241,7 +240,7 @@ impl FleetServices {
                 &qos::COLUMN_PARAMETERS,
                 counters,
                 |message: ColumnParameters, info| {
-                    let Some(column) = fleet.index_of(&message.column_id) else {
+                    let Some(column) = fleet.face().index_of(&message.column_id) else {
                         return ignore(counters, &qos::COLUMN_PARAMETERS, &message.column_id);
                     };
                     let (sender, column_id) = (info.publisher_gid(), message.column_id.as_str());
@@ -318,7 +317,7 @@ impl FleetServices {
             answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
                 match admit(sender, "", &qos::SET_PARAMETERS, "a request") {
                     Ok(()) => parameters::set(fleet, &request),
-                    Err(refusal) => set_rejected(&request, &refusal),
+                    Err(refusal) => parameters::set_rejected(&request, &refusal),
                 }
             }),
             answer_from(
@@ -328,7 +327,7 @@ impl FleetServices {
                 |sender, request| {
                     match admit(sender, "", &qos::SET_PARAMETERS_ATOMICALLY, "a request") {
                         Ok(()) => parameters::set_atomically(fleet, request),
-                        Err(refusal) => set_rejected_atomically(&refusal),
+                        Err(refusal) => parameters::set_rejected_atomically(&refusal),
                     }
                 }
             ),
@@ -338,11 +337,11 @@ impl FleetServices {
 }
 
 /// The column of a request, which somebody waits for: one that is elsewhere is rejected.
-fn known(fleet: &FleetTwin, column_id: &str) -> Result<u32, Refusal> {
-    fleet.index_of(column_id).ok_or_else(|| {
+fn known(fleet: &LiveColumns, column_id: &str) -> Result<u32, Refusal> {
+    fleet.face().index_of(column_id).ok_or_else(|| {
         let reason = format!(
             "column {column_id:?} is not in this fleet of {} columns; give the column_id of one of them, see fleet_status",
-            fleet.column_ids().len()
+            fleet.face().ids().len()
         );
         Refusal::new(RefusalCode::OtherColumn, reason)
     })
@@ -363,7 +362,7 @@ fn reset(outcome: Result<(), Refusal>) -> ResetColumnResponse {
     }
 }
 
-fn predicted(fleet: &FleetTwin, request: &PredictImpactRequest) -> PredictImpactResponse {
+fn predicted(fleet: &LiveColumns, request: &PredictImpactRequest) -> PredictImpactResponse {
     let prediction = known(fleet, &request.column_id).and_then(|column| {
         let prediction = fleet.predict(column, &request.vehicle, &request.into())?;
         Ok((prediction, fleet.parameters(column)))
@@ -392,7 +391,7 @@ fn predicted(fleet: &FleetTwin, request: &PredictImpactRequest) -> PredictImpact
 }
 
 fn set_column(
-    fleet: &FleetTwin,
+    fleet: &LiveColumns,
     column: u32,
     message: &ColumnParameters,
 ) -> Result<Accepted, Refusal> {

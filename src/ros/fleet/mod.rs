@@ -7,15 +7,12 @@
 mod column_topics;
 mod diagnostics;
 mod inputs;
-mod live_fleet;
 mod node;
-mod parameter_services;
 mod publishing;
 mod rejected;
 mod rows;
 mod run;
 mod sensors;
 
-pub use live_fleet::{FleetTwin, FleetTwinError};
 pub use node::FleetNode;
 pub use run::{FleetRunOptions, run_fleet};

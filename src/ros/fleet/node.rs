@@ -13,18 +13,17 @@ use super::super::clock_watch::ClockWatch;
 use super::super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
 use super::super::diagnostics::NodeCounters;
 use super::super::environment::Environment;
+use super::super::live_columns::LiveColumns;
 use super::super::matches::Matches;
-use super::super::measurements::{SensedColumns, SensorInputs};
+use super::super::measurements::SensedColumns;
 use super::super::names::Names;
 use super::super::node::{Node, NodeError};
 use super::super::rosout::{LogEnd, RosoutQueue};
 use super::super::senders::{Identities, Senders};
-use super::super::sensor_watch::SensorLog;
 use super::super::task::Task;
 use super::super::twin_node::{publish_log, spawn, stop_publishing_threads};
 use super::column_topics::{ColumnTopics, TopicCounts};
 use super::inputs::{FleetServices, FleetSubscriptions};
-use super::live_fleet::FleetTwin;
 use super::publishing::FleetPublishing;
 use super::rows::RowImpacts;
 
@@ -33,7 +32,7 @@ pub struct FleetNode {
     // In the order in which they are stopped.
     inputs: Vec<Task>,
     column_topics: ColumnTopics,
-    fleet: Arc<FleetTwin>,
+    fleet: Arc<LiveColumns>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
     waker: Waker,
@@ -49,7 +48,7 @@ impl FleetNode {
     pub fn start(
         environment: &Environment,
         names: Names,
-        fleet: Arc<FleetTwin>,
+        fleet: Arc<LiveColumns>,
         outputs: Receiver,
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
@@ -65,7 +64,7 @@ impl FleetNode {
     pub fn start_with(
         environment: &Environment,
         names: Names,
-        fleet: Arc<FleetTwin>,
+        fleet: Arc<LiveColumns>,
         outputs: Receiver,
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
@@ -99,7 +98,7 @@ impl FleetNode {
             outputs.waker(),
             Arc::clone(&topic_counts),
         )?;
-        let sensed = sensed_columns(&fleet, recording.as_ref());
+        let sensed = SensedColumns::new(&fleet, recording.as_ref());
         let publishing = FleetPublishing::new(
             &mut node,
             Arc::clone(&fleet),
@@ -171,23 +170,4 @@ impl FleetNode {
         // All threads have ended, and with them all endpoints.
         drop(self.node);
     }
-}
-
-/// The columns with sensors; `None` if there is none.
-fn sensed_columns(
-    fleet: &FleetTwin,
-    recording: Option<&Arc<dyn RecordingTap>>,
-) -> Option<Arc<SensedColumns>> {
-    let measurements = fleet.measurements()?;
-    let (log, now) = (Arc::<SensorLog>::default(), fleet.now());
-    let columns = (0..).zip(fleet.column_ids()).filter_map(|(column, _)| {
-        let parameters = fleet.initial_parameters(column);
-        let has_sensors = !parameters.settings().sensors.names.is_empty();
-        let inputs = || {
-            let queue = (measurements, column);
-            SensorInputs::of_fleet(queue, &parameters, now, &log, recording.cloned())
-        };
-        has_sensors.then(|| Arc::new(inputs()))
-    });
-    Some(Arc::new(SensedColumns::of_fleet(columns.collect())))
 }

@@ -24,7 +24,8 @@ use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, Status, Tw
 
 use super::super::clock_watch::SeldomWarning;
 use super::super::diagnostics::NodeCounters;
-use super::super::live_twin::Health;
+use super::super::live_columns::Health;
+use super::super::live_columns::LiveColumns;
 use super::super::loss_log::LossLog;
 use super::super::matches::Matches;
 use super::super::measurements::SensedColumns;
@@ -35,7 +36,6 @@ use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
 use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
-use super::live_fleet::FleetTwin;
 use super::rows::RowImpacts;
 use super::sensors::{FleetSensors, SensorCount};
 
@@ -87,7 +87,7 @@ pub(super) struct FleetPublishing {
     changed_parameters: HashMap<u32, Arc<Parameters>>,
     recording: Option<Arc<dyn RecordingTap>>,
     matches: Arc<Matches>,
-    fleet: Arc<FleetTwin>,
+    fleet: Arc<LiveColumns>,
     /// Vehicles that hit several columns: the forecasts tell what comes next.
     rows: Arc<RowImpacts>,
     counters: Arc<NodeCounters>,
@@ -120,14 +120,14 @@ pub(super) struct FleetPublishing {
 impl FleetPublishing {
     pub fn new(
         node: &mut Node,
-        fleet: Arc<FleetTwin>,
+        fleet: Arc<LiveColumns>,
         counters: Arc<NodeCounters>,
         rows: Arc<RowImpacts>,
         sensed: Option<Arc<SensedColumns>>,
         recording: Option<Arc<dyn RecordingTap>>,
         (column_changes, topic_counts): (mpsc::Receiver<ColumnChange>, Arc<TopicCounts>),
     ) -> Result<Self, NodeError> {
-        let columns = fleet.column_ids().len();
+        let columns = fleet.face().ids().len();
         // First, so that others know that it is a fleet when they know of its other topics.
         let fleet_status = node.publisher(&qos::FLEET_STATUS)?;
         let mut of_columns = Vec::new();
@@ -143,7 +143,7 @@ impl FleetPublishing {
             changed_parameters: HashMap::new(),
             recording,
             matches: node.matches(),
-            board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
+            board: StatusBoard::new(fleet.face().ids().iter().map(ToString::to_string)),
             fleet,
             rows,
             counters,
@@ -263,7 +263,7 @@ impl FleetPublishing {
             && !self.publish_raw(writer, raw.clone())
         {
             NodeCounters::count(&self.counters.unpublished);
-            let name = &self.fleet.column_names()[column as usize];
+            let name = &self.fleet.face().names()[column as usize];
             tracing::debug!(
                 "a message on {name}/{} was not published",
                 topic.endpoint().name
@@ -388,7 +388,7 @@ impl FleetPublishing {
     fn parameters_changed(&mut self, column: u32, now: &Arc<Parameters>) {
         let before = match self.changed_parameters.insert(column, Arc::clone(now)) {
             Some(before) => before,
-            None => self.fleet.initial_parameters(column),
+            None => Arc::clone(self.fleet.initial_parameters(column)),
         };
         let node = self.fully_qualified.clone();
         let stamp = self.fleet.now();
@@ -424,7 +424,7 @@ impl FleetPublishing {
     }
 
     fn column_id(&self, column: u32) -> &str {
-        let ids = self.fleet.column_ids();
+        let ids = self.fleet.face().ids();
         ids.get(column as usize).map_or("", |it| it)
     }
 
@@ -531,7 +531,9 @@ impl FleetPublishing {
         let topic = message.topic();
         let publisher = self.of_columns.iter().find(|(it, _)| *it == topic);
         let raw = encoded(message);
-        let column = message.column_id().and_then(|it| self.fleet.index_of(it));
+        let column = message
+            .column_id()
+            .and_then(|it| self.fleet.face().index_of(it));
         if let (Some(column), Some(raw)) = (column, &raw) {
             self.copy(column, topic, raw);
         }

@@ -14,8 +14,8 @@ use crate::time::Nanos;
 use crate::twin::{Command, Output, Striking};
 
 use super::super::inputs::record;
+use super::super::live_columns::LiveColumns;
 use super::super::qos;
-use super::live_fleet::FleetTwin;
 use super::rejected::not_taken;
 
 /// Most reasons that a rejection lists.
@@ -44,7 +44,7 @@ impl RowImpacts {
     ///
     /// # Errors
     /// All reasons for which the event is rejected.
-    pub fn take_event(&self, message: RowImpactEvent, fleet: &FleetTwin) -> Result<(), String> {
+    pub fn take_event(&self, message: RowImpactEvent, fleet: &LiveColumns) -> Result<(), String> {
         let taken = self.take_whole(message.clone(), fleet);
         if let Err(reasons) = &taken {
             self.rows().reject(&message, reasons);
@@ -52,16 +52,16 @@ impl RowImpacts {
         taken
     }
 
-    fn take_whole(&self, message: RowImpactEvent, fleet: &FleetTwin) -> Result<(), String> {
+    fn take_whole(&self, message: RowImpactEvent, fleet: &LiveColumns) -> Result<(), String> {
         let row = RowImpact::new(message).map_err(listed)?;
         let mut faults = Vec::new();
         let mut striking = Vec::new();
         for event in row.described() {
-            let Some(column) = fleet.index_of(&event.column_id) else {
+            let Some(column) = fleet.face().index_of(&event.column_id) else {
                 faults.push(format!(
                     "column {:?} is not in this fleet of {} columns; a row has columns of one fleet",
                     event.column_id,
-                    fleet.column_ids().len()
+                    fleet.face().ids().len()
                 ));
                 continue;
             };
@@ -86,7 +86,7 @@ impl RowImpacts {
     }
 
     /// Submits the impacts that are due.
-    pub fn submit_due(&self, fleet: &FleetTwin) {
+    pub fn submit_due(&self, fleet: &LiveColumns) {
         let mut rows = self.rows();
         if rows.is_empty() {
             return;
@@ -94,7 +94,7 @@ impl RowImpacts {
         let now = fleet.now();
         rows.give_up(now);
         for event in rows.due(now, |column| max_ahead(fleet, column)) {
-            let Some(column) = fleet.index_of(&event.column_id) else {
+            let Some(column) = fleet.face().index_of(&event.column_id) else {
                 continue;
             };
             record(
@@ -128,7 +128,7 @@ impl RowImpacts {
     }
 
     /// How long nothing is to be done, at most `longest`.
-    pub fn rest(&self, fleet: &FleetTwin, longest: Duration) -> Duration {
+    pub fn rest(&self, fleet: &LiveColumns, longest: Duration) -> Duration {
         let rows = self.rows();
         let Some(next) = rows.next_stamp() else {
             return longest;
@@ -155,8 +155,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(50);
 type ParametersOf = Arc<Parameters>;
 
 /// How far ahead of the clock a column accepts stamps \[ns\].
-fn max_ahead(fleet: &FleetTwin, column_id: &str) -> Nanos {
-    let column = fleet.index_of(column_id);
+fn max_ahead(fleet: &LiveColumns, column_id: &str) -> Nanos {
+    let column = fleet.face().index_of(column_id);
     let seconds = column.map_or(0.0, |it| fleet.parameters(it).settings().event.max_ahead);
     (1e9 * seconds) as Nanos
 }

@@ -12,12 +12,12 @@ use super::super::address_space::check_address_space;
 use super::super::arguments::RosArguments;
 use super::super::dds_threads::DdsThreads;
 use super::super::environment::{DiscoveryRange, Environment};
+use super::super::live_columns::{LiveColumns, StartError};
 use super::super::names::Names;
 use super::super::rosout::start_logging;
 use super::super::run::{RunEnd, RunError, RunRecording};
 use super::super::security::protection;
 use super::super::signals::StopSignals;
-use super::live_fleet::{FleetTwin, FleetTwinError};
 use super::node::FleetNode;
 
 /// Files that a fleet may have open: those of the shared endpoints and of all columns that may have topics of their own.
@@ -69,9 +69,9 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
     check_address_space()?;
     let dds_threads = DdsThreads::stop_on_panic();
     let recording = RunRecording::start_of_fleet(&columns, &names)?;
-    let (fleet, outputs) = FleetTwin::start(&columns).map_err(|error| match error {
-        FleetTwinError::Parameters(faults) => RunError::Parameters(faults),
-        error => RunError::Fleet(error),
+    let (fleet, outputs) = LiveColumns::start_fleet(&columns).map_err(|error| match error {
+        StartError::Parameters(faults) => RunError::Parameters(faults),
+        error => RunError::Start("fleet", error),
     })?;
     let count = columns.columns.len();
     drop(columns);
