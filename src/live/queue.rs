@@ -222,6 +222,11 @@ pub trait OutputSource: Send + 'static {
     /// Waits at most `timeout` for the next output, or until it is [woken](Waker::wake).
     fn receive(&mut self, timeout: Duration) -> Option<Output>;
 
+    /// The same with the index of the column that it is about; 0 for a single twin.
+    fn receive_of(&mut self, timeout: Duration) -> Option<(u32, Output)> {
+        self.receive(timeout).map(|output| (0, output))
+    }
+
     /// Ends a wait before its time.
     fn waker(&self) -> Waker {
         Waker::default()
@@ -243,9 +248,13 @@ impl Waker {
 
 impl OutputSource for Receiver {
     fn receive(&mut self, timeout: Duration) -> Option<Output> {
+        self.receive_of(timeout).map(|(_, output)| output)
+    }
+
+    fn receive_of(&mut self, timeout: Duration) -> Option<(u32, Output)> {
         let deadline = Instant::now() + timeout;
         loop {
-            if let Some(output) = self.try_next() {
+            if let Some(output) = self.try_next_of() {
                 return Some(output);
             }
             let rest = deadline.saturating_duration_since(Instant::now());

@@ -1,10 +1,8 @@
 //! `/diagnostics`: the twin, its solver, its queues, its recording, its sensors and the node, for people and aggregators.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::incoming::nanos;
 use crate::live::QueueStats;
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
@@ -12,94 +10,65 @@ use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
 use super::clock_watch::ClockWatch;
-use super::given_up::GivenUp;
+use super::counters::NodeCounters;
 use super::lines::severity_word;
 use super::live_columns::Health;
-use super::lost_peers::LostPeers;
-use super::measurements::SensedColumns;
 use super::security::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
 use crate::messages::words::range_in_words;
 
-/// Losses of the node itself since the start.
-#[derive(Debug, Default)]
-pub(super) struct NodeCounters {
-    /// Unreadable messages and requests.
-    pub unreadable: AtomicU64,
-    /// Events and sets of parameters that arrived faster than they could be taken, or were sent while the network was interrupted.
-    pub missed: AtomicU64,
-    /// Messages that could not be written, or not in time for a slow reader.
-    pub unpublished: AtomicU64,
-    /// Messages for columns that are not in this fleet.
-    pub ignored: AtomicU64,
-    /// Events of vehicles that hit several columns, which were rejected.
-    pub rejected_rows: AtomicU64,
-    /// Log messages dropped because their queue was full.
-    pub unlogged: AtomicU64,
-    /// Peers that fell silent, and what was published meanwhile.
-    pub lost_peers: Arc<LostPeers>,
-    /// Messages that were given up because they are too long.
-    pub given_up: Arc<GivenUp>,
-    /// The simulated clock; `None` with the system's.
-    pub clock: Option<ClockWatch>,
-    /// The senders, if the parameters limit them.
-    pub senders: Option<Arc<Senders>>,
-}
-
-impl NodeCounters {
-    /// Messages and requests of senders that are not allowed, or too fast.
-    pub fn rejected_senders(&self) -> u64 {
-        let senders = self.senders.as_ref();
-        senders.map_or(0, |it| it.not_allowed() + it.too_fast())
-    }
-
-    pub fn count(counter: &AtomicU64) {
-        counter.fetch_add(1, Ordering::Relaxed);
-    }
-}
-
 /// What the statuses of a node are made of.
 pub(super) struct Observed<'a> {
-    pub twin: &'a TwinStatus,
-    /// Parameters that wait for the end of the response.
-    pub waiting: &'a [String],
+    /// The twin or the fleet.
+    pub first: DiagnosticStatus,
+    /// What the node is about.
+    pub hardware_id: &'a str,
     pub health: &'a Health,
+    /// The topics of the single columns of a fleet.
+    pub topics: Option<DiagnosticStatus>,
     /// `None` without a recording.
     pub recording: Option<&'a RecordingHealth>,
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
     /// `None` without sensors.
-    pub sensors: Option<&'a SensedColumns>,
+    pub sensors: Option<DiagnosticStatus>,
+    /// The columns of a fleet that need somebody.
+    pub of_columns: Vec<DiagnosticStatus>,
     pub counters: &'a NodeCounters,
 }
 
 /// All statuses of a node.
 pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) -> DiagnosticArray {
     let Observed {
-        twin,
-        waiting,
+        first,
+        hardware_id,
         health,
+        topics,
         recording,
         security,
         sensors,
+        of_columns,
         counters,
     } = observed;
     let mut status = vec![
-        twin_status(twin, waiting),
+        first,
         solver_status(health),
         queue_status(&health.queues),
         node_status(counters),
     ];
+    status.extend(topics);
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
-    let sensors = sensors.and_then(|it| it.columns().first());
-    status.extend(sensors.map(|it| sensors_status(it.status(nanos(header.stamp)))));
+    status.extend(sensors);
+    for one in &mut status {
+        hardware_id.clone_into(&mut one.hardware_id);
+    }
+    status.extend(of_columns);
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
-        one.hardware_id.clone_from(&twin.column_id);
     }
     DiagnosticArray { header, status }
 }
@@ -113,7 +82,8 @@ pub(super) fn same_state(one: &DiagnosticArray, other: &DiagnosticArray) -> bool
     state(one) == state(other)
 }
 
-fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
+/// The status of a single twin; `waiting` are the parameters that wait for the end of the response.
+pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
     let (level, message) = match twin.phase {
         TwinStatus::FAULTED => (DiagnosticStatus::ERROR, format!("faulted: {}", twin.fault)),
         TwinStatus::COLLAPSED => (
@@ -200,7 +170,7 @@ fn severity_level(twin: &TwinStatus) -> u8 {
     }
 }
 
-pub(super) fn solver_status(health: &Health) -> DiagnosticStatus {
+fn solver_status(health: &Health) -> DiagnosticStatus {
     let (level, message) = match (health.overruns, health.hints.first()) {
         _ if health.has_panicked => (
             DiagnosticStatus::ERROR,
@@ -233,7 +203,7 @@ pub(super) fn solver_status(health: &Health) -> DiagnosticStatus {
     entry("solver", level, message, values)
 }
 
-pub(super) fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
+fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
     let losing: Vec<_> = queues
         .iter()
         .filter(|it| it.dropped > 0)
@@ -267,7 +237,7 @@ fn queue_entry(queue: &QueueStats) -> (String, String) {
 }
 
 /// A recording is evidence, so every loss is an error.
-pub(super) fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
+fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     let lost = recording.lost;
     let (level, message) = match (&recording.problem, lost) {
         (Some(problem), _) => (
@@ -288,7 +258,7 @@ pub(super) fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus 
     entry("recording", level, message, values)
 }
 
-pub(super) fn security_status(security: SecurityHealth) -> DiagnosticStatus {
+fn security_status(security: SecurityHealth) -> DiagnosticStatus {
     entry(
         "security",
         security.level,
@@ -297,7 +267,7 @@ pub(super) fn security_status(security: SecurityHealth) -> DiagnosticStatus {
     )
 }
 
-pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
+fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
     let peers = &counters.lost_peers;
     let losses = [
@@ -325,7 +295,7 @@ pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     entry("ros", level, message.to_owned(), values)
 }
 
-pub(super) fn senders_status(senders: &Senders) -> DiagnosticStatus {
+fn senders_status(senders: &Senders) -> DiagnosticStatus {
     let counts = [senders.not_allowed(), senders.too_fast()];
     let (level, message) = match counts {
         [0, 0] => (DiagnosticStatus::OK, "none rejected"),
@@ -344,7 +314,8 @@ pub(super) fn senders_status(senders: &Senders) -> DiagnosticStatus {
     entry("senders", level, message.to_owned(), values)
 }
 
-fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
+/// The status of the sensors of a single twin.
+pub(super) fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
     let SensorStatus {
         level,
         message,
@@ -353,7 +324,7 @@ fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
     entry("sensors", level, message, values)
 }
 
-pub(super) fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
+fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
     let count = ("messages on /clock".to_owned(), clock.count().to_string());
     let (level, message) = match (clock.problem(Instant::now()), clock.count()) {
         (Some(problem), _) => (DiagnosticStatus::WARN, problem),
@@ -403,20 +374,23 @@ mod tests {
     use super::*;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
-        let array = diagnostics(
-            Header::default(),
-            "column_twin",
-            Observed {
-                twin,
-                waiting: &[],
-                health,
-                recording: None,
-                security: None,
-                sensors: None,
-                counters,
-            },
-        );
+        let array = array(twin, health, counters);
         array.status.iter().map(|it| it.level).collect()
+    }
+
+    fn array(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> DiagnosticArray {
+        let observed = Observed {
+            first: twin_status(twin, &[]),
+            hardware_id: "",
+            health,
+            topics: None,
+            recording: None,
+            security: None,
+            sensors: None,
+            of_columns: Vec::new(),
+            counters,
+        };
+        diagnostics(Header::default(), "column_twin", observed)
     }
 
     #[test]
@@ -535,20 +509,7 @@ mod tests {
                 events_accepted: accepted,
                 ..TwinStatus::default()
             };
-            let counters = NodeCounters::default();
-            diagnostics(
-                Header::default(),
-                "n",
-                Observed {
-                    twin: &twin,
-                    waiting: &[],
-                    health: &Health::default(),
-                    recording: None,
-                    security: None,
-                    sensors: None,
-                    counters: &counters,
-                },
-            )
+            array(&twin, &Health::default(), &NodeCounters::default())
         };
         assert!(same_state(&of(1), &of(2)));
         assert_ne!(of(1), of(2));

@@ -4,7 +4,7 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use super::diagnostics::NodeCounters;
+use super::counters::NodeCounters;
 use super::live_columns::Health;
 
 /// Minimum time between two messages about the same. What is lost meanwhile is part of the next one.

@@ -23,12 +23,12 @@ use crate::parameters::{Parameters, SensorAxis, SensorMessage};
 use crate::senses::{Collector, Intake, Rejection, SensorHealth};
 use crate::time::Nanos;
 
-use super::diagnostics::NodeCounters;
-use super::inputs::{each_on, tell};
+use super::counters::NodeCounters;
 use super::live_columns::LiveColumns;
 use super::node::{Node, NodeError};
 use super::qos::{self, Endpoint};
-use super::senders::{Rejected, Senders};
+use super::receiving::{Receiving, each_on};
+use super::senders::Rejected;
 use super::sensor_watch::{SensorLog, SensorStatus, SensorWatch};
 
 /// Batches of one column of a fleet in the history of its topic: what two sensors send in 80 ms, in batches of 10 ms.
@@ -272,10 +272,9 @@ impl Topic {
 /// The subscriptions of all topics of the sensors.
 pub(super) struct MeasurementSubscriptions {
     inputs: Arc<SensedColumns>,
-    recording: Option<Arc<dyn RecordingTap>>,
+    receiving: Receiving,
     /// With the names of the topics.
     topics: Vec<(String, Topic)>,
-    senders: Arc<Senders>,
 }
 
 impl MeasurementSubscriptions {
@@ -283,8 +282,7 @@ impl MeasurementSubscriptions {
     pub fn new(
         node: &mut Node,
         inputs: Arc<SensedColumns>,
-        senders: Arc<Senders>,
-        recording: Option<Arc<dyn RecordingTap>>,
+        receiving: Receiving,
     ) -> Result<Self, NodeError> {
         let mut endpoint = qos::MEASUREMENTS;
         let depth = inputs.sensed.len().saturating_mul(DEPTH_OF_A_COLUMN);
@@ -296,29 +294,28 @@ impl MeasurementSubscriptions {
         }
         Ok(Self {
             inputs,
-            recording,
+            receiving,
             topics,
-            senders,
         })
     }
 
     /// Takes measurements until the task is stopped.
-    pub async fn run(self, clock: impl Fn() -> Nanos, counters: &NodeCounters) {
+    pub async fn run(self) {
         let Self {
             inputs,
-            recording,
+            receiving,
             mut topics,
-            senders,
         } = self;
-        let inputs = &*inputs;
+        let (inputs, counters) = (&*inputs, &*receiving.counters);
         // A simulated clock cannot be before its beginning, but a message can say so.
-        let now = || clock().max(0);
+        let now = || receiving.columns.now().max(0);
         let now = &now;
         let admits = |info: &MessageInfo, topic: &str| {
+            let senders = &receiving.senders;
             let admitted = senders.admit_stream(info.publisher_gid(), Instant::now());
             let told = |rejected: &Rejected| {
                 let what = format!("a measurement on {topic}");
-                tell(&recording, None, &qos::MEASUREMENTS, &what, rejected);
+                receiving.tell(None, &qos::MEASUREMENTS, &what, rejected);
             };
             admitted.inspect_err(told).is_ok()
         };

@@ -12,6 +12,7 @@ mod arguments;
 mod client;
 mod client_error;
 mod clock_watch;
+mod counters;
 mod dds_threads;
 mod diagnostics;
 mod duplicates;
@@ -37,10 +38,12 @@ mod missed;
 mod names;
 mod node;
 mod node_viewer;
+mod output_log;
 mod parameter_services;
 mod publishing;
 pub mod qos;
 mod raw;
+mod receiving;
 #[cfg(feature = "record")]
 pub mod replay;
 mod requests;
@@ -49,6 +52,7 @@ mod row_client;
 mod run;
 pub mod security;
 mod senders;
+mod sending;
 mod sensor_watch;
 mod signals;
 mod subscribed;
@@ -65,7 +69,7 @@ pub use client_error::ClientError;
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use face::Face;
 pub use felt::follow_sensors;
-pub use fleet::{FleetNode, FleetRunOptions, run_fleet};
+pub use fleet::{FleetRunOptions, run_fleet};
 pub use fresh_domain::FreshDomain;
 pub use lines::{
     Seen, decision_word, in_unit, range_of, report_line, severities_in_words, severity_word,

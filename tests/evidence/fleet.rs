@@ -20,7 +20,7 @@ use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
 use column_twin::ros::qos::{Endpoint, Qos};
-use column_twin::ros::{FleetNode, LiveColumns, Names, Node, qos};
+use column_twin::ros::{LiveColumns, Names, Node, TwinNode, qos};
 use column_twin::twin::Command;
 use ros2_client::Publisher;
 use serde::de::DeserializeOwned;
@@ -50,7 +50,7 @@ fn parameters(column_id: &str, more: &[(&str, Value)]) -> Parameters {
 
 /// A fleet whose node is recorded, and a peer that hits its columns.
 struct RecordedFleet {
-    node: FleetNode,
+    node: TwinNode,
     fleet: Arc<LiveColumns>,
     recording: Arc<NodeRecording>,
     events: Publisher<ImpactEvent>,
@@ -96,7 +96,7 @@ impl RecordedFleet {
         let recording = recording.expect("starts").expect("is asked for");
         let (fleet, outputs) = LiveColumns::start_fleet(&columns).expect("starts");
         let tap: Arc<dyn RecordingTap> = Arc::clone(&recording) as _;
-        let node = FleetNode::start(
+        let node = TwinNode::start(
             &domain.environment,
             Names::new("/", "column_twin", &[]).expect("valid"),
             Arc::clone(&fleet),

@@ -15,7 +15,7 @@ use column_twin::messages::column_twin::{
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumns, FleetSources, NodeName};
 use column_twin::ros::{
-    FleetNode, ImpactOptions, ImpactOutcome, ImpactRequest, LiveColumns, Names, RowImpactOptions,
+    ImpactOptions, ImpactOutcome, ImpactRequest, LiveColumns, Names, RowImpactOptions, TwinNode,
     qos, send_impact, send_row_impact,
 };
 
@@ -50,7 +50,7 @@ pub fn fleet(columns: usize) -> FleetColumns {
 }
 
 pub struct Running {
-    pub node: FleetNode,
+    pub node: TwinNode,
     pub fleet: Arc<LiveColumns>,
 }
 
@@ -58,7 +58,7 @@ impl Running {
     pub fn start(domain: &Domain, columns: usize) -> Self {
         let (fleet, outputs) = LiveColumns::start_fleet(&self::fleet(columns)).expect("starts");
         let names = Names::new("/", "column_twin", &[]).expect("valid");
-        let node = FleetNode::start(
+        let node = TwinNode::start(
             &domain.environment,
             names,
             Arc::clone(&fleet),

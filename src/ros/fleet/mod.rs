@@ -6,13 +6,12 @@
 
 mod column_topics;
 mod diagnostics;
-mod inputs;
-mod node;
 mod publishing;
-mod rejected;
 mod rows;
 mod run;
 mod sensors;
 
-pub use node::FleetNode;
+pub(super) use column_topics::{ColumnTopics, TopicCounts};
+pub(super) use publishing::FleetPublishing;
+pub(super) use rows::RowImpacts;
 pub use run::{FleetRunOptions, run_fleet};

@@ -7,18 +7,18 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use crate::parameters::{FleetColumns, FleetSources};
 
-use super::super::NODE_NAME;
-use super::super::address_space::check_address_space;
-use super::super::arguments::RosArguments;
-use super::super::dds_threads::DdsThreads;
-use super::super::environment::{DiscoveryRange, Environment};
-use super::super::live_columns::{LiveColumns, StartError};
-use super::super::names::Names;
-use super::super::rosout::start_logging;
-use super::super::run::{RunEnd, RunError, RunRecording};
-use super::super::security::protection;
-use super::super::signals::StopSignals;
-use super::node::FleetNode;
+use crate::ros::NODE_NAME;
+use crate::ros::address_space::check_address_space;
+use crate::ros::arguments::RosArguments;
+use crate::ros::dds_threads::DdsThreads;
+use crate::ros::environment::{DiscoveryRange, Environment};
+use crate::ros::live_columns::{LiveColumns, StartError};
+use crate::ros::names::Names;
+use crate::ros::rosout::start_logging;
+use crate::ros::run::{RunEnd, RunError, RunRecording};
+use crate::ros::security::protection;
+use crate::ros::signals::StopSignals;
+use crate::ros::twin_node::TwinNode;
 
 /// Files that a fleet may have open: those of the shared endpoints and of all columns that may have topics of their own.
 const WANTED_FILES: u64 = 4096;
@@ -75,7 +75,7 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
     })?;
     let count = columns.columns.len();
     drop(columns);
-    let node = FleetNode::start(
+    let node = TwinNode::start(
         environment,
         names,
         Arc::clone(&fleet),
