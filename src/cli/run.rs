@@ -35,6 +35,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         environment: environment(&ros)?,
         ros,
         parameter_files: arguments.config.clone(),
+        columns: None,
     };
     end_of_run(ros::run(&options).map_err(failure_of_run)?)
 }

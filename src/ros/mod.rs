@@ -69,7 +69,6 @@ pub use client_error::ClientError;
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use face::Face;
 pub use felt::follow_sensors;
-pub use fleet::{FleetRunOptions, run_fleet};
 pub use fresh_domain::FreshDomain;
 pub use lines::{
     Seen, decision_word, in_unit, range_of, report_line, severities_in_words, severity_word,
@@ -82,7 +81,7 @@ pub use node::{Node, NodeError};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
 pub use row_client::{RowImpactOptions, send_row_impact};
-pub use run::{RunEnd, RunError, RunOptions, run};
+pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 

@@ -5,7 +5,7 @@ use std::io::Read;
 use flate2::read::GzDecoder;
 use serde_json::Value as Json;
 
-use super::super::failure::{Exit, Failure};
+use crate::cli::failure::{Exit, Failure};
 use column_twin::senses::{Readings, with_sensor_errors};
 use column_twin::sensors::Sensor;
 

@@ -17,9 +17,9 @@ use crossbeam_queue::ArrayQueue;
 use rustix::thread::CpuSet;
 use rustix::time::{ClockId, clock_gettime};
 
-use super::super::clock::monotonic_nanos;
-use super::super::notifier::Notifier;
-use super::super::real_time::{THREAD_STACK, lower_priority};
+use crate::live::clock::monotonic_nanos;
+use crate::live::notifier::Notifier;
+use crate::live::real_time::{THREAD_STACK, lower_priority};
 use crate::parameters::MAX_COLUMNS;
 use crate::twin::{BackgroundKind, BackgroundTask, Command};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::sensing_news::SensingNews;
+use crate::live::sensing_news::SensingNews;
 
 /// What the solver threads tell those that feel impacts.
 #[derive(Debug)]

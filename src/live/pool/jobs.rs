@@ -3,13 +3,13 @@
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
-use super::super::clock::monotonic_nanos;
-use super::super::inbox::Request;
-use super::super::lateness::lateness;
-use super::super::real_time::{URGENT_BEFORE_DEADLINE, Urgency};
 use super::schedule::{BACKGROUND_SHARE, Job, Plan};
 use super::shared::{Input, Shared, Slot, Upkeep};
 use super::sink::Sink;
+use crate::live::clock::monotonic_nanos;
+use crate::live::inbox::Request;
+use crate::live::lateness::lateness;
+use crate::live::real_time::{URGENT_BEFORE_DEADLINE, Urgency};
 use crate::time::Nanos;
 use crate::twin::{Accepted, BackgroundKind, Command, NoticeLevel, Outputs, Refusal};
 

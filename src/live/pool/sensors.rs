@@ -7,15 +7,15 @@ use std::thread::{self, JoinHandle};
 
 use rustix::thread::CpuSet;
 
-use super::super::inbox::{Reply, Request};
-use super::super::libraries::{Libraries, LibraryStatistics};
-use super::super::measurements::MeasurementQueue;
-use super::super::queue::QueueStats;
-use super::super::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
-use super::super::sensing_news::SensingNews;
-use super::super::statistics::Panicked;
 use super::fleet_news::FleetNews;
 use super::shared::Shared;
+use crate::live::inbox::{Reply, Request};
+use crate::live::libraries::{Libraries, LibraryStatistics};
+use crate::live::measurements::MeasurementQueue;
+use crate::live::queue::QueueStats;
+use crate::live::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
+use crate::live::sensing_news::SensingNews;
+use crate::live::statistics::Panicked;
 use crate::senses::Batch;
 use crate::twin::Command;
 
@@ -63,7 +63,7 @@ impl FleetMeasurements {
 }
 
 /// The sensors of the columns of a pool, before their threads are started.
-pub(in super::super) struct Sensors {
+pub(in crate::live) struct Sensors {
     measurements: FleetMeasurements,
     is_sensed: Vec<bool>,
     /// Where equal columns share prepared responses; `None`: every column prepares its own.

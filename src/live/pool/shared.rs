@@ -5,10 +5,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 use crossbeam_queue::ArrayQueue;
 
-use super::super::clock::Clock;
-use super::super::inbox::{ANSWER_TIMEOUT, Reply, Request};
-use super::super::notifier::Notifier;
-use super::super::real_time::Patience;
 use super::background::{Background, Known, Wanted};
 #[cfg(feature = "study")]
 use super::fleet_news::FleetNews;
@@ -16,6 +12,10 @@ use super::keeper::Keeper;
 use super::readers::Readers;
 use super::schedule::Schedule;
 use super::watch::Watch;
+use crate::live::clock::Clock;
+use crate::live::inbox::{ANSWER_TIMEOUT, Reply, Request};
+use crate::live::notifier::Notifier;
+use crate::live::real_time::Patience;
 use crate::parameters::Parameters;
 use crate::time::Nanos;
 use crate::twin::{BackgroundKind, Refusal, RefusalCode, SolverStatistics, Twin};

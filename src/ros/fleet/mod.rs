@@ -8,10 +8,8 @@ mod column_topics;
 mod diagnostics;
 mod publishing;
 mod rows;
-mod run;
 mod sensors;
 
 pub(super) use column_topics::{ColumnTopics, TopicCounts};
 pub(super) use publishing::FleetPublishing;
 pub(super) use rows::RowImpacts;
-pub use run::{FleetRunOptions, run_fleet};

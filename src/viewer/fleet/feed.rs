@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::events::summary;
-use super::super::item::{Announcement, ViewerItem};
 use super::item::{ColumnMark, FleetItem, ShownFleet, severity_of};
 use crate::parameters::Parameters;
 use crate::printable::Printable;
 use crate::twin::{NoticeLevel, Output};
+use crate::viewer::events::summary;
+use crate::viewer::item::{Announcement, ViewerItem};
 
 /// Something that a column has given out.
 #[derive(Debug, Clone)]

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::item::ViewerItem;
 use crate::assessment::Severity;
 use crate::fleet::Plan;
 use crate::messages::column_twin::TwinStatus;
 use crate::parameters::{FleetColumn, Parameters};
 use crate::twin::{NoticeLevel, Status, TwinPhase};
+use crate::viewer::item::ViewerItem;
 
 /// The columns of a fleet that is shown.
 #[derive(Debug, Clone)]

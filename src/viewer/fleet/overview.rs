@@ -3,14 +3,14 @@
 use rerun::components::DrawOrder;
 use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
-use super::super::colour::Rgb;
-use super::super::rerun_types::{color, time_columns};
-use super::super::timeline::Moment;
 use super::item::{ColumnMark, ShownFleet};
 use super::panel::{short, word, worst_first};
 use super::place_labels::{Wanted, place_labels};
 use crate::assessment::Severity;
 use crate::shape::{round_number, severity_colour};
+use crate::viewer::colour::Rgb;
+use crate::viewer::rerun_types::{color, time_columns};
+use crate::viewer::timeline::Moment;
 
 /// The entities of the plan. No column can have this name, which ROS does not admit.
 pub(super) const PLAN: &str = "overview/plan";

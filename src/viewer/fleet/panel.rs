@@ -1,12 +1,12 @@
 //! The panel below the plan, as Markdown: how many columns need somebody, and which ones first.
 
-use super::super::panel::escaped;
 use super::item::{ColumnMark, ShownFleet};
 use crate::assessment::Severity;
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::words::{phase_word, severity_word};
 use crate::outgoing::{phase_code, severity_code};
 use crate::twin::TwinPhase;
+use crate::viewer::panel::escaped;
 
 /// The entity of the panel.
 pub(super) const PANEL: &str = "overview/panel";
