@@ -47,7 +47,7 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
         error @ (RunError::SealKey(_)
         | RunError::Start(
             _,
-            StartError::Selection(_) | StartError::SensorSource { .. } | StartError::Columns(_),
+            StartError::Selection(_) | StartError::SensorTopics { .. } | StartError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),

@@ -115,6 +115,16 @@ impl Face {
         }
     }
 
+    /// The name of a topic that the parameters of a column name: a relative one belongs to the namespace of the node or, in a fleet, to
+    /// that of the column.
+    pub(super) fn topic_of(&self, column: u32, topic: &str) -> String {
+        let name = self.names.get(column as usize);
+        match name.filter(|_| self.is_fleet && !topic.starts_with(['/', '~'])) {
+            Some(namespace) => format!("{namespace}/{topic}"),
+            None => topic.to_owned(),
+        }
+    }
+
     /// How the full name of a parameter of a column begins.
     pub(super) fn parameter_prefix(&self, column: u32) -> String {
         match self.is_fleet {

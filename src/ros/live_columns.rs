@@ -1,5 +1,6 @@
 //! The live columns of a node, one or many: commands, health and clock, from start to stop.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
@@ -12,7 +13,7 @@ use crate::live::{
 };
 use crate::parameters::{
     FleetColumn, FleetColumns, MAX_SELECTED_COLUMNS, ParameterFaults, Parameters, RecordMode,
-    SelectionError, SensorMessage, select_columns,
+    SelectionError, select_columns,
 };
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{
@@ -24,27 +25,25 @@ use super::face::Face;
 use super::node_viewer::{self, NodeViewer};
 use super::utc::Utc;
 
+/// Most topics, besides the one that all sensors share, that the sensors of a fleet may name: each is an endpoint, of which every peer
+/// is told.
+const MAX_SENSOR_TOPICS: usize = 256;
+
 /// Why the live columns cannot be started.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     /// Columns are selected for the viewer that cannot be shown.
     #[error(transparent)]
     Selection(#[from] SelectionError),
-    /// A sensor of a column of a fleet sends on a topic of its own, or without the name of its column.
+    /// The sensors of a fleet name more topics than it reads.
     #[error(
-        "sensors.{sensor}.{name} of column {column_id:?} is {value:?}, but the sensors of a fleet send column_twin/msg/Measurement on \
-         the topic measurements, which has the column_id; leave sensors.{sensor}.{name} out and convert the messages of the driver, \
-         or run the column with `column-twin run`"
+        "the sensors of the fleet name {found} topics of their own, but a fleet reads at most {MAX_SENSOR_TOPICS}, because each takes an \
+         endpoint; let the others send column_twin/msg/Measurement on the topic measurements, which all sensors share, or run the \
+         columns as several fleets"
     )]
-    SensorSource {
-        /// The first column that has such a sensor.
-        column_id: String,
-        /// Its name.
-        sensor: String,
-        /// The parameter, without the name of the sensor.
-        name: &'static str,
-        /// Its value.
-        value: String,
+    SensorTopics {
+        /// Number of topics.
+        found: usize,
     },
     /// Parameters are not valid.
     #[error(transparent)]
@@ -178,16 +177,14 @@ impl LiveColumns {
     /// returns the outputs of all of them.
     ///
     /// # Errors
-    /// Columns are impossible or have sensors that cannot be read, columns are selected that cannot be shown, the state directory
+    /// Columns are impossible, their sensors name too many topics, columns are selected that cannot be shown, the state directory
     /// cannot be used, or a thread cannot be started.
     pub fn start_fleet(fleet: &FleetColumns) -> Result<(Arc<Self>, Receiver), StartError> {
         let FleetColumns { columns, node, .. } = fleet;
         let settings = node.settings();
         let selected = &settings.viewer.select;
         let selected = select_columns(columns, selected, MAX_SELECTED_COLUMNS)?;
-        for column in columns {
-            check_sensors(&column.parameters)?;
-        }
+        check_sensor_topics(columns)?;
         let directory = &settings.state.directory;
         let reserved = match directory.is_empty() {
             true => None,
@@ -489,24 +486,18 @@ impl Stored {
     }
 }
 
-/// A topic for each column, or for each sensor, would be thousands of endpoints, and other messages do not say which column they are
-/// about.
-fn check_sensors(parameters: &Parameters) -> Result<(), StartError> {
-    let sensors = parameters.sensors();
-    for (sensor, source) in sensors.iter().zip(parameters.sensor_sources()) {
-        let (name, value) = match source.message {
-            _ if !source.topic.is_empty() => ("topic", source.topic.as_str()),
-            SensorMessage::Measurement => continue,
-            other => ("message", other.word()),
-        };
-        return Err(StartError::SensorSource {
-            column_id: parameters.settings().column_id.clone(),
-            sensor: sensor.name.clone(),
-            name,
-            value: value.to_owned(),
-        });
+/// # Errors
+/// The sensors of these columns name too many topics.
+fn check_sensor_topics(columns: &[FleetColumn]) -> Result<(), StartError> {
+    let topics = columns.iter().map(|it| {
+        let sources = it.parameters.sensor_sources();
+        let named: BTreeSet<_> = sources.into_iter().map(|it| it.topic).collect();
+        named.iter().filter(|it| !it.is_empty()).count()
+    });
+    match topics.sum() {
+        found if found > MAX_SENSOR_TOPICS => Err(StartError::SensorTopics { found }),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// What was restored: how much, from which file, of which time.

@@ -19,7 +19,7 @@ use crate::messages::geometry_msgs::{AccelStamped, Vector3};
 use crate::messages::sensor_msgs::Imu;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingTap;
-use crate::parameters::{Parameters, SensorAxis, SensorMessage};
+use crate::parameters::{SensorAxis, SensorMessage};
 use crate::senses::{Collector, Intake, Rejection, SensorHealth};
 use crate::time::Nanos;
 
@@ -289,8 +289,7 @@ impl MeasurementSubscriptions {
         endpoint.qos.depth = depth.clamp(endpoint.qos.depth, MAX_DEPTH);
         let mut topics = vec![subscribe_to_measurements(node, &endpoint)?];
         for (place, column) in inputs.sensed.iter().enumerate() {
-            let parameters = inputs.columns.initial_parameters(column.column);
-            subscribe_to_sensors(node, &mut topics, place, parameters)?;
+            subscribe_to_sensors(node, &mut topics, place, &inputs.columns, column.column)?;
         }
         Ok(Self {
             inputs,
@@ -399,20 +398,23 @@ fn subscribe_to_sensors(
     node: &mut Node,
     topics: &mut Vec<(String, Topic)>,
     place: usize,
-    parameters: &Parameters,
+    columns: &LiveColumns,
+    column: u32,
 ) -> Result<(), NodeError> {
+    let parameters = columns.initial_parameters(column);
     let (sensors, sources) = (parameters.sensors(), parameters.sensor_sources());
     for (sensor, source) in sensors.iter().zip(&sources) {
         if source.topic.is_empty() {
             continue;
         }
         let kind = qos::MEASUREMENTS.kind();
-        let full = node.names().resolve(kind, &source.topic)?;
+        let topic = columns.face().topic_of(column, &source.topic);
+        let full = node.names().resolve(kind, &topic)?;
         let known = topics.iter().position(|(name, _)| *name == full);
         let index = match known {
             Some(index) => index,
             None => {
-                let topic = subscribe(node, &source.topic, source.message)?;
+                let topic = subscribe(node, &topic, source.message)?;
                 topics.push((full.clone(), topic));
                 topics.len() - 1
             }

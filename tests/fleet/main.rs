@@ -6,6 +6,7 @@
 mod column_topics;
 #[path = "../ros/domain.rs"]
 mod domain;
+mod drivers;
 mod felt;
 #[path = "../ros/incoming.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
