@@ -90,17 +90,26 @@ pub enum RunError {
 /// What is to be run.
 enum Loaded {
     One(Box<Parameters>),
-    Many(FleetColumns),
+    Many(Box<FleetColumns>),
 }
 
-/// Runs the node of a single twin until SIGINT or SIGTERM.
+/// Runs the node of a single twin until SIGINT or SIGTERM, or that of a fleet if the parameter files name several columns.
 ///
 /// # Errors
 /// Names or parameters are not valid, or the node, the twin or the recording cannot be started.
 pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     run_loaded(options, |names| {
         let files = options.parameter_files.iter().cloned().map(Source::File);
-        let sources = files.chain(options.ros.parameters.iter().cloned());
+        let sources: Vec<_> = files
+            .chain(options.ros.parameters.iter().cloned())
+            .collect();
+        let files = sources.iter().filter_map(|source| match source {
+            Source::File(path) => Some(path.as_path()),
+            Source::Override(_) | Source::Value(..) => None,
+        });
+        if FleetColumns::are_named_in(names, files) {
+            return load_fleet(options, names);
+        }
         let (parameters, warnings) = Parameters::load_in_order(names, sources)?;
         Ok((Loaded::One(Box::new(parameters)), warnings))
     })
@@ -111,17 +120,22 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
 /// # Errors
 /// Names or parameters are not valid, or the node, the fleet or the recording cannot be started.
 pub fn run_fleet(options: &RunOptions) -> Result<RunEnd, RunError> {
+    run_loaded(options, |names| load_fleet(options, names))
+}
+
+fn load_fleet(
+    options: &RunOptions,
+    names: &NodeName,
+) -> Result<(Loaded, Vec<Fault>), ParameterFaults> {
     raise_file_limit();
-    run_loaded(options, |names| {
-        let sources = FleetSources {
-            files: options.parameter_files.clone(),
-            table: options.columns.clone(),
-            arguments: options.ros.parameters.clone(),
-        };
-        let mut columns = FleetColumns::load(names, &sources)?;
-        let warnings = std::mem::take(&mut columns.warnings);
-        Ok((Loaded::Many(columns), warnings))
-    })
+    let sources = FleetSources {
+        files: options.parameter_files.clone(),
+        table: options.columns.clone(),
+        arguments: options.ros.parameters.clone(),
+    };
+    let mut columns = FleetColumns::load(names, &sources)?;
+    let warnings = std::mem::take(&mut columns.warnings);
+    Ok((Loaded::Many(Box::new(columns)), warnings))
 }
 
 fn run_loaded(
@@ -220,7 +234,8 @@ impl RunRecording {
                 let topics = Topics::resolved(resolve)?;
                 NodeRecording::start(&parameters.settings().record, &topics, with_log)
             }
-            Loaded::Many(FleetColumns { columns, node, .. }) => {
+            Loaded::Many(fleet) => {
+                let FleetColumns { columns, node, .. } = &**fleet;
                 let topics = Topics::resolved_of_fleet(resolve)?;
                 let ids = columns.iter().map(|it| &it.parameters.settings().column_id);
                 let ids = ids.map(|it| it.as_str().into()).collect();

@@ -10,7 +10,6 @@
 //!
 //! RustDDS adds two or three threads.
 
-use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -42,9 +41,6 @@ use super::rosout::{LogEnd, RosoutQueue};
 use super::senders::{Identities, Senders};
 use super::sending::Sending;
 use super::task::Task;
-
-/// What is discovered of others, until the task is stopped.
-type LocalEvents = Pin<Box<dyn Future<Output = ()> + Send>>;
 
 /// A running node of one column or many, until [`stop`](Self::stop).
 pub struct TwinNode {
@@ -150,10 +146,12 @@ impl TwinNode {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
-        let events: LocalEvents = match &column_topics {
-            Some(topics) => Box::pin(node.events(topics.watch())),
-            None => Box::pin(node.twin_events(&settings.column_id)?),
-        };
+        let mut watch = column_topics.as_ref().map(ColumnTopics::watch);
+        let events = node.twin_events(Arc::clone(&columns), move |discovered| {
+            if let Some(watch) = &mut watch {
+                watch(discovered);
+            }
+        })?;
         let inputs = vec![
             Task::start(RECEIVING_THREAD, move || async move {
                 futures::join!(events, subscriptions.run());
