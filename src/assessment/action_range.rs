@@ -7,7 +7,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-use super::evaluation::{band_properties, input_of, respond_and_rest};
+use super::response::{band_properties, input_of, respond_and_rest};
 use super::{Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, Severity, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};

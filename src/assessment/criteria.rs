@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
 use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
 use super::section_class::{SectionClass, section_class};
-use super::{AssessedShear, AssessmentInput, Severity};
+use super::criterion::{PART_OF_LENGTH, Severity};
+use super::input::{AssessedShear, AssessmentInput};
 use crate::column::RolledSection;
 use crate::parameters::Provenance;
 
@@ -89,8 +90,6 @@ const RESISTANCE: &str = "remaining buckling resistance about the weaker axis, o
 const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin of the push-down";
 const BOW: &str = "residual bow over the height L";
 const BENT: &str = "residual bow over the height L, or of the bent part over its length";
-/// Unit of a bow over the length to which it belongs.
-pub(crate) const PART_OF_LENGTH: &str = "L";
 const SUPPORT: &str = "largest rotation of a bar at its support";
 const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
 const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";

@@ -19,10 +19,12 @@
 mod action_range;
 mod base;
 mod criteria;
+mod criterion;
 mod evaluation;
 mod input;
 mod prepared;
 mod remaining;
+mod response;
 mod rotation_limits;
 mod section_class;
 #[cfg(test)]
@@ -37,11 +39,11 @@ pub(crate) use action_range::range_in_words;
 pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 #[cfg(feature = "cli")]
-pub(crate) use criteria::PART_OF_LENGTH as UNIT_OF_BOW;
-use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
-pub use evaluation::{
-    HARDENING_BAND, ImpactEvaluation, band_properties, observe_and_rest, respond_and_rest,
-};
+pub(crate) use criterion::PART_OF_LENGTH as UNIT_OF_BOW;
+use criteria::{DEFINITIONS, Definition, NotEvaluated, Relation};
+use criterion::quantity;
+pub use criterion::{Criterion, PARTIAL_FACTOR, Severity};
+pub use evaluation::ImpactEvaluation;
 pub use input::{
     AssessedImpact, AssessedShear, AssessmentInput, VerdictLoad, largest_plastic_rotation,
 };
@@ -50,6 +52,7 @@ pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, dimensions_by_numbers, imperfection,
     section_dimensions,
 };
+pub use response::{HARDENING_BAND, band_properties, observe_and_rest, respond_and_rest};
 pub use rotation_limits::{
     CLASS_3_ROTATION, HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,
     rotation_before_buckling,
@@ -59,56 +62,8 @@ pub use utilisation::{Utilisation, UtilisedPart};
 
 use crate::parameters::{LoadBasis, Provenance};
 
-/// `gamma_M` of every resistance: what is left of a column is judged by its characteristic strength, which a limit of 1.5
-/// stands beside.
-pub const PARTIAL_FACTOR: f64 = 1.0;
-
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
-
-/// What has to be done, least severe first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// No criterion that decides is exceeded.
-    None,
-    /// An engineer has to examine the column.
-    Inspect,
-    /// People and additional loads have to be kept away from the column until an engineer has examined it.
-    Restrict,
-    /// The load has to be taken off the column at once.
-    Prop,
-    /// Everybody has to leave the part of the building that the column carries.
-    Evacuate,
-}
-
-/// One criterion with its values.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Criterion {
-    /// Its name, as in the parameter `assessment.criteria`.
-    pub name: &'static str,
-    /// Document and edition, or what the criterion is based on.
-    pub edition: &'static str,
-    /// Where its limit comes from; the weakest link where several numbers enter.
-    pub tag: Provenance,
-    /// The value; `None` if it could not be evaluated.
-    pub value: Option<f64>,
-    /// Its limit; `None` if it could not be evaluated.
-    pub limit: Option<f64>,
-    /// Unit of both; empty for a ratio.
-    pub unit: &'static str,
-    /// Distance to the limit, relative to it: positive while the criterion is met, negative when it is exceeded. Where the
-    /// limit is 0, the value with its sign reversed. `None` if it could not be evaluated.
-    pub margin: Option<f64>,
-    /// Whether the criterion is exceeded; `None` if it could not be evaluated.
-    pub exceeded: Option<bool>,
-    /// Severity if it is exceeded.
-    pub severity: Severity,
-    /// Whether it decides, by the user's choice.
-    pub decides: bool,
-    /// What it says, with its numbers, or why it could not be evaluated.
-    pub statement: String,
-}
 
 /// The assessment of one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -370,38 +325,6 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
-/// A number with its unit: forces in kN, moments in kNm, bows as parts of a length, otherwise three significant digits.
-fn quantity(value: f64, unit: &str) -> String {
-    if unit == PART_OF_LENGTH {
-        return match value {
-            value if value > 0.0 && value.is_finite() => match 1.0 / value {
-                part if part >= 1e4 => "less than L/10000".to_owned(),
-                part => format!("L/{part:.0}"),
-            },
-            0.0 => "0".to_owned(),
-            _ => "not a number".to_owned(),
-        };
-    }
-    let (value, unit) = if unit == "N" {
-        (value / 1e3, "kN")
-    } else if unit == "N m" {
-        (value / 1e3, "kNm")
-    } else {
-        (value, unit)
-    };
-    let size = value.abs();
-    let decimals = match size {
-        _ if size == 0.0 || !size.is_finite() => 0,
-        _ if size >= 99.95 => 0,
-        _ if size >= 9.995 => 1,
-        _ if size >= 0.9995 => 2,
-        _ if size >= 0.0001 => 4,
-        _ => 6,
-    };
-    let space = if unit.is_empty() { "" } else { " " };
-    format!("{value:.decimals$}{space}{unit}")
-}
-
 /// The criterion that decides with its numbers, or how far the column has come where nothing decides.
 fn finding(input: &AssessmentInput, severity: Severity, deciding: &Criterion) -> String {
     match (severity, input.utilisation) {
@@ -464,33 +387,4 @@ fn axes(input: &AssessmentInput) -> String {
     }
     text.push('.');
     text
-}
-
-impl Severity {
-    /// Every severity, the least severe first.
-    pub const ALL: [Self; 5] = [
-        Self::None,
-        Self::Inspect,
-        Self::Restrict,
-        Self::Prop,
-        Self::Evacuate,
-    ];
-
-    /// Its name, as messages and files write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Inspect => "inspect",
-            Self::Restrict => "restrict",
-            Self::Prop => "prop",
-            Self::Evacuate => "evacuate",
-        }
-    }
-}
-
-impl Display for Severity {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
 }

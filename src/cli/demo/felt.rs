@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::signal::{self, Truth};
 use super::stage::{ChildProcess, Stage};
-use super::{TIMEOUT, outcome_text, severity_text};
+use super::texts::{TIMEOUT, outcome_text, severity_text};
 use crate::cli::failure::{Exit, Failure, LinePrinter};
 use column_twin::messages::column_twin::{ImpactEstimate, ImpactReport, TwinStatus};
 use column_twin::parameters::Parameters;

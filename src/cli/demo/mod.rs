@@ -5,6 +5,7 @@
 mod felt;
 mod signal;
 mod stage;
+mod texts;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use std::time::Duration;
 use clap::Args;
 
 use self::stage::{Stage, new_folder};
+use self::texts::{TIMEOUT, outcome_text, severity_text};
 use super::failure::{Exit, Failure, LinePrinter};
 use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
@@ -82,9 +84,6 @@ impl DemoArgs {
         changes
     }
 }
-
-/// Maximum wait for the node, and for each of its answers.
-const TIMEOUT: Duration = Duration::from_secs(15);
 
 /// Time of the response between two lines \[s\].
 const LINE_PERIOD: f64 = 2e-3;
@@ -335,24 +334,6 @@ impl<'a, 'b> Narration<'a, 'b> {
             }
         }
     }
-}
-
-fn outcome_text(report: &ImpactReport) -> &'static str {
-    match report.outcome {
-        ImpactReport::ELASTIC => "elastic",
-        ImpactReport::PLASTIC => "plastic",
-        ImpactReport::SEVERED => "a hinge or a web is fractured",
-        _ => "the column collapses",
-    }
-}
-
-/// The severity with its reason, in lines that fit into a terminal.
-fn severity_text(report: &ImpactReport) -> String {
-    let severity = severity_word(report.severity);
-    let words = format!("{severity}: {}", report.severity_reason);
-    let mut text = String::new();
-    let _ = wrapped(&mut text, "  severity", &words); // writing to a String cannot fail
-    text
 }
 
 fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrinter<'_>) {

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::MapCommandError;
+use super::error::MapCommandError;
 use crate::cli::failure::Failure;
 use crate::cli::fleet_study::FleetStudyArgs;
 use crate::cli::impact_args::ImpactSpecificationArgs;

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::time::Instant;
 
 use super::arguments::MapArgs;
+use super::error::{Ended, MapCommandError};
 use super::files::Files;
-use super::{Ended, MapCommandError};
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
 use crate::cli::interruption::Interruption;
