@@ -12,13 +12,13 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use ros2_client::Publisher;
 
 use crate::fleet::LINGER;
-use crate::live::{OutputSource, RealTime, THREAD_STACK, Waker, request_for_publisher};
+use crate::live::{OutputSource, RealTime, Waker, request_for_publisher};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
@@ -40,7 +40,7 @@ use super::receiving::Receiving;
 use super::rosout::{LogEnd, RosoutQueue};
 use super::senders::{Identities, Senders};
 use super::sending::Sending;
-use super::task::Task;
+use super::task::{Task, spawn};
 
 /// A running node of one column or many, until [`stop`](Self::stop).
 pub struct TwinNode {
@@ -251,15 +251,4 @@ fn publish_log(
         note_dropped();
     })?;
     Ok((end, thread))
-}
-
-pub(super) fn spawn(
-    name: &'static str,
-    run: impl FnOnce() + Send + 'static,
-) -> Result<JoinHandle<()>, NodeError> {
-    thread::Builder::new()
-        .name(name.to_owned())
-        .stack_size(THREAD_STACK)
-        .spawn(run)
-        .map_err(|source| NodeError::Thread { name, source })
 }

@@ -22,7 +22,7 @@ use crate::ros::live_columns::LiveColumns;
 use crate::ros::matches::Discovered;
 use crate::ros::node::{Node, NodeError, Siblings};
 use crate::ros::raw::Raw;
-use crate::ros::twin_node::spawn;
+use crate::ros::task::spawn;
 
 /// The name of the node to which the topics of a column belong, in the namespace of the column. It has no services, so it is not
 /// that of the node of a single twin.
