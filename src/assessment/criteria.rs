@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
-use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
-use super::section_class::{SectionClass, section_class};
 use super::criterion::{PART_OF_LENGTH, Severity};
 use super::input::{AssessedShear, AssessmentInput};
+use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
+use super::section_class::{SectionClass, section_class};
 use crate::column::RolledSection;
 use crate::parameters::Provenance;
 

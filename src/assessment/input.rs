@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::base::{BaseDemand, ConnectedBase};
+use super::criterion::{PARTIAL_FACTOR, quantity};
 use super::remaining::{RemainingCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use super::utilisation::Utilisation;
-use super::criterion::{PARTIAL_FACTOR, quantity};
 use crate::column::{
     ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
     ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,

@@ -31,16 +31,14 @@ mod section_class;
 mod tests;
 mod utilisation;
 
-use std::fmt::{self, Display, Formatter};
-
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub(crate) use action_range::range_in_words;
 pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
+use criteria::{DEFINITIONS, Definition, NotEvaluated, Relation};
 #[cfg(feature = "cli")]
 pub(crate) use criterion::PART_OF_LENGTH as UNIT_OF_BOW;
-use criteria::{DEFINITIONS, Definition, NotEvaluated, Relation};
 use criterion::quantity;
 pub use criterion::{Criterion, PARTIAL_FACTOR, Severity};
 pub use evaluation::ImpactEvaluation;
@@ -60,7 +58,7 @@ pub use rotation_limits::{
 pub use section_class::{SectionClass, SectionClassification, section_class};
 pub use utilisation::{Utilisation, UtilisedPart};
 
-use crate::parameters::{LoadBasis, Provenance};
+use crate::parameters::LoadBasis;
 
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";

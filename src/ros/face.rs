@@ -133,3 +133,50 @@ impl Face {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fleet() -> Face {
+        let ids = ["a3", "a4"].map(Arc::from).to_vec();
+        let names = ["/garage/a3", "/garage/a4"].map(Arc::from).to_vec();
+        Face::of_many(ids, names)
+    }
+
+    #[test]
+    fn a_fleet_ignores_messages_for_other_columns_and_rejects_requests_about_them() {
+        let face = fleet();
+        assert_eq!(face.addressed("a4"), Some(1));
+        assert_eq!(face.addressed("b1"), None);
+        assert_eq!(face.requested("a4"), Ok(1));
+        for other in ["b1", ""] {
+            let refusal = face.requested(other).expect_err("another column");
+            assert_eq!(refusal.code, RefusalCode::OtherColumn);
+        }
+    }
+
+    /// It rejects messages for other columns itself, so that its journal has them.
+    #[test]
+    fn a_single_twin_takes_every_message_and_rejects_requests_about_other_columns() {
+        let face = Face::of_one("a3");
+        assert_eq!(face.addressed("b1"), Some(0));
+        assert_eq!(face.requested(""), Ok(0));
+        assert_eq!(face.requested("a3"), Ok(0));
+        let refusal = face.requested("b1").expect_err("another column");
+        assert_eq!(refusal.code, RefusalCode::OtherColumn);
+    }
+
+    #[test]
+    fn only_a_fleet_names_its_columns() {
+        let (one, many) = (Face::of_one("a3"), fleet());
+        assert_eq!(one.words("of", 0), "");
+        assert_eq!(many.words("of", 1), " of column \"a4\"");
+        assert_eq!([one.recorded(0), many.recorded(1)], [None, Some("a4")]);
+        assert_eq!(one.parameter_prefix(0), "");
+        assert_eq!(many.parameter_prefix(1), "a4.");
+        assert_eq!(one.topic_of(0, "imu"), "imu");
+        assert_eq!(many.topic_of(1, "imu"), "/garage/a4/imu");
+        assert_eq!(many.topic_of(1, "/imu"), "/imu");
+    }
+}

@@ -23,7 +23,6 @@ use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport}
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, range_of,
-    severity_word,
 };
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 

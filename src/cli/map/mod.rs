@@ -19,9 +19,7 @@ use super::interruption::Interruption;
 use boundaries::{boundary_columns, boundary_rows, show_bands, show_boundaries};
 use column_twin::column::Support;
 use column_twin::figures::{self, MapFigures};
-use column_twin::study::{
-    Batch, BatchEnd, DamageMap, MapBands, MapError, MapGrid, RefineError, RefinedMap, TableValue,
-};
+use column_twin::study::{Batch, BatchEnd, DamageMap, MapBands, MapGrid, RefinedMap, TableValue};
 use error::{Ended, MapCommandError, MapFileError};
 use files::Files;
 use summary::{MapSummary, extent};

@@ -192,7 +192,10 @@ impl Case {
         Ok(Self::of_scenario(arguments, parameters)?)
     }
 
-    pub fn of_scenario(arguments: &RiskArgs, parameters: Parameters) -> Result<Self, RiskCommandError> {
+    pub fn of_scenario(
+        arguments: &RiskArgs,
+        parameters: Parameters,
+    ) -> Result<Self, RiskCommandError> {
         let name = &arguments.scenario;
         let mut scenario = match &arguments.scenarios {
             None => Scenario::shipped(name)?,
@@ -316,26 +319,6 @@ impl Case {
         );
         Ok(found.map_err(StudyRunError::from)?)
     }
-}
-
-/// The samples behind a measure; `None` after an interruption.
-fn behind(
-    measure: &Measure,
-    arguments: &RiskArgs,
-    sampler: &DepartureSampler,
-    column: &RiskColumn,
-    surface: Option<&CriticalSpeedSurface>,
-    interruption: &Interruption,
-) -> Result<Option<Tally>, RiskCommandError> {
-    let mut study = RiskStudy::new(sampler, column).behind(measure);
-    if let Some(surface) = surface {
-        study = study.with_predictions(surface);
-    }
-    let batch = threads::batch(arguments.threads, arguments.samples);
-    let (tally, end) = interruption.watch(&batch, arguments.samples, &measure.name, || {
-        study.run(&batch, 0..arguments.samples, |_| Ok::<_, StudyRunError>(()))
-    })?;
-    Ok((end == BatchEnd::Complete).then_some(tally))
 }
 
 fn read(path: &Path) -> Result<String, RiskCommandError> {

@@ -5,8 +5,8 @@ use std::io::Write;
 
 use serde_json::json;
 
-use super::numbers::{period, share};
 use super::case::{Case, RiskArgs, RiskCommandError, write_file};
+use super::numbers::{period, share};
 use crate::cli::failure::{Failure, unless_closed};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
 use crate::cli::interruption::Interruption;

@@ -7,28 +7,19 @@ mod numbers;
 mod summary;
 mod tables;
 
-use std::io::{self, Write};
-use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::io::Write;
 
-use clap::Args;
 use serde::Serialize;
 
-use super::failure::{Exit, Failure, unless_closed};
-use super::fleet_study::FleetStudyArgs;
+use super::failure::{Failure, unless_closed};
 use super::interruption::Interruption;
-use super::simulate::load;
 use super::threads;
-use column_twin::bounded_file::read_text_at_most;
-use column_twin::figures::{self, FigureError};
-use column_twin::parameters::Parameters;
+use column_twin::figures;
+use column_twin::study::BatchEnd;
 use column_twin::study::risk::{
-    CriticalSpeedSurface, DepartureSampler, Exposure, MAX_SCENARIO_FILE_BYTES, Measure,
-    MeasureRisk, RiskColumn, RiskError, RiskResult, RiskStudy, Scenario, ScenarioFault,
-    StudyRunError, Tally,
+    CriticalSpeedSurface, DepartureSampler, Measure, MeasureRisk, RiskColumn, RiskResult,
+    RiskStudy, StudyRunError, Tally,
 };
-use column_twin::study::{Batch, BatchEnd};
-use column_twin::whole_file;
 
 pub use case::RiskArgs;
 use case::{Case, Outcome, RiskCommandError, write_file};
@@ -149,6 +140,26 @@ fn compare(
             .push(MeasureRisk::new(measure, section, without, &with));
     }
     Ok(compared)
+}
+
+/// The samples behind a measure; `None` after an interruption.
+fn behind(
+    measure: &Measure,
+    arguments: &RiskArgs,
+    sampler: &DepartureSampler,
+    column: &RiskColumn,
+    surface: Option<&CriticalSpeedSurface>,
+    interruption: &Interruption,
+) -> Result<Option<Tally>, RiskCommandError> {
+    let mut study = RiskStudy::new(sampler, column).behind(measure);
+    if let Some(surface) = surface {
+        study = study.with_predictions(surface);
+    }
+    let batch = threads::batch(arguments.threads, arguments.samples);
+    let (tally, end) = interruption.watch(&batch, arguments.samples, &measure.name, || {
+        study.run(&batch, 0..arguments.samples, |_| Ok::<_, StudyRunError>(()))
+    })?;
+    Ok((end == BatchEnd::Complete).then_some(tally))
 }
 
 /// The result for programs; the names are a stable interface.

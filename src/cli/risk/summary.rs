@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use super::case::{Case, Outcome, RiskArgs};
 use super::measures::{self, Compared};
 use super::numbers::{interval, period, share, small};
-use super::case::{Case, Outcome, RiskArgs};
 use column_twin::figures::units::significant;
 use column_twin::parameters::Parameters;
 use column_twin::report::short;
