@@ -372,6 +372,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("fleet.yaml"), yaml(2)).expect("written");
+    fs::write(folder.join("many.yaml"), yaml(257)).expect("written");
     fs::write(
         folder.join("bad.csv"),
         "namespace,column_id,top.load\n/a,a,heavy\n",
@@ -391,6 +392,8 @@ fn bad_input_ends_the_command_with_what_to_do() {
         (with(&["--select", "a9,/roof/*"]), "has no a9, /roof/*"),
         (
             with(&[
+                "--params-file",
+                "many.yaml",
                 "--ros-args",
                 "-p",
                 "sensors.names:=[laser]",
@@ -403,7 +406,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
                 "-p",
                 "sensors.laser.topic:=lasers",
             ]),
-            "sensors.laser.topic of column",
+            "name 257 topics of their own",
         ),
         (with(&["--ros-args", "-p", "top.laod:=1.0"]), "top.laod"),
     ] {
