@@ -14,6 +14,9 @@ mod dates;
 mod documents;
 #[cfg(feature = "security")]
 mod enclave;
+mod error;
+#[cfg(feature = "security")]
+mod fault;
 #[cfg(feature = "security")]
 mod governance;
 mod health;
@@ -22,13 +25,14 @@ mod peers;
 mod permissions;
 mod settings;
 
-use std::path::PathBuf;
-
 #[cfg(feature = "security")]
 pub use dates::{EXPIRY_NOTICE, now};
 #[cfg(feature = "security")]
-pub use enclave::{
-    ENCLAVE_FILES, Enclave, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
+pub use enclave::Enclave;
+pub use error::SecurityError;
+#[cfg(feature = "security")]
+pub use fault::{
+    ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
 };
 #[cfg(feature = "security")]
 pub use governance::ProtectionKinds;
@@ -50,46 +54,6 @@ pub enum Protection {
     /// The participant belongs to this enclave.
     #[cfg(feature = "security")]
     Enclave(Box<Enclave>),
-}
-
-/// Why a participant must not be created.
-#[derive(Debug, thiserror::Error)]
-pub enum SecurityError {
-    /// Security is enforced, but there is no keystore.
-    #[error(
-        "SECURITY ERROR: ROS_SECURITY_STRATEGY=Enforce requires a keystore, but ROS_SECURITY_KEYSTORE is not set; set it to \
-         the directory that contains `enclaves`"
-    )]
-    NoKeystore,
-    /// Security is enforced, but the enclave does not exist.
-    #[error(
-        "SECURITY ERROR: directory '{}' does not exist. Choose an enclave of the keystore with --ros-args --enclave or \
-         ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
-        .0.display()
-    )]
-    NoDirectory(PathBuf),
-    /// Security is enforced, but the directory contains no files of an enclave.
-    #[error(
-        "SECURITY ERROR: directory '{}' contains none of the files of an enclave (cert.pem, key.pem and others). Choose an \
-         enclave of the keystore with --ros-args --enclave or ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
-        .0.display()
-    )]
-    NoFiles(PathBuf),
-    /// Security is enforced, but this program does not contain it.
-    #[error(
-        "SECURITY ERROR: ROS_SECURITY_STRATEGY=Enforce, but this program was built without DDS security; build it with \
-         `--features security` (needs OpenSSL: Debian's libssl-dev and pkg-config)"
-    )]
-    NotBuilt,
-    /// The enclave exists, but cannot be used, whatever the strategy.
-    #[cfg(feature = "security")]
-    #[error("SECURITY ERROR: the enclave in '{}' cannot be used:{}", .directory.display(), listed(.faults))]
-    Broken {
-        /// Its directory.
-        directory: PathBuf,
-        /// All faults that were found; not empty.
-        faults: Vec<EnclaveFault>,
-    },
 }
 
 /// Determines the protection of a participant in a domain. Every program that opens a participant calls this first.
@@ -154,11 +118,6 @@ fn unprotected(settings: &SecuritySettings, error: &SecurityError) -> String {
         "ROS_SECURITY_ENABLE=true, but messages are neither signed nor encrypted, and every peer is accepted: {reason}. With \
          {strategy}, this is not an error; set it to Enforce to require security"
     )
-}
-
-#[cfg(feature = "security")]
-fn listed(faults: &[EnclaveFault]) -> String {
-    faults.iter().map(|fault| format!("\n- {fault}")).collect()
 }
 
 impl Protection {

@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::dates;
 use super::documents::{Domains, child, children, parse, text_of};
-use super::enclave::{EnclaveFault, EnclaveFile};
+use super::fault::{EnclaveFault, EnclaveFile};
 
 /// The grant of one subject.
 #[derive(Debug)]
