@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use super::consistency::{Inconsistency, SPRINGS, inconsistencies};
+use super::consistency::{SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
+use super::inconsistency::Inconsistency;
 use super::hinge_rows::{HARDENING_OF_NAMED, HARDENING_WITH_RATE};
 use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;

@@ -1,10 +1,10 @@
 //! The parameters that exist once for each sensor in `sensors.names`, and the sensors that they describe.
 
-use super::consistency::Inconsistency;
+use super::inconsistency::Inconsistency;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::settings::{SensorAxis, SensorMessage, SensorSettings, Settings};
 use super::value::{Kind, Value, readable};
-use super::{or_else, section_of};
+use super::section::{or_else, section_of};
 use crate::sensors::{Quantity, Sensor};
 
 /// The parameters of each sensor, which continue [`PARAMETERS`](super::PARAMETERS): each exists once for every element of

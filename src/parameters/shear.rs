@@ -2,7 +2,8 @@
 
 use super::catalogue::CatalogueSection;
 use super::settings::ShearModel;
-use super::{Parameters, or_of_name};
+use super::Parameters;
+use super::section::or_of_name;
 use crate::column::{RolledSection, ShearProperties};
 
 /// Why the web of a column does not yield in shear.

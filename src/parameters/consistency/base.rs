@@ -1,9 +1,9 @@
 //! Consistency of the parameters of the base plate.
 
-use super::Inconsistency;
+use crate::parameters::inconsistency::Inconsistency;
 use crate::column::{BaseFactors, BasePlateError};
 use crate::parameters::base::given_plate;
-use crate::parameters::dimensions_of;
+use crate::parameters::section::dimensions_of;
 use crate::parameters::settings::{BaseConnection, Settings, SupportKind};
 
 /// The numbers of a base plate: all of them with a plate, none without.

@@ -1,7 +1,7 @@
 //! Consistency of the parameters of a verdict: its load and its buckling lengths.
 
-use super::Inconsistency;
-use crate::parameters::dimensions_of;
+use crate::parameters::inconsistency::Inconsistency;
+use crate::parameters::section::dimensions_of;
 use crate::parameters::settings::Settings;
 
 /// A limit of redistribution counts only with a spring that takes the load and with a proof.
