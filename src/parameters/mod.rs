@@ -79,8 +79,8 @@ pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parame
 pub use processors::{MAX_PROCESSOR, processors};
 pub use ranges::MAX_SELECTED_COLUMNS;
 pub use reference::markdown;
-pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use section::ColumnSection;
+pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
     AcceptEstimates, AssessmentSettings, BaseConnection, BaseSettings, CapacitySettings,

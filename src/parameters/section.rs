@@ -1,5 +1,7 @@
 //! The section of a column, from its name and from what is given.
 
+use serde::Serialize;
+
 use super::catalogue::CatalogueSection;
 use super::settings::SectionSettings;
 use crate::column::RolledSection;

@@ -2,9 +2,9 @@
 
 use super::inconsistency::Inconsistency;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::section::{or_else, section_of};
 use super::settings::{SensorAxis, SensorMessage, SensorSettings, Settings};
 use super::value::{Kind, Value, readable};
-use super::section::{or_else, section_of};
 use crate::sensors::{Quantity, Sensor};
 
 /// The parameters of each sensor, which continue [`PARAMETERS`](super::PARAMETERS): each exists once for every element of

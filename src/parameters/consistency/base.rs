@@ -1,8 +1,8 @@
 //! Consistency of the parameters of the base plate.
 
-use crate::parameters::inconsistency::Inconsistency;
 use crate::column::{BaseFactors, BasePlateError};
 use crate::parameters::base::given_plate;
+use crate::parameters::inconsistency::Inconsistency;
 use crate::parameters::section::dimensions_of;
 use crate::parameters::settings::{BaseConnection, Settings, SupportKind};
 

@@ -31,9 +31,7 @@ pub use dates::{EXPIRY_NOTICE, now};
 pub use enclave::Enclave;
 pub use error::SecurityError;
 #[cfg(feature = "security")]
-pub use fault::{
-    ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
-};
+pub use fault::{ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES};
 #[cfg(feature = "security")]
 pub use governance::ProtectionKinds;
 pub use peers::Peers;
