@@ -13,10 +13,10 @@ use super::dates::{is_near, remaining};
 use super::documents::signed_text;
 use super::error::SecurityError;
 use super::fault::{
-    ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
+    Action, ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
 };
 use super::governance::{Governance, ProtectionKinds};
-use super::permissions::{Action, Grant};
+use super::permissions::Grant;
 
 /// Topics without which no node of ros2-client starts.
 const NEEDED: [(Action, &str); 3] = [

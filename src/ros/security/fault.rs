@@ -245,3 +245,21 @@ fn sign_advice(element: &str, found: &str) -> &'static str {
         ""
     }
 }
+
+/// What a participant does with a topic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// It publishes.
+    Publish,
+    /// It subscribes.
+    Subscribe,
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Publish => "publish",
+            Self::Subscribe => "subscribe to",
+        })
+    }
+}
