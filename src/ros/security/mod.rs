@@ -151,6 +151,8 @@ impl Protection {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
 
     fn settings(strategy: SecurityStrategy, keystore: Option<&str>) -> SecuritySettings {
