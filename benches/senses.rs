@@ -18,7 +18,7 @@ use column_twin::live::{
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumn, Parameters, Value};
 use column_twin::senses::{Batch, Detector, Intake};

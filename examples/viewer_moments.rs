@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{Impact, simulate};
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::Parameters;
 use column_twin::viewer::{ViewerItem, from_samples, write_rrd};
 

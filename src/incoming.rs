@@ -3,7 +3,9 @@
 
 use crate::endpoints::COLUMN_PARAMETERS;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement, ParameterEntry};
+use crate::messages::column_twin_msgs::{
+    ColumnParameters, ImpactEvent, Measurement, ParameterEntry,
+};
 use crate::parameters::Value;
 use crate::senses::RawBatch;
 use crate::time::{INVALID_STAMP, Nanos};

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use column_twin::live::{Clock, Notifier, SystemClock};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport,
+};
 use column_twin::messages::std_msgs::Header;
 use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{Environment, Names, Node};

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport};
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::ros::qos::{self, Endpoint};
 

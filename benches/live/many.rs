@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::ros::qos;
 
 use super::domain::Domain;

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use column_twin::column::Impact;
-use column_twin::messages::column_twin::{ColumnState, ImpactEstimate, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEstimate, TwinStatus};
 use column_twin::parameters::Parameters;
 use column_twin::ros::qos;
 use column_twin::senses::{Readings, simulate_sensors};

@@ -8,7 +8,7 @@ use clap::Args;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, RosArguments, RowImpactOptions,
     report_line, send_impact, send_row_impact,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use column_twin::evidence::{JournalEntry, JournalLine};
 use column_twin::incoming::raw_batch;
 use column_twin::live::RecentBatches;
-use column_twin::messages::column_twin::{ImpactEstimate, Measurement};
+use column_twin::messages::column_twin_msgs::{ImpactEstimate, Measurement};
 use column_twin::parameters::Parameters;
 use column_twin::senses::{EstimateRecord, Intake};
 use column_twin::twin::{Command, Journal};

@@ -10,7 +10,7 @@ use super::failure::{Exit, Failure};
 use super::recorded_felt::RecordedFelt;
 use column_twin::evidence::{JournalEntry, JournalError, JournalLine};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEstimate, ImpactEvent, ImpactReport, Measurement,
 };
 use column_twin::messages::{Message, cdr};

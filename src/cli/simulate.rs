@@ -22,7 +22,7 @@ use column_twin::evidence::SimulatedRecordingError;
 use column_twin::figures::HistoryThinning;
 use column_twin::figures::{self, FigureError};
 #[cfg(feature = "viewer")]
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::{
     Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };

@@ -7,7 +7,7 @@ use super::activity::Activity;
 use super::journal_line::JournalEntry;
 use crate::endpoints::{self, Endpoint};
 use crate::messages::cdr;
-use crate::messages::column_twin::{FleetStatus, TwinStatus};
+use crate::messages::column_twin_msgs::{FleetStatus, TwinStatus};
 use crate::parameters::RecordSettings;
 use crate::time::Nanos;
 use crate::twin::{CHECKPOINT_PERIOD, Command, CommandRecord, Journal};

@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::outgoing::Message;
 
 /// Maximum number of forecasts that wait for a recorded message, and of impacts that are remembered as without one.

@@ -11,7 +11,7 @@ use super::verification::Verification;
 use crate::endpoints;
 use crate::incoming::{column_command, impact_command};
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{ColumnParameters, ImpactEvent};
+use crate::messages::column_twin_msgs::{ColumnParameters, ImpactEvent};
 use crate::time::Nanos;
 use crate::twin::{Command, RefusalCode};
 

@@ -12,7 +12,7 @@ use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
 use crate::live::{QueueStats, WhenFull};
 use crate::messages::cdr;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::outgoing::{RecordingHealth, RecordingTap};
 use crate::parameters::{RecordMode, RecordSettings};

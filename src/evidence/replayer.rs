@@ -8,7 +8,7 @@ use super::estimates::EstimateCheck;
 use super::replayed_twin::{Found, ReplayedTwin, compare, note_missing};
 use super::verification::Verification;
 use crate::messages::cdr::CdrError;
-use crate::messages::column_twin::{ImpactReport, TwinStatus};
+use crate::messages::column_twin_msgs::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
 use crate::time::Nanos;

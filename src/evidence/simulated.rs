@@ -11,7 +11,7 @@ use crate::endpoints::{self, Endpoint};
 use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::ImpactEvent;
+use crate::messages::column_twin_msgs::ImpactEvent;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::Outgoing;
 use crate::parameters::Parameters;

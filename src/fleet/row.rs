@@ -3,7 +3,7 @@
 
 use crate::column::{End, Outcome, VehicleReport};
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ImpactEvent, RowImpactEvent};
+use crate::messages::column_twin_msgs::{ImpactEvent, RowImpactEvent};
 use crate::messages::std_msgs::Header;
 use crate::parameters::{crushed_name, split_crush};
 use crate::printable::Printable;

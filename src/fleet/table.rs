@@ -1,6 +1,6 @@
 //! A fleet as a table that fits a terminal: the worst columns first.
 
-use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
+use crate::messages::column_twin_msgs::{ColumnStatus, FleetStatus, TwinStatus};
 use crate::messages::words::{phase_word, severity_word};
 use crate::printable::Printable;
 

@@ -7,7 +7,7 @@ use crate::column::{
     Report, Sample,
 };
 
-use super::column_twin::{
+use super::column_twin_msgs::{
     BaseForces, ColumnState, HingeForces, ImpactEvent, ImpactReport, PerMass, PredictImpactRequest,
 };
 

@@ -2,7 +2,7 @@
 
 use crate::assessment;
 
-use super::column_twin::{CredibleInterval, ImpactEstimate, TwinStatus};
+use super::column_twin_msgs::{CredibleInterval, ImpactEstimate, TwinStatus};
 
 /// The word for a phase in `ColumnState`, `TwinStatus` and `ColumnStatus`.
 #[must_use]

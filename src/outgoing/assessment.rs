@@ -4,7 +4,7 @@ use crate::assessment::{
     Assessment, Criterion, ImpactEvaluation, RemainingCapacity, Severity, VerdictRange,
 };
 use crate::column::Impact;
-use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
+use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;
 use crate::time::seconds;
 use crate::twin::{Assessed, Prediction, ReportOutput, Status};

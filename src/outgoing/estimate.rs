@@ -1,6 +1,6 @@
 //! What the sensors say about an impact as a message.
 
-use crate::messages::column_twin::{CredibleInterval, ImpactEstimate};
+use crate::messages::column_twin_msgs::{CredibleInterval, ImpactEstimate};
 use crate::senses::{self, FEWEST_RESPONSES};
 use crate::twin::{Decision, EstimateOutput};
 

@@ -17,7 +17,7 @@ use crate::column::MAX_MASSES;
 use crate::endpoints::{self, Endpoint};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 use crate::messages::sensor_msgs::JointState;

@@ -1,7 +1,7 @@
 //! A forecast that no longer holds, or that will never be there, as a message.
 
 use crate::column::WEBS;
-use crate::messages::column_twin::{BaseForces, ImpactReport};
+use crate::messages::column_twin_msgs::{BaseForces, ImpactReport};
 use crate::twin::{ForecastEnd, WithdrawnForecast};
 
 impl ImpactReport {

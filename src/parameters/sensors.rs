@@ -125,7 +125,7 @@ pub const SENSOR_PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("measurement"),
         admissible: Admissible::Choice(&["measurement", "imu", "accel_stamped"]),
         applies: Applies::Restart,
-        meaning: "type of its messages: column_twin/msg/Measurement with a batch of samples, or one sample in the linear acceleration \
+        meaning: "type of its messages: column_twin_msgs/msg/Measurement with a batch of samples, or one sample in the linear acceleration \
                   of sensor_msgs/msg/Imu or of geometry_msgs/msg/AccelStamped",
     },
     Parameter {

@@ -377,7 +377,7 @@ words! {
     }
     /// Type of the messages of a sensor.
     SensorMessage {
-        /// `column_twin/msg/Measurement`.
+        /// `column_twin_msgs/msg/Measurement`.
         Measurement,
         /// `sensor_msgs/msg/Imu`.
         Imu,

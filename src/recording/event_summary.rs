@@ -6,7 +6,7 @@ use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
 use serde::Serialize;
 
 use crate::column::{End, Outcome};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::messages::from_column::{end_code, outcome_code};
 
 /// Maximum number of events in a summary.
@@ -91,9 +91,9 @@ type Handler = fn(&mut Events, &Decoded);
 
 fn handler(type_name: &str) -> Option<Handler> {
     match type_name {
-        "column_twin/msg/ImpactEvent" => Some(Events::announced),
-        "column_twin/msg/ImpactReport" => Some(Events::reported),
-        "column_twin/msg/TwinStatus" => Some(Events::status),
+        "column_twin_msgs/msg/ImpactEvent" => Some(Events::announced),
+        "column_twin_msgs/msg/ImpactReport" => Some(Events::reported),
+        "column_twin_msgs/msg/TwinStatus" => Some(Events::status),
         _ => None,
     }
 }

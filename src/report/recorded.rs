@@ -88,7 +88,7 @@ pub enum RecordedReportError {
     },
     /// It is not a recording of this program, or nothing happened in it.
     #[error(
-        "{} contains no impact: expected messages of type column_twin/msg/ImpactEvent or column_twin/msg/ImpactReport, found \
+        "{} contains no impact: expected messages of type column_twin_msgs/msg/ImpactEvent or column_twin_msgs/msg/ImpactReport, found \
          the topics {topics}; give a recording of column-twin run or of column-twin simulate --record", path.display()
     )]
     NoImpact {

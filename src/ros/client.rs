@@ -10,7 +10,7 @@ use ros2_client::Subscription;
 
 use crate::column::ImpactSpecification;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnStatus, FleetStatus, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::std_msgs::Header;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::incoming::nanos;
 use crate::live::QueueStats;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;

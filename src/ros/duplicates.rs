@@ -14,7 +14,7 @@ use rustdds::{
 };
 
 use super::qos;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 
 /// What a node compares with its peers.
 pub(super) struct Duplicates {

@@ -11,7 +11,7 @@ use ros2_client::{Gid, MessageInfo, Server, Subscription};
 use crate::incoming::{column_command, impact_command, nanos};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     CalibrateRequest, CalibrateResponse, ColumnParameters, ConfirmEstimateRequest,
     ConfirmEstimateResponse, ImpactEvent, ImpactReport, PredictImpactRequest,
     PredictImpactResponse,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::column::{HINGE_NAMES, WEB_NAMES};
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 pub use crate::messages::words::{decision_word, in_unit, severities_in_words, severity_word};

@@ -14,7 +14,7 @@ use crate::live::{FleetMeasurements, MeasurementQueue};
 use crate::messages::Message as _;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
-use crate::messages::column_twin::Measurement;
+use crate::messages::column_twin_msgs::Measurement;
 use crate::messages::geometry_msgs::{AccelStamped, Vector3};
 use crate::messages::sensor_msgs::Imu;
 use crate::messages::std_msgs::Header;

@@ -9,7 +9,7 @@ use ros2_client::{Publisher, parameters::raw};
 use crate::endpoints::Endpoint;
 use crate::live::OutputSource;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};

@@ -1,6 +1,6 @@
 //! The services about what was felt and measured on the column.
 
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     CalibrateRequest, CalibrateResponse, ConfirmEstimateRequest, ConfirmEstimateResponse,
 };
 use crate::sensors::Quantity;

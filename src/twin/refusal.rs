@@ -11,7 +11,7 @@ pub const MAX_REASON_CHARS: usize = 2_000;
 macro_rules! refusal_codes {
     ($($(#[$doc:meta])* $variant:ident = $number:literal $name:literal;)*) => {
         /// Why a command was rejected. The numbers are part of the interface and never change their meaning; they are
-        /// the constants `REFUSED_...` of `column_twin/msg/TwinStatus`.
+        /// the constants `REFUSED_...` of `column_twin_msgs/msg/TwinStatus`.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
         pub enum RefusalCode {

@@ -1,7 +1,7 @@
 //! The events of an impact with their times: from a report if there is one, otherwise from the states.
 
 use crate::column::{HINGE_NAMES, HINGES, HingeState, Phase, Sample, WEB_NAMES, WEBS};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 
 use super::scene::force;
 use crate::shape::{HINGE_PLACES, WEB_PLACES};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::timeline::nanos;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::ImpactEstimate;
+use crate::messages::column_twin_msgs::ImpactEstimate;
 use crate::parameters::Parameters;
 use crate::senses::{AVERAGED_OVER, Batch, EstimateRecord, predicted_means};
 use crate::standing::StandingColumn;

@@ -9,7 +9,7 @@ use super::felt::{FeltUpdate, SensorCourse};
 use super::rerun_types::{color, time_columns};
 use super::timeline::Moment;
 use crate::assessment::Severity;
-use crate::messages::column_twin::{CredibleInterval, ImpactReport};
+use crate::messages::column_twin_msgs::{CredibleInterval, ImpactReport};
 use crate::parameters::Parameters;
 use crate::sensors::Quantity;
 use crate::shape::severity_colour;

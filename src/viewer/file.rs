@@ -14,7 +14,7 @@ use super::plots::Ranges;
 use super::stream::{StreamOptions, ViewerStream};
 use super::timeline::nanos;
 use crate::column::{Phase, Sample};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::parameters::Parameters;
 use crate::twin::{StateOutput, TwinPhase};
 

@@ -6,7 +6,7 @@ use super::felt::FeltUpdate;
 use crate::column::{
     BaseForces, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WebSample,
 };
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use crate::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 use crate::study::VehicleLimits;

@@ -3,7 +3,7 @@
 use super::item::Announcement;
 use super::scene::{Drawing, force};
 use crate::column::{HINGE_NAMES, HINGES};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::printable::is_printable;
 use crate::shape::HINGE_PLACES;
 use crate::study::VehicleLimits;
@@ -246,7 +246,7 @@ pub(super) fn escaped(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::column::{Impact, simulate};
-    use crate::messages::column_twin::PerMass;
+    use crate::messages::column_twin_msgs::PerMass;
     use crate::parameters::Parameters;
     use crate::shape::VehicleBody;
     use crate::viewer::Announcement;

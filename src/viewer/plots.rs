@@ -5,7 +5,7 @@ use rerun::blueprint::components::Corner2D;
 use super::colour::{self, Rgb};
 use super::timeline::nanos;
 use crate::column::{HINGES, Impact, MAX_MASSES, Sample, simulate};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::parameters::Parameters;
 use crate::shape::round_number;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::felt::FeltUpdate;
 use super::item::{Announcement, ViewerItem};
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use crate::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 

@@ -2,7 +2,7 @@
 
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::{Message, Reader};
 use column_twin::twin::{CHECKPOINT_PERIOD, Command, Journal};

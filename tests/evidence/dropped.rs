@@ -9,7 +9,7 @@ use column_twin::live::{
     LiveOptions, OutputQueue, OutputSource, QueueStats, RealTime, Receiver, WhenFull,
 };
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::parameters::{RecordMode, RecordSettings};

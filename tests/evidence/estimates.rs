@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::assessment::Severity;
 use column_twin::column::Impact;
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
-use column_twin::messages::column_twin::{ImpactEstimate as EstimateMessage, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactEstimate as EstimateMessage, TwinStatus};
 use column_twin::messages::{Message, cdr, std_msgs};
 use column_twin::outgoing::Topic;
 use column_twin::parameters::Value;

@@ -11,7 +11,7 @@ use column_twin::evidence::{
     verify_column,
 };
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnParameters, ColumnState, FleetStatus, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use column_twin::messages::std_msgs::Header;

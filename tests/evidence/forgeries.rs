@@ -7,7 +7,7 @@ use column_twin::evidence::{
     JournalEntry, JournalError, JournalLine, Topics, Verification, VerifyError, verify,
 };
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnState, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactReport};
 use column_twin::messages::std_msgs;
 use column_twin::outgoing::Topic;
 use column_twin::recording::{Entry, Message, Writer, WriterOptions};

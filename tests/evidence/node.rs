@@ -10,7 +10,7 @@ use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{JournalEntry, JournalLine, NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::parameters::{Parameters, Value};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::assessment::Severity;
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactReport, TwinStatus};
 use column_twin::parameters::RecordMode;
 use column_twin::recording::{Message, Reader};
 use column_twin::twin::{CHECKPOINT_PERIOD, Command, Journal};

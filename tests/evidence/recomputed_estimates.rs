@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::evidence::{JournalLine, Verification, verify};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;

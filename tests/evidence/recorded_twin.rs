@@ -10,7 +10,7 @@ use column_twin::endpoints::{self, Endpoint};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::incoming::{column_command, raw_batch};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement};
+use column_twin::messages::column_twin_msgs::{ColumnParameters, ImpactEvent, Measurement};
 use column_twin::messages::rcl_interfaces::{Parameter, ParameterEvent, ParameterValue};
 use column_twin::messages::std_msgs::Header;
 use column_twin::messages::{Message, cdr};

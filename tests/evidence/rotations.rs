@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{JournalLine, Topics, Verification, verify_reader};
-use column_twin::messages::column_twin::ColumnParameters;
+use column_twin::messages::column_twin_msgs::ColumnParameters;
 use column_twin::parameters::{Parameters, RecordMode, Value};
 use column_twin::recording::{
     Entry, Message, Reader, RecorderOptions, SealFinding, SealKey, Session,

@@ -9,7 +9,7 @@ use column_twin::evidence::{NodeRecording, Topics};
 use column_twin::fleet::StatusBoard;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnStatus, FleetStatus};
+use column_twin::messages::column_twin_msgs::{ColumnStatus, FleetStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::outgoing::{Message, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};

@@ -10,7 +10,9 @@ use column_twin::evidence::{
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{
+    ColumnParameters, ImpactEvent, ImpactReport, TwinStatus,
+};
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::rcl_interfaces::Log;
 use column_twin::messages::std_msgs;

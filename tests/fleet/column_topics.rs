@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::visualization_msgs::MarkerArray;
 use column_twin::outgoing::Topic;
 use column_twin::ros::{FleetNode, FleetTwin, Names, qos};

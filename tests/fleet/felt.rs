@@ -8,7 +8,7 @@ use std::process::{Child, Command as Process, Stdio};
 
 use column_twin::column::Impact;
 use column_twin::evidence::{verify, verify_column};
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     CalibrateRequest, CalibrateResponse, FleetStatus, ImpactEstimate, ImpactReport,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, FleetStatus, ImpactEvent, ImpactReport, PredictImpactRequest,
     PredictImpactResponse, ResetColumnRequest, ResetColumnResponse, TwinStatus,
 };

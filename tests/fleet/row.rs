@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::fleet::{MAX_ROW_COLUMNS, MAX_ROWS, NotHit, RowImpact, Rows};
 use column_twin::incoming::impact_command;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ImpactEvent, RowImpactEvent};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, RowImpactEvent};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::time::Nanos;

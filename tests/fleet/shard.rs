@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command as Process;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::ros::{Node, qos};
 use ros2_client::Publisher;
 

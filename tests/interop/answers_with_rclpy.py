@@ -14,7 +14,7 @@ import sys
 import rclpy
 from rclpy.qos import QoSProfile
 
-from column_twin.msg import ImpactEvent, ImpactReport, TwinStatus
+from column_twin_msgs.msg import ImpactEvent, ImpactReport, TwinStatus
 from diagnostic_msgs.msg import DiagnosticArray
 
 PERIOD = 0.5

@@ -31,8 +31,8 @@ import rclpy  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
 
-from column_twin.msg import ColumnState, ImpactEvent, ImpactReport, TwinStatus  # noqa: E402
-from column_twin.srv import PredictImpact  # noqa: E402
+from column_twin_msgs.msg import ColumnState, ImpactEvent, ImpactReport, TwinStatus  # noqa: E402
+from column_twin_msgs.srv import PredictImpact  # noqa: E402
 from cyclone_service import ServiceCaller  # noqa: E402
 
 # Discovery through two bridges on a loaded machine takes seconds; a bridge repeats lost queries after five.

@@ -34,7 +34,7 @@ SHARE = Path(sys.prefix) / "share"
 def definition_files():
     """(package, file) of every definition in the repository."""
     for path in sorted([*REPOSITORY.glob("msg/*.msg"), *REPOSITORY.glob("srv/*.srv")]):
-        yield "column_twin", path
+        yield "column_twin_msgs", path
     for path in sorted([*REPOSITORY.glob("msg/deps/*/*.msg"), *REPOSITORY.glob("msg/deps/*/*.srv")]):
         yield path.parent.name, path
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the Python environment of the interoperability tests, unless it is there already, and prints its path:
 #
-#   venv=$(tests/interop/environment.sh) && "$venv/bin/python" -c 'from column_twin.msg import ColumnState'
+#   venv=$(tests/interop/environment.sh) && "$venv/bin/python" -c 'from column_twin_msgs.msg import ColumnState'
 #
 # It holds rclpy (ROS 2 Jazzy, Fast DDS) from PyPI, our messages made by rosidl from msg/ and srv/, and the peers of
 # requirements.txt. It stands in the user's cache directory under a hash of everything it is made from, so that a
@@ -50,7 +50,7 @@ content_hash() {
   (
     cd "$repository"
     sha256sum tests/interop/environment.sh tests/interop/requirements.txt tests/interop/constraints.txt \
-      package.xml CMakeLists.txt crates/python/python/column_twin/__init__.py msg/*.msg srv/*.srv
+      ros/column_twin_msgs/* msg/*.msg srv/*.srv
     "$python" -c 'import sys; print(sys.version, sys.base_prefix)'
   ) | sha256sum | cut -c1-16
 }
@@ -86,20 +86,20 @@ relocate_cmake_files() {
 
 # Our messages and services, made by rosidl, installed beside those of the wheels.
 build_messages() {
-  local build=$venv/build-column_twin
+  local build=$venv/build-column_twin_msgs
   export AMENT_PREFIX_PATH=$venv PATH=$venv/bin:$PATH
   LD_LIBRARY_PATH=$venv/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
   export LD_LIBRARY_PATH
-  cmake -S "$repository" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
-    -DPython3_EXECUTABLE="$venv/bin/python" -DPYTHON_INSTALL_DIR=lib/python3.11/site-packages -DBUILD_TESTING=OFF -DCOLUMN_TWIN_NODE=OFF
+  cmake -S "$repository/ros/column_twin_msgs" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
+    -DPython3_EXECUTABLE="$venv/bin/python" -DPYTHON_INSTALL_DIR=lib/python3.11/site-packages -DBUILD_TESTING=OFF
   cmake --build "$build"
   cmake --install "$build"
   rm -rf "$build"
 }
 
 check_messages_import() {
-  (cd / && "$venv/bin/python" -c 'from column_twin.msg import ColumnState; from column_twin.srv import PredictImpact; import rclpy')
-  [[ -f $venv/share/column_twin/msg/ColumnState.json ]]
+  (cd / && "$venv/bin/python" -c 'from column_twin_msgs.msg import ColumnState; from column_twin_msgs.srv import PredictImpact; import rclpy')
+  [[ -f $venv/share/column_twin_msgs/msg/ColumnState.json ]]
 }
 
 build() {

@@ -18,7 +18,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from column_twin.msg import FleetStatus
+from column_twin_msgs.msg import FleetStatus
 
 PATIENCE = 30.0
 LOAD = 3.25e5

@@ -25,20 +25,20 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from column_twin.msg import ColumnParameters, ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus
-from column_twin.srv import PredictImpact
+from column_twin_msgs.msg import ColumnParameters, ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus
+from column_twin_msgs.srv import PredictImpact
 
 PATIENCE = 30.0
 NODE = "column_twin"
 TOPICS = {
-    "/impact_event": "column_twin/msg/ImpactEvent",
-    "/column_parameters": "column_twin/msg/ColumnParameters",
-    "/column_state": "column_twin/msg/ColumnState",
-    "/hinge_forces": "column_twin/msg/HingeForces",
-    "/impact_forecast": "column_twin/msg/ImpactReport",
-    "/impact_report": "column_twin/msg/ImpactReport",
-    "/impact_estimate": "column_twin/msg/ImpactEstimate",
-    "/twin_status": "column_twin/msg/TwinStatus",
+    "/impact_event": "column_twin_msgs/msg/ImpactEvent",
+    "/column_parameters": "column_twin_msgs/msg/ColumnParameters",
+    "/column_state": "column_twin_msgs/msg/ColumnState",
+    "/hinge_forces": "column_twin_msgs/msg/HingeForces",
+    "/impact_forecast": "column_twin_msgs/msg/ImpactReport",
+    "/impact_report": "column_twin_msgs/msg/ImpactReport",
+    "/impact_estimate": "column_twin_msgs/msg/ImpactEstimate",
+    "/twin_status": "column_twin_msgs/msg/TwinStatus",
     "/joint_states": "sensor_msgs/msg/JointState",
     "/markers": "visualization_msgs/msg/MarkerArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
@@ -47,9 +47,9 @@ TOPICS = {
 }
 SERVICES = {
     "/column_twin/reset": "std_srvs/srv/Trigger",
-    "/column_twin/predict": "column_twin/srv/PredictImpact",
-    "/column_twin/confirm_estimate": "column_twin/srv/ConfirmEstimate",
-    "/column_twin/calibrate": "column_twin/srv/Calibrate",
+    "/column_twin/predict": "column_twin_msgs/srv/PredictImpact",
+    "/column_twin/confirm_estimate": "column_twin_msgs/srv/ConfirmEstimate",
+    "/column_twin/calibrate": "column_twin_msgs/srv/Calibrate",
 }
 
 faults = []

@@ -47,7 +47,7 @@ class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
 
 
 @dataclass
-class ColumnState(IdlStruct, typename="column_twin::msg::dds_::ColumnState_"):
+class ColumnState(IdlStruct, typename="column_twin_msgs::msg::dds_::ColumnState_"):
     header: Header
     column_id: str
     event_id: str

@@ -24,7 +24,7 @@ from rclpy.qos import (DurabilityPolicy, QoSDurabilityPolicy, QoSPresetProfiles,
 from std_srvs.srv import Trigger
 from type_description_interfaces.srv import GetTypeDescription
 
-from column_twin.msg import ColumnState, ImpactReport
+from column_twin_msgs.msg import ColumnState, ImpactReport
 from node_with_rclpy import NODE, Peer, check, check_that, end, event_of, faults
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -227,14 +227,14 @@ def type_descriptions(tools):
 
     # This node has a subscription of the first and a service of the second.
     tools.node.create_service(Trigger, "~/trigger", lambda request, response: response)
-    for name in ["column_twin/msg/ColumnState", "column_twin/msg/TwinStatus", "visualization_msgs/msg/MarkerArray",
+    for name in ["column_twin_msgs/msg/ColumnState", "column_twin_msgs/msg/TwinStatus", "visualization_msgs/msg/MarkerArray",
                  "diagnostic_msgs/msg/DiagnosticArray", "std_srvs/srv/Trigger"]:
         package, kind, stem = name.split("/")
         installed = json.loads((SHARE / package / kind / f"{stem}.json").read_text())["type_hashes"]
         hash = next(it["hash_string"] for it in installed if it["type_name"] == name)
         for sources in [True, False]:
             check(f"answer of rclpy for {name}", ask(own, name, hash, sources), ask(rclpys, name, hash, sources))
-    answer = ask(own, "column_twin/msg/ColumnState", "RIHS01_" + "0" * 64)
+    answer = ask(own, "column_twin_msgs/msg/ColumnState", "RIHS01_" + "0" * 64)
     check_that(f"an unknown hash: {answer.failure_reason}", not answer.successful and "RIHS01_" in answer.failure_reason)
     check("the parameter", tools.param_get("start_type_description_service"), True)
     check_that("it is read-only", not tools.param_set("start_type_description_service", "false").successful)

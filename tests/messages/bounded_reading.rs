@@ -3,7 +3,7 @@
 use column_twin::messages::Message;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr::{self, CdrError};
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent};
 use column_twin::messages::std_msgs;
 use proptest::prelude::*;
 
@@ -99,7 +99,7 @@ fn errors_say_what_was_expected_and_found() {
     assert_eq!(
         error.to_string(),
         format!(
-            "column_twin/msg/ImpactEvent: expected 84 bytes, found {}; compare the sender's definition of the type",
+            "column_twin_msgs/msg/ImpactEvent: expected 84 bytes, found {}; compare the sender's definition of the type",
             state.len()
         )
     );

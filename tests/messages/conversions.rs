@@ -5,7 +5,7 @@ use column_twin::column::{
     Report, Sample, VehicleReport, WEBS, WebSample,
 };
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
 use proptest::prelude::*;
 use serde_json::{Map, Value, json};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     CalibrateRequest, ColumnParameters, ColumnState, HingeForces, ImpactEstimate, ImpactReport,
     ParameterEntry, TwinStatus,
 };
@@ -18,6 +18,9 @@ use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, Literal, Typ
 use serde_reflection::{ContainerFormat, Format, Tracer, TracerConfig};
 
 use super::{ForEachType, for_each_type};
+
+/// The ROS package of `msg/` and `srv/`.
+const PACKAGE: &str = "column_twin_msgs";
 
 struct SameFields {
     seen: Vec<String>,
@@ -197,9 +200,9 @@ fn files_below(folder: &Path, package: &str) -> BTreeSet<String> {
 #[test]
 fn table_and_cmake_name_every_definition_file() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let ours: BTreeSet<_> = [("msg", "column_twin"), ("srv", "column_twin")]
+    let ours: BTreeSet<_> = ["msg", "srv"]
         .iter()
-        .flat_map(|(f, p)| files_below(&root.join(f), p))
+        .flat_map(|folder| files_below(&root.join(folder), PACKAGE))
         .collect();
     let table: BTreeSet<_> = INTERFACES
         .iter()
@@ -212,34 +215,50 @@ fn table_and_cmake_name_every_definition_file() {
         .collect();
     assert_eq!(ours, table);
 
-    let cmake = fs::read_to_string(root.join("CMakeLists.txt")).unwrap();
-    for file in ours
-        .iter()
-        .filter_map(|name| name.strip_prefix("column_twin/"))
-    {
+    let cmake = fs::read_to_string(root.join("ros/column_twin_msgs/CMakeLists.txt")).unwrap();
+    let own = format!("{PACKAGE}/");
+    for file in ours.iter().filter_map(|name| name.strip_prefix(&own)) {
         let (folder, stem) = file.split_once('/').unwrap();
         assert!(
             cmake.contains(&format!("\"{folder}/{stem}.{folder}\"")),
             "CMakeLists.txt lacks {file}"
         );
     }
-    let package = fs::read_to_string(root.join("package.xml")).unwrap();
-    assert!(package.contains(concat!(
-        "<version>",
-        env!("CARGO_PKG_VERSION"),
-        "</version>"
-    )));
+}
+
+/// `colcon build` in a workspace that has a clone of this repository finds both packages: it looks for them in every folder, but
+/// not below one that is a package itself, which a `package.xml` or a `CMakeLists.txt` makes it.
+#[test]
+fn colcon_finds_two_packages_of_this_version() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for above in [root, &root.join("ros")] {
+        for file in ["package.xml", "CMakeLists.txt", "setup.py"] {
+            let hides = above.join(file);
+            assert!(
+                !hides.exists(),
+                "{} hides the packages below",
+                hides.display()
+            );
+        }
+    }
+    let version = format!("<version>{}</version>", env!("CARGO_PKG_VERSION"));
+    for name in ["column_twin", PACKAGE] {
+        let package = root.join("ros").join(name).join("package.xml");
+        let package = fs::read_to_string(package).unwrap();
+        assert!(package.contains(&format!("<name>{name}</name>")), "{name}");
+        assert!(package.contains(&version), "{name} is not of this version");
+    }
 }
 
 #[test]
 fn names_follow_ros_and_dds() {
     assert_eq!(
         ColumnState::INTERFACE.ros_name(),
-        "column_twin/msg/ColumnState"
+        "column_twin_msgs/msg/ColumnState"
     );
     assert_eq!(
         ColumnState::INTERFACE.dds_name(),
-        "column_twin::msg::dds_::ColumnState_"
+        "column_twin_msgs::msg::dds_::ColumnState_"
     );
     assert_eq!(
         std_srvs::TriggerRequest::INTERFACE.ros_name(),
@@ -250,10 +269,10 @@ fn names_follow_ros_and_dds() {
         "std_srvs::srv::dds_::Trigger_Request_"
     );
     assert_eq!(
-        find("column_twin/msg/ColumnState"),
+        find("column_twin_msgs/msg/ColumnState"),
         Some(ColumnState::INTERFACE)
     );
-    assert_eq!(find("column_twin/msg/Columnstate"), None);
+    assert_eq!(find("column_twin_msgs/msg/Columnstate"), None);
 }
 
 /// Without fields above `---`, the request is what rosidl makes of it and the response what stands below.
@@ -346,7 +365,7 @@ fn column_parameters_lists_every_parameter() {
 fn our_definitions_keep_the_message_rules() {
     for interface in INTERFACES
         .iter()
-        .filter(|interface| interface.package() == "column_twin")
+        .filter(|interface| interface.package() == PACKAGE)
     {
         let text = interface.text();
         let mut comment = "";

@@ -2,7 +2,7 @@
 
 use column_twin::messages::idl::idl;
 use column_twin::messages::{
-    INTERFACES, Message as _, column_twin::HingeForces, visualization_msgs::MarkerArray,
+    INTERFACES, Message as _, column_twin_msgs::HingeForces, visualization_msgs::MarkerArray,
 };
 
 #[test]

@@ -8,7 +8,7 @@ mod idl;
 mod ros2_itself;
 
 use column_twin::messages::{
-    Message, builtin_interfaces, column_twin as ours, diagnostic_msgs, geometry_msgs,
+    Message, builtin_interfaces, column_twin_msgs as ours, diagnostic_msgs, geometry_msgs,
     rcl_interfaces, rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs,
     visualization_msgs,
 };

@@ -47,7 +47,7 @@ fn info_says_what_is_in_it() {
         "column-twin 0.2.0",
         "2026-11-21 07:40:00.000 UTC",
         "/garage/column_state",
-        "column_twin/msg/ColumnState",
+        "column_twin_msgs/msg/ColumnState",
         "0 messages according to the recorder; ended: stopped",
         "event 0 on A3, 2026-11-21 07:40:00.000 UTC: 1500 kg at 10 m/s",
         "plastic: peak v1 94.60 mm after 19.79 ms (forecast 94.60 mm), residual 89.34 mm, peak contact force 746.9 kN",

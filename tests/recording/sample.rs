@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
@@ -51,30 +51,34 @@ pub fn topics() -> Vec<TopicInfo> {
     [
         (
             "/garage/column_state",
-            "column_twin/msg/ColumnState",
+            "column_twin_msgs/msg/ColumnState",
             RELIABLE,
         ),
         (
             "/garage/hinge_forces",
-            "column_twin/msg/HingeForces",
+            "column_twin_msgs/msg/HingeForces",
             RELIABLE,
         ),
         (
             "/garage/impact_event",
-            "column_twin/msg/ImpactEvent",
+            "column_twin_msgs/msg/ImpactEvent",
             RELIABLE,
         ),
         (
             "/garage/impact_forecast",
-            "column_twin/msg/ImpactReport",
+            "column_twin_msgs/msg/ImpactReport",
             LATCHED,
         ),
         (
             "/garage/impact_report",
-            "column_twin/msg/ImpactReport",
+            "column_twin_msgs/msg/ImpactReport",
             LATCHED,
         ),
-        ("/garage/twin_status", "column_twin/msg/TwinStatus", LATCHED),
+        (
+            "/garage/twin_status",
+            "column_twin_msgs/msg/TwinStatus",
+            LATCHED,
+        ),
         (
             "/garage/joint_states",
             "sensor_msgs/msg/JointState",
@@ -97,7 +101,7 @@ pub fn topics() -> Vec<TopicInfo> {
         ),
         (
             "/garage/column_parameters",
-            "column_twin/msg/ColumnParameters",
+            "column_twin_msgs/msg/ColumnParameters",
             RELIABLE,
         ),
     ]

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::Value;
 use column_twin::twin::ImpactCommand;
 

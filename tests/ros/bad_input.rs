@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnParameters, ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::messages::std_msgs;
 use column_twin::parameters::Value;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::column::Impact;
 use column_twin::evidence::verify;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ConfirmEstimateRequest, ConfirmEstimateResponse, CredibleInterval, ImpactEstimate, ImpactEvent,
     ImpactReport, TwinStatus,
 };

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use column_twin::live::LiveOptions;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{LiveTwin, Names, RosoutQueue, TwinNode, qos};
 use rustdds::GUID;

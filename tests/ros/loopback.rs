@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::Value;
 use column_twin::ros::qos::{self, Endpoint};

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::live::LiveOptions;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::geometry_msgs::{Accel, AccelStamped, Vector3};
 use column_twin::messages::sensor_msgs::Imu;

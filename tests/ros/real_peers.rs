@@ -8,7 +8,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use column_twin::column::{Impact, ImpactSpecification, Report};
-use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport};
 use column_twin::parameters::Parameters;
 use column_twin::ros::qos;
 use column_twin::twin::Twin;

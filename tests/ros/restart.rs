@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::parameters::Parameters;

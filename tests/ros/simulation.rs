@@ -1,7 +1,7 @@
 //! The expected response of a virgin column, computed by the mechanics alone: no twin, no clock, no ROS.
 
 use column_twin::column::{Impact, Report, Sample, simulate};
-use column_twin::messages::column_twin::{ColumnState, HingeForces};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces};
 use column_twin::parameters::Parameters;
 
 /// An expected sample.

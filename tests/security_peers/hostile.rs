@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use column_twin::column::ImpactSpecification;
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::ros::{
     ClientError, Environment, ImpactOptions, ImpactOutcome, ImpactRequest, Names, Node, qos,

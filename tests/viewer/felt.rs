@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use column_twin::column::Impact;
-use column_twin::messages::column_twin::{ImpactEstimate, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ImpactEstimate, ImpactReport};
 use column_twin::parameters::Parameters;
 use column_twin::senses::{
     Batch, EstimateRecord, RecordedImpact, estimate_recorded, simulate_sensors,
@@ -246,7 +246,7 @@ fn an_impact_that_is_felt_ends_the_one_before_in_a_recording() {
         ..ImpactReport::default()
     };
     let state = |event_id: &str| {
-        let state = column_twin::messages::column_twin::ColumnState {
+        let state = column_twin::messages::column_twin_msgs::ColumnState {
             event_id: event_id.to_owned(),
             ..Default::default()
         };

@@ -10,7 +10,7 @@ use super::super::failure::{Exit, Failure, LinePrinter};
 use super::signal::{self, Truth};
 use super::stage::{ChildProcess, Stage};
 use super::{TIMEOUT, outcome_text, severity_text};
-use column_twin::messages::column_twin::{ImpactEstimate, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactEstimate, ImpactReport, TwinStatus};
 use column_twin::parameters::Parameters;
 use column_twin::ros::{Seen, decision_word, follow_sensors, in_unit, severities_in_words};
 use column_twin::senses::Readings;

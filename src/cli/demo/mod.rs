@@ -17,7 +17,7 @@ use super::failure::{Exit, Failure, LinePrinter};
 use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification, WEBS};
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, range_of,

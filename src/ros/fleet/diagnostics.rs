@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use crate::fleet::MAX_OPEN_COLUMNS;
-use crate::messages::column_twin::{ColumnStatus, TwinStatus};
+use crate::messages::column_twin_msgs::{ColumnStatus, TwinStatus};
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;

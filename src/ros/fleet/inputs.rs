@@ -10,7 +10,7 @@ use ros2_client::{Gid, Server, Subscription};
 use crate::endpoints::Endpoint;
 use crate::incoming::{column_command, impact_command};
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     CalibrateRequest, CalibrateResponse, ColumnParameters, ConfirmEstimateRequest,
     ConfirmEstimateResponse, ImpactEvent, ImpactReport, PredictImpactRequest,
     PredictImpactResponse, ResetColumnRequest, ResetColumnResponse, RowImpactEvent, TwinStatus,

@@ -28,7 +28,7 @@ pub enum FleetTwinError {
     Selection(#[from] SelectionError),
     /// A sensor of a column sends on a topic of its own, or without the name of its column.
     #[error(
-        "sensors.{sensor}.{name} of column {column_id:?} is {value:?}, but the sensors of a fleet send column_twin/msg/Measurement on \
+        "sensors.{sensor}.{name} of column {column_id:?} is {value:?}, but the sensors of a fleet send column_twin_msgs/msg/Measurement on \
          the topic measurements, which has the column_id; leave sensors.{sensor}.{name} out and convert the messages of the driver, \
          or run the column with `column-twin run`"
     )]

@@ -13,7 +13,7 @@ use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::live::Receiver;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnStatus, FleetStatus, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::rcl_interfaces::ParameterEvent;

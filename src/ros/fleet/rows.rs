@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::column::VehicleReport;
 use crate::fleet::{NotHit, RowImpact, Rows};
 use crate::incoming::impact_command;
-use crate::messages::column_twin::RowImpactEvent;
+use crate::messages::column_twin_msgs::RowImpactEvent;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{Parameters, crush_of_name, split_crush};
 use crate::time::Nanos;

@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use crate::assessment::Severity;
     use crate::column::Sample;
-    use crate::messages::column_twin::{ImpactReport, TwinStatus};
+    use crate::messages::column_twin_msgs::{ImpactReport, TwinStatus};
     use crate::parameters::FleetColumn;
     use crate::twin::{StateOutput, TwinPhase};
 

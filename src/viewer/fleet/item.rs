@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::item::ViewerItem;
 use crate::assessment::Severity;
 use crate::fleet::Plan;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::parameters::{FleetColumn, Parameters};
 use crate::twin::{NoticeLevel, Status, TwinPhase};
 

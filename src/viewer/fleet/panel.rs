@@ -3,7 +3,7 @@
 use super::super::panel::escaped;
 use super::item::{ColumnMark, ShownFleet};
 use crate::assessment::Severity;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::messages::words::{phase_word, severity_word};
 use crate::outgoing::{phase_code, severity_code};
 use crate::twin::TwinPhase;

@@ -8,8 +8,8 @@ use ros_interface::BoundedSequence;
 use super::std_msgs::Header;
 use crate::column::MAX_MASSES;
 
-pub use super::column_twin_fleet::*;
-pub use super::column_twin_services::*;
+pub use super::column_twin_msgs_fleet::*;
+pub use super::column_twin_msgs_services::*;
 
 /// One value for each mass of a compliant vehicle, or for the spring in front of it, front first.
 pub type PerMass = BoundedSequence<f64, MAX_MASSES>;

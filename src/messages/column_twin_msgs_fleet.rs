@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::column_twin::TwinStatus;
+use super::column_twin_msgs::TwinStatus;
 use super::std_msgs::Header;
 
 /// A vehicle hits several columns of a fleet one after another.

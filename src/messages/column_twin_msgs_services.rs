@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::column_twin::ImpactReport;
+use super::column_twin_msgs::ImpactReport;
 
 /// Request to make one column of a fleet virgin.
 ///
