@@ -19,13 +19,13 @@ ln -sfn "$repository" src/column_twin
 export AMENT_PREFIX_PATH=$environment PATH=$environment/bin:$PATH PYTHONDONTWRITEBYTECODE=1
 LD_LIBRARY_PATH=$environment/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
-found=$(colcon list --names-only | sort | tr '\n' ' ')
-[[ $found == "column_twin column_twin_msgs " ]] || {
-  echo "expected the packages column_twin and column_twin_msgs in $workspace/src, found $found" >&2
-  exit 1
-}
 colcon --log-level error build --event-handlers console_direct- --cmake-args \
   -DCMAKE_PREFIX_PATH="$environment" -DPython3_EXECUTABLE="$environment/bin/python" -DBUILD_TESTING=OFF -G Ninja
+found=$(find install -mindepth 1 -maxdepth 1 -type d -printf '%f\n' | sort | tr '\n' ' ')
+[[ $found == "column_twin column_twin_msgs " ]] || {
+  echo "expected the packages column_twin and column_twin_msgs from $workspace/src, found $found" >&2
+  exit 1
+}
 
 expect_in() {
   local installed=$1 path
