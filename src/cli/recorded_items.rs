@@ -28,7 +28,7 @@ pub(super) struct RecordedItems {
 /// Reads a recording. Its journal contains the parameters of the column; for a recording without a journal they come from
 /// the parameter file `config`.
 pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<RecordedItems, Failure> {
-    let reader = Reader::open(bag)?;
+    let reader = recording::open(bag)?;
     let mut parameters = match config {
         None => None,
         Some(file) => Some(Arc::new(Parameters::load(std::slice::from_ref(file), &[])?)),

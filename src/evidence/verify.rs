@@ -124,6 +124,7 @@ fn verify_with(
     only: Option<&str>,
     observe: Option<&mut dyn FnMut(Observed<'_>)>,
 ) -> Result<Verification, VerifyError> {
+    recording::check_version(reader)?;
     let journal = reader
         .topics()
         .iter()

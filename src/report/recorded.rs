@@ -122,7 +122,7 @@ impl ReportDocument {
         column_id: Option<&str>,
         event_id: Option<&str>,
     ) -> Result<Self, RecordedReportError> {
-        let reader = Reader::open(path)?;
+        let reader = recording::open(path)?;
         let mut gathered = Gathered {
             wanted: event_id.map(str::to_owned),
             ..Gathered::default()

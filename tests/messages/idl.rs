@@ -9,7 +9,7 @@ use column_twin::messages::{
 fn names_arrays_constants_and_units_are_those_of_the_definition() {
     let text = idl(&[HingeForces::INTERFACE], INTERFACES).expect("a definition");
     for expected in [
-        "module column_twin { module msg {",
+        "module column_twin_msgs { module msg {",
         "  const octet HINGE_2 = 2;",
         "struct HingeForces_ {",
         "  std_msgs::msg::dds_::Header_ header;",
