@@ -225,9 +225,7 @@ impl Column {
             .map_err(|faults| CapacityCommandError::Faulted(faults.to_string()))?;
         let mut column = Self::virgin(parameters)?;
         let mut state = State::settled(&column.model, saved.displacement, saved.plastic);
-        if let Some(accumulated) = saved.accumulated_rotation {
-            state.set_accumulated_rotation(&column.model, &accumulated);
-        }
+        state.set_accumulated_rotation(&column.model, &saved.accumulated_rotation);
         if let Some(webs) = &saved.webs {
             state.set_webs(&column.model, webs);
         }
