@@ -4,6 +4,7 @@ use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use column_twin::column::Sample;
 use column_twin::live::{Clock, Notifier, SystemClock};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin_msgs::{
@@ -136,7 +137,8 @@ fn publish(mut node: Node, count: u64) {
             header,
             column_id,
             event_id,
-            ..HingeForces::default()
+            // With an entry for each hinge, as the node sends them.
+            ..HingeForces::from(&Sample::default())
         };
         let _ = forces.publish(force);
     }

@@ -21,6 +21,7 @@ mod table;
 pub mod builtin_interfaces;
 pub mod column_twin_msgs;
 mod column_twin_msgs_fleet;
+mod column_twin_msgs_hinges;
 mod column_twin_msgs_services;
 pub mod diagnostic_msgs;
 pub(crate) mod from_column;

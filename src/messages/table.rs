@@ -29,6 +29,7 @@ interfaces! {
     column_twin_msgs Message ColumnStatus = ColumnStatus in "msg/ColumnStatus.msg";
     column_twin_msgs Message CredibleInterval = CredibleInterval in "msg/CredibleInterval.msg";
     column_twin_msgs Message FleetStatus = FleetStatus in "msg/FleetStatus.msg";
+    column_twin_msgs Message HingeDescription = HingeDescription in "msg/HingeDescription.msg";
     column_twin_msgs Message HingeForces = HingeForces in "msg/HingeForces.msg";
     column_twin_msgs Message ImpactEstimate = ImpactEstimate in "msg/ImpactEstimate.msg";
     column_twin_msgs Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";

@@ -5,6 +5,7 @@
 //! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
 mod assessment;
+mod descriptions;
 mod estimate;
 mod joint_states;
 mod markers;
@@ -411,9 +412,11 @@ impl Outgoing {
             residual_v1: status.residual_v1,
             residual_u2: status.residual_u2,
             plastic_work_since_reset: status.plastic_work_since_reset,
-            plastic_rotation: status.plastic_rotation,
-            plastic_elongation: status.plastic_elongation,
-            shear_angle: status.shear_angle,
+            hinges: descriptions::hinges(status.lengths),
+            webs: descriptions::webs(status.lengths),
+            plastic_rotation: status.plastic_rotation.into(),
+            plastic_elongation: status.plastic_elongation.into(),
+            shear_angle: status.shear_angle.into(),
             ..TwinStatus::default()
         }
         .assessed(status)

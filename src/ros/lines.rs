@@ -304,8 +304,8 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     };
     let hinges: Vec<_> = HINGE_NAMES
         .iter()
-        .zip(report.plastic_rotation)
-        .filter(|(_, rotation)| *rotation != 0.0)
+        .zip(&*report.plastic_rotation)
+        .filter(|(_, rotation)| **rotation != 0.0)
         .map(|(name, rotation)| format!("{name} {:.2}", 1e3 * rotation))
         .collect();
     let hinges = if hinges.is_empty() {
@@ -315,8 +315,8 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     };
     let webs: String = WEB_NAMES
         .iter()
-        .zip(report.shear_angle)
-        .filter(|(_, angle)| *angle != 0.0 && angle.is_finite())
+        .zip(&*report.shear_angle)
+        .filter(|(_, angle)| **angle != 0.0 && angle.is_finite())
         .map(|(name, angle)| format!(", web {name} sheared by {:.2} mrad", 1e3 * angle))
         .collect();
     let crush = match &report.max_crush[..] {

@@ -111,6 +111,8 @@ pub struct Status {
     pub vehicle: VehicleReport,
     /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
     pub error_estimate: Option<f64>,
+    /// Undeformed lengths of the bars: those of the response, or of the column at rest.
+    pub lengths: Lengths,
     /// The column, for displays; `None` during a response.
     pub at_rest: Option<RestingColumn>,
 }
@@ -191,6 +193,7 @@ impl Status {
             range: judgement.range.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
             error_estimate: last.and_then(|it| it.error_estimate),
+            lengths: Lengths::from(&struck.map_or(&at_rest.model, |it| &it.model).properties),
             at_rest: struck.is_none().then(|| RestingColumn {
                 sample: sample_at_rest,
                 lengths: Lengths::from(&at_rest.model.properties),

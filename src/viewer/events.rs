@@ -97,9 +97,19 @@ impl EventDetector {
 /// The events of a report, unordered.
 fn of_report(report: &ImpactReport) -> Vec<Event> {
     let mut events: Vec<_> = (0..HINGES)
-        .map(|index| (report.first_yield_time[index], first_yield(index)))
+        .map(|index| {
+            (
+                report.first_yield_time.get_or(index, f64::NAN),
+                first_yield(index),
+            )
+        })
         .collect();
-    events.extend((0..WEBS).map(|index| (report.web_first_yield_time[index], first_shear(index))));
+    events.extend((0..WEBS).map(|index| {
+        (
+            report.web_first_yield_time.get_or(index, f64::NAN),
+            first_shear(index),
+        )
+    }));
     events.push((report.max_v1_time, peak(report.max_v1)));
     events.push((report.release_time, separation(report.impactor_rebound)));
     events.push((report.end_time, end(report)));

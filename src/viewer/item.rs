@@ -175,22 +175,22 @@ fn hinge_state(code: u8) -> HingeState {
 
 fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
     let hinge = |index: usize| HingeSample {
-        moment: forces.moment[index],
-        normal_force: forces.normal_force[index],
-        rotation: forces.rotation[index],
-        elongation: forces.elongation[index],
-        plastic_rotation: forces.plastic_rotation[index],
-        plastic_elongation: forces.plastic_elongation[index],
-        utilisation: forces.utilisation[index],
-        dynamic_factor: forces.dynamic_factor[index],
-        state: hinge_state(forces.state[index]),
+        moment: forces.moment.get_or(index, f64::NAN),
+        normal_force: forces.normal_force.get_or(index, f64::NAN),
+        rotation: forces.rotation.get_or(index, f64::NAN),
+        elongation: forces.elongation.get_or(index, f64::NAN),
+        plastic_rotation: forces.plastic_rotation.get_or(index, f64::NAN),
+        plastic_elongation: forces.plastic_elongation.get_or(index, f64::NAN),
+        utilisation: forces.utilisation.get_or(index, f64::NAN),
+        dynamic_factor: forces.dynamic_factor.get_or(index, f64::NAN),
+        state: hinge_state(forces.state.get_or(index, HingeForces::ELASTIC)),
     };
     let web = |index: usize| WebSample {
-        shear_force: forces.shear_force[index],
-        plastic_angle: forces.shear_angle[index],
-        utilisation: forces.shear_utilisation[index],
-        dynamic_factor: forces.web_dynamic_factor[index],
-        state: hinge_state(forces.web_state[index]),
+        shear_force: forces.shear_force.get_or(index, f64::NAN),
+        plastic_angle: forces.shear_angle.get_or(index, f64::NAN),
+        utilisation: forces.shear_utilisation.get_or(index, f64::NAN),
+        dynamic_factor: forces.web_dynamic_factor.get_or(index, f64::NAN),
+        state: hinge_state(forces.web_state.get_or(index, HingeForces::ELASTIC)),
         ..WebSample::default()
     };
     Sample {

@@ -106,7 +106,7 @@ fn severity(report: &ImpactReport) -> String {
 /// Which hinges yield, in words.
 fn hinges(report: &ImpactReport) -> String {
     let yielded: Vec<_> = (0..HINGES)
-        .filter(|hinge| report.first_yield_time[*hinge].is_finite())
+        .filter(|hinge| report.first_yield_time.get_or(*hinge, f64::NAN).is_finite())
         .map(|hinge| format!("{} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]))
         .collect();
     match &yielded[..] {
@@ -291,7 +291,7 @@ mod tests {
             "{text}"
         );
         announced.report.outcome = ImpactReport::ELASTIC;
-        announced.report.first_yield_time = [f64::NAN; HINGES];
+        announced.report.first_yield_time = [f64::NAN; HINGES].into();
         let text = panel(&drawing, Told::Result(&announced));
         assert!(text.contains("All hinges stay elastic."), "{text}");
     }

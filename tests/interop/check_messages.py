@@ -182,7 +182,7 @@ def rclpy_message(kind, sample):
 def element_class(kind, field):
     """The class of the elements of a sequence of messages."""
     spelt = kind.get_fields_and_field_types()[field]
-    package, name = spelt.removeprefix("sequence<").removesuffix(">").split("/")
+    package, name = spelt.removeprefix("sequence<").removesuffix(">").split(",")[0].split("/")
     return rclpy_class(package, "msg", name)
 
 

@@ -25,7 +25,9 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from column_twin_msgs.msg import ColumnParameters, ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus
+from column_twin_msgs.msg import (
+    ColumnParameters, ColumnState, HingeDescription, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+)
 from column_twin_msgs.srv import PredictImpact
 
 PATIENCE = 30.0
@@ -82,6 +84,8 @@ def check_fields(what, message, expected):
         found = [float(it) for it in found] if hasattr(found, "__len__") else float(found)
         value = [math.nan if it is None else float(it) for it in value] if isinstance(value, list) else \
             math.nan if value is None else float(value)
+        if isinstance(value, list) and len(found) != len(value):
+            faults.append(f"{what}: {name}: expected {len(value)} entries, found {found!r}")
         both = zip(found, value) if isinstance(value, list) else [(found, value)]
         if not all(one == other or (math.isnan(one) and math.isnan(other)) for one, other in both):
             faults.append(f"{what}: {name}: expected {value!r}, found {found!r}")
@@ -286,6 +290,13 @@ def impact(peer, expected):
     event, _ = event_of(expected, "e2")
     peer.until("joint states", lambda: peer.seen["joint_states"])
     check("joints", list(peer.seen["joint_states"][-1].name), ["hinge_1a", "hinge_1b", "hinge_2", "hinge_3"])
+    status = peer.seen["twin_status"][-1]
+    described = [(it.name, it.bar, it.end) for it in status.hinges]
+    upper, lower = HingeDescription.UPPER_END, HingeDescription.LOWER_END
+    check("hinges", described, [("1a", 0, upper), ("1b", 1, lower), ("2", 1, upper), ("3", 0, lower)])
+    check("one entry per hinge", len(status.plastic_rotation), len(described))
+    check("webs", [(it.name, it.bar, it.end) for it in status.webs],
+          [("a", 0, HingeDescription.WHOLE_BAR), ("b", 1, HingeDescription.WHOLE_BAR)])
     peer.until("markers", lambda: peer.seen["markers"])
     check_that("markers show the column", any(it.ns == "column" for it in peer.seen["markers"][-1].markers))
 

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use column_twin::messages::column_twin_msgs::{
-    CalibrateRequest, ColumnParameters, ColumnState, HingeForces, ImpactEstimate, ImpactReport,
-    ParameterEntry, TwinStatus,
+    CalibrateRequest, ColumnParameters, ColumnState, HingeDescription, HingeForces, ImpactEstimate,
+    ImpactReport, ParameterEntry, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::rcl_interfaces::Log;
@@ -128,6 +128,7 @@ fn every_constant_has_the_value_of_its_definition() {
             DECISION_PENDING, DECISION_ACCEPTED, DECISION_MERGED, DECISION_REJECTED, DECISION_REFUSED,
         }
         CalibrateRequest { DISPLACEMENT, ROTATION }
+        HingeDescription { LOWER_END, UPPER_END, WHOLE_BAR }
         HingeForces { HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, WEB_A, WEB_B, ELASTIC, PLASTIC, UNLOADED }
         ImpactReport {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, WEB_A, WEB_B, FORECAST, RESULT, PREDICTION, WITHDRAWN, NO_FORECAST,
@@ -154,7 +155,7 @@ fn every_constant_has_the_value_of_its_definition() {
         .iter()
         .filter(|interface| !interface.specification().unwrap().constants.is_empty())
         .count();
-    assert_eq!(with_constants, 10, "a type with constants is missing above");
+    assert_eq!(with_constants, 11, "a type with constants is missing above");
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.

@@ -13,8 +13,8 @@ fn names_arrays_constants_and_units_are_those_of_the_definition() {
         "  const octet HINGE_2 = 2;",
         "struct HingeForces_ {",
         "  std_msgs::msg::dds_::Header_ header;",
-        "  // Bending moment [N m].\n  double moment[4];",
-        "  octet state[4];",
+        "  // Bending moment [N m].\n  sequence<double, 16> moment;",
+        "  sequence<octet, 16> state;",
     ] {
         assert!(text.contains(expected), "{expected} is not in\n{text}");
     }

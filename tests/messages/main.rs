@@ -31,6 +31,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         ours::ColumnStatus,
         ours::CredibleInterval,
         ours::FleetStatus,
+        ours::HingeDescription,
         ours::HingeForces,
         ours::ImpactEstimate,
         ours::ImpactEvent,

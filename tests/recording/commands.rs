@@ -221,7 +221,7 @@ fn export_as_tables() {
             .lines()
             .next()
             .unwrap()
-            .contains("moment[0],moment[1],moment[2],moment[3],normal_force[0]")
+            .contains("moment[14],moment[15],normal_force[0]")
     );
     // A topic without messages has its header.
     let parameters = fs::read_to_string(tables.join("garage.column_parameters.csv")).unwrap();

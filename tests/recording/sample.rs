@@ -175,7 +175,7 @@ fn report(kind: u8, event: &str, nanos: i64) -> ImpactReport {
         max_v1_time: 0.01979,
         residual_v1: 0.08934,
         peak_contact_force: 746.9e3,
-        first_yield_time: [f64::NAN, 0.1, 0.2, 0.3],
+        first_yield_time: [f64::NAN, 0.1, 0.2, 0.3].into(),
         ..ImpactReport::default()
     }
 }
@@ -239,9 +239,9 @@ fn hinges(index: usize, nanos: i64) -> HingeForces {
         header: header(nanos),
         column_id: "A3".to_owned(),
         event_id: String::new(),
-        moment: numbers(index),
-        plastic_rotation: numbers(index + 1),
-        state: [0, 1, 2, 1],
+        moment: numbers(index).into(),
+        plastic_rotation: numbers(index + 1).into(),
+        state: [0, 1, 2, 1].into(),
         ..HingeForces::default()
     }
 }

@@ -322,14 +322,18 @@ impl<'a, 'b> Narration<'a, 'b> {
             ));
         };
         for hinge in 0..HINGES {
-            if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
+            if forces.state.get_or(hinge, HingeForces::ELASTIC) == HingeForces::PLASTIC
+                && !self.yielded[hinge]
+            {
                 self.yielded[hinge] = true;
                 let (name, place) = (HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
                 yields(format_args!("hinge {name} ({place}) is yielding"));
             }
         }
         for (web, place) in WEB_PLACES.iter().enumerate() {
-            if forces.web_state[web] == HingeForces::PLASTIC && !self.sheared[web] {
+            if forces.web_state.get_or(web, HingeForces::ELASTIC) == HingeForces::PLASTIC
+                && !self.sheared[web]
+            {
                 self.sheared[web] = true;
                 yields(format_args!("the web {place} is shearing"));
             }
