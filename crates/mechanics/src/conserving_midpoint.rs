@@ -8,7 +8,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
-use super::bracketing;
+use super::bracketing::{self, Solver};
 use super::chain::ChainPoint;
 use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::frame;
@@ -236,12 +236,13 @@ struct Trial {
 pub(crate) fn part(
     model: &Model,
     state: &mut State,
-    offset_secs: f64,
-    secs: f64,
+    [offset_secs, secs]: [f64; 2],
+    solver: Solver,
     events: &mut Events,
 ) -> Result<f64, Rejected> {
     let mut solver = Part {
         model,
+        solver,
         offset_secs,
         events,
         point: Point::default(),
@@ -264,6 +265,7 @@ pub(crate) fn part(
 /// What the trials of one part share.
 struct Part<'a> {
     model: &'a Model,
+    solver: Solver,
     offset_secs: f64,
     events: &'a mut Events,
     /// The last evaluation of the last trial.
@@ -429,7 +431,7 @@ impl Part<'_> {
         let near = from.predictor.normal(&from.forces);
         self.point.below.stress.expect(near.below);
         self.point.above.stress.expect(near.above);
-        bracketing::solve_with_fallback(system, guess, &mut self.point)
+        bracketing::solve_part(system, guess, self.solver, &mut self.point)
     }
 
     /// Whether the mean stress does negative work on the flow of any hinge or web.

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, PerBar};
-use super::bracketing;
+use super::bracketing::{self, Solver};
 use super::chain::ChainPoint;
 use super::contact::Coupling;
 use super::frame;
@@ -106,11 +106,12 @@ struct Trial {
 pub(crate) fn part(
     model: &Model,
     state: &mut State,
-    offset_secs: f64,
-    secs: f64,
+    [offset_secs, secs]: [f64; 2],
+    solver: Solver,
 ) -> Result<(), Rejected> {
     let mut solver = Part {
         model,
+        solver,
         offset_secs,
         secs,
         point: Point::default(),
@@ -150,6 +151,7 @@ pub(crate) fn part(
 /// What the trials of one part share.
 struct Part<'a> {
     model: &'a Model,
+    solver: Solver,
     offset_secs: f64,
     secs: f64,
     /// The last evaluation of the last trial.
@@ -187,7 +189,7 @@ impl Part<'_> {
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
         self.point.above.expect(near.above);
-        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
+        let solved = bracketing::solve_part(&system, guess, self.solver, &mut self.point)?;
         let increment = solved.increment;
         Ok(Trial {
             increment,
