@@ -23,6 +23,8 @@ pub(crate) struct BarStrength {
     pub growth: [f64; 2],
     /// Of the web.
     pub slider: SliderStrength,
+    /// Whether a hinge is expected to flow, which only saves the search without it.
+    pub hinges_flow: bool,
 }
 
 impl BarStrength {
@@ -60,6 +62,7 @@ impl BarStrength {
             lead: None,
             growth,
             slider,
+            hinges_flow: false,
         }
     }
 
@@ -78,8 +81,7 @@ impl BarStrength {
         let n = self.per_axial.map(|per_axial| n * per_axial);
         let m =
             [0, 1].map(|k| surface.relative_moment(stress.moment[k]).abs() * self.per_moment[k]);
-        // With exponents >= 1 no power of a number below 1 exceeds it.
-        if m[0] + n[0] <= 1.0 && m[1] + n[1] <= 1.0 {
+        if !surface.may_be_exceeded(m[0], n[0]) && !surface.may_be_exceeded(m[1], n[1]) {
             return None;
         }
         let lead = self.lead(bar);

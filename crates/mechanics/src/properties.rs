@@ -232,6 +232,20 @@ pub enum RateLaw {
     },
 }
 
+impl RateLaw {
+    /// Dynamic increase factor at a strain rate \[1/s\], >= 1 and without an upper limit.
+    #[must_use]
+    pub fn factor(&self, rate: f64) -> f64 {
+        match *self {
+            Self::CowperSymonds { d, q } if rate > 0.0 => 1.0 + libm::exp(libm::log(rate / d) / q),
+            Self::Logarithmic { c, reference } if rate > reference => {
+                1.0 + c * libm::log(rate / reference)
+            }
+            Self::CowperSymonds { .. } | Self::Logarithmic { .. } => 1.0,
+        }
+    }
+}
+
 /// Elastic law of a bar's two hinges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

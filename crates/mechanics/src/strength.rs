@@ -57,7 +57,13 @@ impl BarStress {
             + first * (strain.rotation[0] - self.strain.rotation[0])
             + second * (strain.rotation[1] - self.strain.rotation[1]);
         let trial = bar.elastic(&strain);
-        self.returned = return_stress(bar, self.strength.as_mut(), trial, self.near);
+        let (strength, near) = (self.strength.as_mut(), self.near);
+        match &bar.slider {
+            None => self.returned = return_to_hinges(bar, strength, trial, near),
+            Some(slider) => {
+                return_with_web((bar, slider), strength, trial, near, &mut self.returned)
+            }
+        }
         self.near = self.returned.forces.normal;
         self.strain = strain;
     }
@@ -115,8 +121,7 @@ impl BarStress {
 
 /// Returns the trial stress to the yield surfaces of the hinges with their `strength`, `None` that of a virgin column at
 /// rest. `near` \[N\] is the expected normal force, which only saves iterations.
-// Inlined, measured: a step takes 2 % less.
-#[inline(always)]
+#[cfg(test)]
 pub(crate) fn return_stress(
     bar: &Bar,
     strength: Option<&mut BarStrength>,
@@ -125,11 +130,17 @@ pub(crate) fn return_stress(
 ) -> Returned {
     match &bar.slider {
         None => return_to_hinges(bar, strength, trial, near),
-        Some(slider) => return_with_web(bar, slider, strength, trial, near),
+        Some(slider) => {
+            let mut returned = Returned::default();
+            return_with_web((bar, slider), strength, trial, near, &mut returned);
+            returned
+        }
     }
 }
 
-/// As [`return_stress`], for a bar whose web does not yield.
+/// Returns the trial stress of a bar whose web does not yield to the yield surfaces of its hinges with their `strength`, `None`
+/// that of a virgin column at rest. `near` \[N\] is the expected normal force, which only saves iterations.
+// Inlined, measured: a step takes 2 % less.
 #[inline(always)]
 fn return_to_hinges(
     bar: &Bar,
@@ -154,39 +165,48 @@ fn exceeds_web(bar: &Bar, strength: Option<&BarStrength>, stress: &BarForces) ->
     })
 }
 
-/// As [`return_stress`], for a bar whose web may yield: without its hinges, without the web, or with all of them. A return
+/// As [`return_to_hinges`], into `returned`, for a bar whose web may yield: without its hinges, without the web, or with all of them. A return
 /// without a constraint that turns out to hold is the return with it, because the problem is convex.
+// Measured: written where it belongs instead of being moved there, a step takes 2 % less.
 #[inline(never)]
 fn return_with_web(
-    bar: &Bar,
-    slider: &Slider,
+    (bar, slider): (&Bar, &Slider),
     mut strength: Option<&mut BarStrength>,
     trial: BarForces,
     near: f64,
-) -> Returned {
+    returned: &mut Returned,
+) {
     let (own, weakest) = match strength.as_deref() {
         None => (SliderStrength::VIRGIN, 1.0),
         Some(strength) => (strength.slider, strength.weakest),
     };
     let n = bar.surface.relative_axial(trial.normal).abs() / weakest;
     if !slider.is_exceeded(trial.moment, &own, n) {
-        let returned = return_to_hinges(bar, strength.as_deref_mut(), trial, near);
-        if returned.place == Place::Elastic
+        *returned = return_to_hinges(bar, strength.as_deref_mut(), trial, near);
+        if matches!(returned.place, Place::Elastic)
             || !exceeds_web(bar, strength.as_deref(), &returned.forces)
         {
-            return returned;
+            return;
         }
-    } else if let Some(returned) =
-        slider.slide_alone(bar, &own, &trial, weakest * bar.surface.resistance_axial)
-    {
-        let exceeded = match strength.as_deref_mut() {
-            None => bar
-                .surface
-                .exceeded(returned.forces.moment, returned.forces.normal),
-            Some(strength) => strength.exceeded(bar, &returned.forces).is_some(),
-        };
-        if !exceeded {
-            return returned;
+    } else {
+        if let Some(strength) = strength.as_deref_mut().filter(|it| it.hinges_flow) {
+            let lead = strength.lead(bar);
+            *returned = PairSearch::<true, true>::new(bar, strength, lead, trial).run(near);
+            if returned.flow.rotation != [0.0; 2] {
+                return;
+            }
+        }
+        let axial = weakest * bar.surface.resistance_axial;
+        if slider.slide_alone((bar, &own), &trial, axial, returned) {
+            let exceeded = match strength.as_deref_mut() {
+                None => bar
+                    .surface
+                    .exceeded(returned.forces.moment, returned.forces.normal),
+                Some(strength) => strength.exceeded(bar, &returned.forces).is_some(),
+            };
+            if !exceeded {
+                return;
+            }
         }
     }
     let mut virgin;
@@ -198,7 +218,7 @@ fn return_with_web(
         }
     };
     let lead = strength.lead(bar);
-    PairSearch::<true, true>::new(bar, strength, lead, trial).run(near)
+    *returned = PairSearch::<true, true>::new(bar, strength, lead, trial).run(near);
 }
 
 impl BarStrength {
