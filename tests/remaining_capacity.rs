@@ -130,8 +130,8 @@ fn the_capacity_that_decides_is_that_of_a_fibre_beam() {
             misses.push((name, damaged));
         }
     }
-    // A long column hit near its base: the upper bar of 7.25 m stays straight where the fibre beam bends. The ratio itself is
-    // 14 % too high.
+    // A long column hit near its base: the hit leaves the upper bar of 7.25 m straight, where the fibre beam has a second hinge in
+    // its middle and keeps twice the bow. A push-down that may bow between the hinges does not mend that.
     let [(name, error)] = &misses[..] else {
         panic!("{misses:?}")
     };
