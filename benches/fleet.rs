@@ -31,7 +31,7 @@ use column_twin::fleet::make_twins;
 use column_twin::live::{
     Clock, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock, monotonic_nanos,
 };
-use column_twin::messages::column_twin::FleetStatus;
+use column_twin::messages::column_twin_msgs::FleetStatus;
 use column_twin::parameters::{FleetColumn, Parameters, Value};
 use column_twin::ros::{Names, Node, qos};
 use column_twin::twin::{Command, ImpactCommand, Output};

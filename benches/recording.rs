@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 use column_twin::live::{RealTime, request_for_publisher};
-use column_twin::messages::column_twin::ColumnState;
+use column_twin::messages::column_twin_msgs::ColumnState;
 use column_twin::messages::{INTERFACES, Message, cdr};
 use column_twin::recording::{
     self, ChunkCompression, Entry, OfferedQos, Recorder, RecorderOptions, SealKey, TopicInfo,
@@ -33,7 +33,8 @@ fn topic() -> TopicInfo {
         transient_local: false,
         depth: 1000,
     };
-    recording::topic("/column_state", "column_twin/msg/ColumnState", qos).expect("a definition")
+    recording::topic("/column_state", "column_twin_msgs/msg/ColumnState", qos)
+        .expect("a definition")
 }
 
 /// A state as it may be, padded to 500 bytes by its identity.

@@ -2,7 +2,7 @@
 //! detection.
 //!
 //! Then what hundreds of columns of a fleet cost on which nothing happens, each with two sensors at 1 kHz: from the bytes of their
-//! messages to the thread that feels impacts, in real time.
+//! messages to the thread that detects impacts, in real time.
 //!
 //! Processor time of the thread, so that other load on the machine falsifies the figures little.
 
@@ -18,7 +18,7 @@ use column_twin::live::{
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumn, Parameters, Value};
 use column_twin::senses::{Batch, Detector, Intake};
@@ -206,7 +206,7 @@ fn fleets() {
         "\n## Fleets at rest: two sensors at {FLEET_RATE} Hz on each column, in batches of {FLEET_BATCH}, {FLEET_SECONDS} s of real time\n"
     );
     println!(
-        "| columns | from bytes to queue | thread that feels | other threads | columns on one processor | lost batches |\n\
+        "| columns | from bytes to queue | thread that detects | other threads | columns on one processor | lost batches |\n\
          |---|---|---|---|---|---|"
     );
     for count in COLUMNS {
@@ -304,7 +304,7 @@ fn fleet(count: usize) {
     handle.stop().expect("no panic");
 }
 
-/// Processor time of the threads of this program that feel impacts \[s\].
+/// Processor time of the threads of this program that detect impacts \[s\].
 fn sensing_time() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").expect("Linux");
     let each = tasks.filter_map(|task| {

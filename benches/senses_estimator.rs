@@ -62,7 +62,7 @@ fn main() {
 fn row(signal: &Signal, count: &str, chosen: &[usize]) {
     let (sensors, readings) = signal.readings(chosen, 7);
     let parameters = with_sensors(&signal.parameters(), &sensors);
-    let column = StandingColumn::virgin(&parameters);
+    let column = StandingColumn::undamaged(&parameters);
     let mut sensing = Sensing::new(&parameters, column).expect("sensors");
     let began = now();
     let mut slices = Vec::new();
@@ -102,7 +102,7 @@ fn row(signal: &Signal, count: &str, chosen: &[usize]) {
                 let until = arrival(record.origin) + 1e3 * record.estimate.data_until;
                 lags.push(time - (until / 10.0 - 1e-6).ceil() * 10.0);
                 drawn += record.drawn_before + record.drawn;
-                effective.push(record.estimate.effective_responses);
+                effective.push(record.estimate.effective_sample_size);
             }
             Work::Idle => match arriving.peek() {
                 Some((_, batch)) => time = arrival(batch.end()).max(time),

@@ -1,4 +1,4 @@
-//! What a cell of a map costs: a screening against the plain simulation with its full assessment, the parts of a screening,
+//! What a cell of a map costs: an evaluation against the plain simulation with its full assessment, the parts of an evaluation,
 //! one thread against two, and the memory of streamed batches.
 //!
 //! Processor time of the thread, so that other load on the machine falsifies the figures little; ratios are of one run.
@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use column_twin::assessment::{AssessmentInput, RemainingCapacity, assess, respond_and_rest};
+use column_twin::assessment::{AssessmentInput, ResidualCapacity, assess, respond_and_rest};
 use column_twin::column::{Impact, Model, State, StudyModel, residual_state};
 use column_twin::parameters::Parameters;
 use column_twin::study::{Batch, StudyColumn};
@@ -57,7 +57,7 @@ fn resident_kilobytes() -> u64 {
 fn on_threads(column: &StudyColumn, impacts: &[Impact], threads: usize) -> f64 {
     let batch = Batch::on_threads(NonZeroUsize::new(threads).expect("a number"));
     let began = Instant::now();
-    let compute = |index: u64| column.screen(&impacts[index as usize]).is_ok();
+    let compute = |index: u64| column.evaluate(&impacts[index as usize]).is_ok();
     batch
         .run::<_, Box<dyn std::error::Error>>(impacts.len() as u64, compute, |_| Ok(()))
         .expect("a batch");
@@ -72,7 +72,7 @@ fn main() {
         "column",
         "vehicle",
         "plain",
-        "screen",
+        "evaluate",
         "ratio",
         "response",
         "residual",
@@ -87,7 +87,7 @@ fn main() {
             .collect();
         let parameters = Parameters::load(&[path], &[]).expect("parameters");
         let properties = parameters.column_properties();
-        let column = StudyColumn::virgin(&parameters).expect("a column");
+        let column = StudyColumn::undamaged(&parameters).expect("a column");
         let model = Model::new(&properties).expect("a column");
         let study = StudyModel::new(&properties, 1.0).expect("a column");
         let impacts = map(&column, vehicle, POINTS);
@@ -97,7 +97,7 @@ fn main() {
             let (report, rest) =
                 respond_and_rest(&properties, impact, duration).expect("a response");
             let remaining =
-                RemainingCapacity::compute(&parameters, &model, rest.as_ref()).expect("a capacity");
+                ResidualCapacity::compute(&parameters, &model, rest.as_ref()).expect("a capacity");
             assess(&AssessmentInput::of_response(
                 &parameters,
                 &model,
@@ -107,12 +107,12 @@ fn main() {
             ))
         });
         let screen = cost(&impacts, |impact| {
-            column.screen(impact).expect("a screening")
+            column.evaluate(impact).expect("an evaluation")
         });
-        let virgin = State::at_rest(&model);
+        let undamaged = State::at_rest(&model);
         let mut ends = Vec::new();
         let response = cost(&impacts, |impact| {
-            let response = study.respond(&virgin, impact, duration);
+            let response = study.respond(&undamaged, impact, duration);
             ends.push(response.expect("a response"));
         });
         let mut of_ends = impacts.iter().zip(&ends);
@@ -123,7 +123,7 @@ fn main() {
         let mut of_ends = ends.iter();
         let capacity = cost(&impacts, |_| {
             let end = of_ends.next().expect("as many");
-            let flowed = end.rest.filter(|rest| rest.plastic != virgin.plastic);
+            let flowed = end.rest.filter(|rest| rest.plastic != undamaged.plastic);
             let bow = column_twin::assessment::imperfection(&parameters);
             flowed.map(|rest| column_twin::column::capacity(&model, &rest, bow))
         });

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from dask.distributed import Client, LocalCluster
 
-from column_twin import Column, Severity
+from column_twin import Column, Action
 
 SECTIONS = ("HEB 180", "HEB 200", "HEB 220", "HEB 260", "HEB 300")
 VEHICLES = ("mid_car", "van", "lorry_8t")
@@ -44,7 +44,7 @@ def building(count: int) -> list[Column]:
 
 def study(column: Column) -> npt.NDArray[np.void]:
     """One task: all vehicles at all speeds on one column, on one thread, because the cluster has a process per processor."""
-    return np.stack([column.screen_batch(None, SPEEDS, vehicle=name, threads=1) for name in VEHICLES])
+    return np.stack([column.evaluate_batch(None, SPEEDS, vehicle=name, threads=1) for name in VEHICLES])
 
 
 def on_cluster(columns: list[Column], scheduler: str | None) -> npt.NDArray[np.void]:
@@ -60,15 +60,15 @@ def on_cluster(columns: list[Column], scheduler: str | None) -> npt.NDArray[np.v
         return np.stack(client.gather(client.map(study, columns)))
 
 
-def report(columns: list[Column], screenings: npt.NDArray[np.void]) -> None:
-    """The columns that need protection most: those that the slowest vehicle brings to `prop` or worse."""
-    severe = screenings["severity"] >= Severity.PROP
+def report(columns: list[Column], evaluations: npt.NDArray[np.void]) -> None:
+    """The columns that need protection most: those that the slowest vehicle brings to `shore` or worse."""
+    severe = evaluations["action"] >= Action.SHORE
     print(f"{'vehicle':12}" + "".join(f"{speed:>12g} m/s" for speed in SPEEDS))
     for index, name in enumerate(VEHICLES):
         shares = severe[:, index, :].mean(axis=0)
         print(f"{name:12}" + "".join(f"{100 * share:14.1f} %" for share in shares))
-    print("share of the columns that must be propped or left; the weakest ones:")
-    worst = np.argsort(screenings["capacity_ratio"].min(axis=(1, 2)), kind="stable")[:5]
+    print("share of the columns that must be shored or left; the weakest ones:")
+    worst = np.argsort(evaluations["capacity_ratio"].min(axis=(1, 2)), kind="stable")[:5]
     for index in worst:
         print(f"  {columns[index]['column_id']:8} {columns[index]!r}")
 
@@ -82,13 +82,13 @@ def main() -> None:
 
     columns = building(options.columns)
     start = time.perf_counter()
-    screenings = on_cluster(columns, options.scheduler)
+    evaluations = on_cluster(columns, options.scheduler)
     elapsed = time.perf_counter() - start
-    print(f"{screenings.size} impacts on {len(columns)} columns in {elapsed:.1f} s, start of the cluster included\n")
-    report(columns, screenings)
+    print(f"{evaluations.size} impacts on {len(columns)} columns in {elapsed:.1f} s, start of the cluster included\n")
+    report(columns, evaluations)
     if options.check:
         alone = np.stack([study(column) for column in columns])
-        if screenings.tobytes() != alone.tobytes():
+        if evaluations.tobytes() != alone.tobytes():
             raise SystemExit("the cluster and this process differ")
         print("\nThe cluster and this process agree bit for bit.")
 

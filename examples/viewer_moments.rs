@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{Impact, simulate};
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::Parameters;
 use column_twin::viewer::{ViewerItem, from_samples, write_rrd};
 
@@ -70,7 +70,7 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         items.retain(|item| match item {
             ViewerItem::State(state) => {
                 count += 1;
-                let near = time - state.sample.time < 1e-3 || state.sample.percussion > 0.0;
+                let near = time - state.sample.time < 1e-3 || state.sample.impact_impulse > 0.0;
                 state.sample.time <= time && (count % 10 == 1 || near)
             }
             ViewerItem::Result(_) => time == report.end_time,

@@ -5,7 +5,7 @@
 pub struct Endpoint {
     /// Name before expansion and remapping.
     pub name: &'static str,
-    /// ROS name of the type, `column_twin/msg/ColumnState`.
+    /// ROS name of the type, `column_twin_msgs/msg/ColumnState`.
     pub type_name: &'static str,
     /// The direction of its messages.
     pub direction: Direction,
@@ -77,7 +77,7 @@ impl Endpoint {
     }
 }
 
-/// Package and bare name of a type such as `column_twin/msg/ColumnState`.
+/// Package and bare name of a type such as `column_twin_msgs/msg/ColumnState`.
 #[must_use]
 pub fn package_and_type(type_name: &str) -> (&str, &str) {
     let package = type_name.split('/').next().unwrap_or_default();
@@ -107,29 +107,29 @@ const SERVICE: Qos = Qos::reliable(10);
 
 endpoints! {
     /// Impact events.
-    IMPACT_EVENT = "impact_event" "column_twin/msg/ImpactEvent" In Qos::reliable(100);
+    IMPACT_EVENT = "impact_event" "column_twin_msgs/msg/ImpactEvent" In Qos::reliable(100);
     /// Impacts of one vehicle on several columns of a fleet.
-    ROW_IMPACT_EVENT = "row_impact_event" "column_twin/msg/RowImpactEvent" In Qos::reliable(100);
+    ROW_IMPACT_EVENT = "row_impact_event" "column_twin_msgs/msg/RowImpactEvent" In Qos::reliable(100);
     /// Parameters of the column.
-    COLUMN_PARAMETERS = "column_parameters" "column_twin/msg/ColumnParameters" In Qos::reliable(10);
+    COLUMN_PARAMETERS = "column_parameters" "column_twin_msgs/msg/ColumnParameters" In Qos::reliable(10);
     /// Samples of the sensors on the column.
-    MEASUREMENTS = "measurements" "column_twin/msg/Measurement" In SENSOR_DATA;
+    MEASUREMENTS = "measurements" "column_twin_msgs/msg/Measurement" In SENSOR_DATA;
     /// Simulated time.
     CLOCK = "/clock" "rosgraph_msgs/msg/Clock" In Qos { reliable: false, ..Qos::reliable(1) };
     /// State at `publish_rate`.
-    COLUMN_STATE = "column_state" "column_twin/msg/ColumnState" Out Qos::reliable(1000);
+    COLUMN_STATE = "column_state" "column_twin_msgs/msg/ColumnState" Out Qos::reliable(1000);
     /// Hinge forces at `publish_rate`.
-    HINGE_FORCES = "hinge_forces" "column_twin/msg/HingeForces" Out Qos::reliable(1000);
+    HINGE_FORCES = "hinge_forces" "column_twin_msgs/msg/HingeForces" Out Qos::reliable(1000);
     /// Predicted outcome of an impact.
-    IMPACT_FORECAST = "impact_forecast" "column_twin/msg/ImpactReport" Out Qos::latched(10);
+    IMPACT_FORECAST = "impact_forecast" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10);
     /// Outcome of an impact.
-    IMPACT_REPORT = "impact_report" "column_twin/msg/ImpactReport" Out Qos::latched(10);
+    IMPACT_REPORT = "impact_report" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10);
     /// What the sensors say about an impact; latched, so that a late subscriber has the newest estimate, and no stale one.
-    IMPACT_ESTIMATE = "impact_estimate" "column_twin/msg/ImpactEstimate" Out Qos::latched(1);
+    IMPACT_ESTIMATE = "impact_estimate" "column_twin_msgs/msg/ImpactEstimate" Out Qos::latched(1);
     /// State of the twin.
-    TWIN_STATUS = "twin_status" "column_twin/msg/TwinStatus" Out Qos::latched(1);
+    TWIN_STATUS = "twin_status" "column_twin_msgs/msg/TwinStatus" Out Qos::latched(1);
     /// Status of the columns of a fleet; as many messages are kept for late joiners as one round of all columns takes.
-    FLEET_STATUS = "fleet_status" "column_twin/msg/FleetStatus" Out Qos::latched(20);
+    FLEET_STATUS = "fleet_status" "column_twin_msgs/msg/FleetStatus" Out Qos::latched(20);
     /// The hinges as joints.
     JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10);
     /// The deformed column; latched, so that late viewers show it as the last response left it. Nothing is published
@@ -141,16 +141,16 @@ endpoints! {
     ROSOUT = "/rosout" "rcl_interfaces/msg/Log" Out Qos { lifespan: Some(10), ..Qos::latched(1000) };
     /// Parameter changes, published as rclcpp does.
     PARAMETER_EVENTS = "/parameter_events" "rcl_interfaces/msg/ParameterEvent" Out Qos::reliable(1000);
-    /// Returns to the virgin column.
+    /// Returns to the undamaged column.
     RESET = "~/reset" "std_srvs/srv/Trigger" Service SERVICE;
-    /// Returns to one virgin column of a fleet.
-    RESET_COLUMN = "~/reset_column" "column_twin/srv/ResetColumn" Service SERVICE;
+    /// Returns to one undamaged column of a fleet.
+    RESET_COLUMN = "~/reset_column" "column_twin_msgs/srv/ResetColumn" Service SERVICE;
     /// Predicts the outcome of an impact without executing it.
-    PREDICT = "~/predict" "column_twin/srv/PredictImpact" Service SERVICE;
-    /// Accepts or rejects the newest impact that the sensors have felt.
-    CONFIRM_ESTIMATE = "~/confirm_estimate" "column_twin/srv/ConfirmEstimate" Service SERVICE;
+    PREDICT = "~/predict" "column_twin_msgs/srv/PredictImpact" Service SERVICE;
+    /// Accepts or rejects the newest impact that the sensors have detected.
+    CONFIRM_ESTIMATE = "~/confirm_estimate" "column_twin_msgs/srv/ConfirmEstimate" Service SERVICE;
     /// Corrects the damage of the column at rest by a measurement.
-    CALIBRATE = "~/calibrate" "column_twin/srv/Calibrate" Service SERVICE;
+    CORRECT_DAMAGE = "~/correct_damage" "column_twin_msgs/srv/CorrectDamage" Service SERVICE;
     /// Parameter service.
     GET_PARAMETERS = "~/get_parameters" "rcl_interfaces/srv/GetParameters" Service SERVICE;
     /// Parameter service.

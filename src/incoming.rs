@@ -3,11 +3,13 @@
 
 use crate::endpoints::COLUMN_PARAMETERS;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement, ParameterEntry};
+use crate::messages::column_twin_msgs::{
+    ColumnParameters, ImpactEvent, Measurement, ParameterEntry,
+};
 use crate::parameters::Value;
 use crate::senses::RawBatch;
 use crate::time::{INVALID_STAMP, Nanos};
-use crate::twin::{Command, ImpactCommand, Refusal, RefusalCode};
+use crate::twin::{Command, ImpactCommand, Rejection, RejectionCode};
 
 /// The command of a message on `impact_event`.
 #[must_use]
@@ -35,7 +37,7 @@ pub fn column_command(message: &ColumnParameters, own: &str) -> Command {
     let reason =
         format!("the message is for column {found:?}, but this is the twin of column {own:?}");
     Command::RejectedChange {
-        refusal: Refusal::new(RefusalCode::OtherColumn, reason),
+        rejection: Rejection::new(RejectionCode::OtherColumn, reason),
         source,
     }
 }

@@ -186,14 +186,14 @@ fn a_signal_to_the_demonstration_alone_is_not_ignored() {
 /// The node receives no event: it detects the impact in the signal, and its recording holds what it has made of it.
 #[cfg(all(feature = "ros", feature = "record"))]
 #[test]
-fn the_demonstration_with_sensors_feels_estimates_and_verifies() {
+fn the_demonstration_with_sensors_detects_estimates_and_verifies() {
     let folder = tempfile::tempdir().expect("a folder");
     let ended = run(folder.path(), &["demo", "--sensors"]);
     let shown = String::from_utf8_lossy(&ended.stdout);
     let errors = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(0), "{shown}{errors}");
     let has = |text: &str| assert!(shown.contains(text), "{text}: {shown}");
-    has("The sensors have felt an impact");
+    has("The sensors have detected an impact");
     has("ACCEPTED");
     has("this estimate is final");
     has("Recording verified by recomputation");
@@ -224,7 +224,7 @@ fn the_demonstration_with_sensors_feels_estimates_and_verifies() {
     );
     let inside = folder.path().join("column_twin_demo");
     let report = fs::read_to_string(inside.join("report.html")).expect("a report");
-    assert!(report.contains("id=\"felt\"") && report.contains("by the twin itself"));
+    assert!(report.contains("id=\"detected\"") && report.contains("by the twin itself"));
     for file in [
         "readings.csv",
         "signal.yaml",
@@ -261,7 +261,7 @@ fn links_to_endless_files_are_rejected() {
                 &column,
                 "--config",
                 &sensors,
-                "--measurements",
+                "--readings",
                 "endless",
             ],
             "a row is longer than 1048576 bytes",

@@ -156,7 +156,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("column-twin map", Ends),
     ("column-twin estimate", Ends),
     ("cargo run --release -- simulate", Ends),
-    ("column-twin replay BAG --clock", Ends),
+    ("column-twin replay RECORDING --clock", Ends),
     ("column-twin replay", Ends),
     ("column-twin verify", Ends),
     ("column-twin info", Ends),
@@ -275,7 +275,7 @@ impl Place {
             folder,
             viewer_port,
         };
-        for name in ["RECORDING", "BAG"] {
+        for name in ["RECORDING", "RECORDING"] {
             let domain = Domain::fresh();
             let mut made = place.shell(&domain, &format!("column-twin simulate --record {name}"));
             assert!(made.status().expect("runs").success());

@@ -14,7 +14,7 @@ fn the_configuration_file_is_the_example_of_the_mechanics() {
     let parameters = Parameters::load(&[file], &[]).expect("admissible parameters");
     let configured = (parameters.column_properties(), parameters.impact());
     let (column, impact) = example::paper();
-    // The program always watches for torn hinges; the mechanics of the paper do not know them.
+    // The program always watches for fractured hinges; the mechanics of the paper do not know them.
     let column = ColumnProperties {
         ultimate_rotation: 0.15,
         ..column

@@ -15,7 +15,8 @@ use column_twin::parameters::{Parameters, Value};
 use column_twin::time::Nanos;
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{
-    Accepted, Command, ImpactCommand, NoticeLevel, Output, Refusal, RefusalCode, StateOutput, Twin,
+    Accepted, Command, ImpactCommand, NoticeLevel, Output, Rejection, RejectionCode, StateOutput,
+    Twin,
 };
 
 const START: Nanos = 1_800_000_000_000_000_000;
@@ -153,7 +154,7 @@ fn a_twin_follows_the_system_clock() {
     live.stop().expect("no panic");
 }
 
-/// The impact comes while the critical velocities of the virgin column are computed in the background.
+/// The impact comes while the critical velocities of the undamaged column are computed in the background.
 #[test]
 fn the_status_has_the_critical_velocities_of_the_damaged_column_and_no_impact_waits_for_them() {
     let clock = SystemClock::new();
@@ -308,9 +309,9 @@ fn commands_and_predictions_are_answered() {
         live.execute(change("impact.gap", 0.1.into())),
         Ok(Accepted::Applied)
     );
-    let refused = live.execute(change("impact.velocity", (-1.0).into()));
-    let Refusal { code, reason } = refused.expect_err("a velocity below zero");
-    assert_eq!(code, RefusalCode::ParametersInvalid);
+    let rejected = live.execute(change("impact.velocity", (-1.0).into()));
+    let Rejection { code, reason } = rejected.expect_err("a velocity below zero");
+    assert_eq!(code, RejectionCode::ParametersInvalid);
     assert!(reason.contains("out of range"), "{reason}");
     let impact = ImpactSpecification {
         mass: 1500.0,
@@ -359,8 +360,8 @@ fn a_waiting_change_is_not_read_back_before_it_holds() {
     assert_eq!(waits, Ok(Accepted::Waiting));
     assert_eq!(load(), Some(Value::from(5e5)));
     let damages = live.execute(change("section.name", "HEB300".into()));
-    let code = damages.map_err(|refusal| refusal.code);
-    assert_eq!(code, Err(RefusalCode::ColumnDamaged));
+    let code = damages.map_err(|rejection| rejection.code);
+    assert_eq!(code, Err(RejectionCode::ColumnDamaged));
     clock.set(START + 1_000 * MS);
     receive(
         &mut receiver,
@@ -382,7 +383,7 @@ fn a_flood_of_events_is_bounded_and_counted() {
         ..options()
     };
     let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
-    let refused = (0..10_000)
+    let rejected = (0..10_000)
         .filter(|k| {
             let bad = ImpactCommand {
                 impact: ImpactSpecification {
@@ -396,14 +397,14 @@ fn a_flood_of_events_is_bounded_and_counted() {
         .count();
     let mut answers = 0;
     let mut receiver = live.outputs("ros").expect("there");
-    if refused < 10_000 {
+    if rejected < 10_000 {
         receive(&mut receiver, |it| {
-            answers += usize::from(matches!(it, Output::Refused(_)));
-            answers == 10_000 - refused
+            answers += usize::from(matches!(it, Output::Rejected(_)));
+            answers == 10_000 - rejected
         });
     }
     let inputs = live.statistics().queues[0].clone();
-    assert_eq!((inputs.pushed, inputs.dropped), (10_000, refused as u64));
+    assert_eq!((inputs.pushed, inputs.dropped), (10_000, rejected as u64));
     assert_eq!((inputs.capacity, inputs.when_full), (64, WhenFull::Reject));
     let reset = Command::Reset {
         source: "test".into(),
@@ -437,7 +438,7 @@ fn a_clock_that_jumps_back_during_a_response_is_noticed_and_the_twin_goes_on() {
     assert!(received.iter().any(is_told));
     let begins = |it: &Output| matches!(it, Output::State(state) if &*state.event_id == "second");
     received.extend(receive(&mut receiver, begins));
-    assert!(!received.iter().any(|it| matches!(it, Output::Refused(_))));
+    assert!(!received.iter().any(|it| matches!(it, Output::Rejected(_))));
     live.stop().expect("no panic");
 }
 

@@ -65,7 +65,7 @@ enum Engine {
 
 impl Engine {
     fn execute(&self, column: u32, command: Command) {
-        // A refusal is among the outputs.
+        // A rejection is among the outputs.
         let _ = match self {
             Self::Single(live) => live.execute(command),
             Self::Fleet(fleet) => fleet.execute(column, command),
@@ -163,7 +163,7 @@ impl Run {
                     Some(("journal", line))
                 }
                 Output::Notice(notice) => Some(("log", format!("{notice:?}"))),
-                Output::Refused(refused) => Some(("refusals", format!("{refused:?}"))),
+                Output::Rejected(rejected) => Some(("rejections", format!("{rejected:?}"))),
                 Output::ParametersChanged(it) => {
                     let text = format!(
                         "{} {:?} {:?} {:?}",

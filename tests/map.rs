@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 
 use arrow_array::{Array, Float64Array, RecordBatch, StringArray, UInt64Array};
 use arrow_ipc::reader::FileReader;
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::parameters::{Parameters, Value as ParameterValue};
-use column_twin::study::{Batch, DamageMap, MapAxis, RowBoundary, SEVERITIES, StudyColumn};
+use column_twin::study::{ACTIONS, Batch, DamageMap, MapAxis, RowBoundary, StudyColumn};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use program::{interrupt, program, run};
@@ -361,7 +361,7 @@ fn every_cell_agrees_with_simulate() {
             ];
             let simulated: Value =
                 serde_json::from_str(&succeed(folder.path(), &with(&one, more))).expect("JSON");
-            assert_eq!(simulated["severity"], cell["severity"].as_str(), "{cell:?}");
+            assert_eq!(simulated["action"], cell["action"].as_str(), "{cell:?}");
             let expected = simulated["max_v1_m"].as_f64().expect("a number");
             let found: f64 = cell["max_v1_m"].parse().expect("a number");
             // Of a column that falls, the largest displacement is only where the response ends.
@@ -387,22 +387,22 @@ fn a_refined_boundary_is_within_one_per_cent() {
     let refined = map.refine(&Batch::default()).expect("boundaries");
     assert!(refined.complete);
     assert!(refined.responses < 1000, "{}", refined.responses);
-    let column = StudyColumn::virgin(&parameters).expect("a column");
-    let severity = |mass: f64, velocity: f64| {
+    let column = StudyColumn::undamaged(&parameters).expect("a column");
+    let action = |mass: f64, velocity: f64| {
         let impact = column
             .impact(None, Some(mass), velocity)
             .expect("an impact");
-        column.screen(&impact).expect("a response").severity
+        column.evaluate(&impact).expect("a response").action
     };
     for mass in [1000.0, 1130.0, 1777.0, 2900.0, 5555.0, 8300.0, 11_900.0] {
-        for class in [Severity::Prop, Severity::Evacuate] {
+        for class in [Action::Shore, Action::Evacuate] {
             let critical = refined.value_at(&map, 0, class, mass).expect("a boundary");
             assert!(
-                severity(mass, 0.99 * critical) < class,
+                action(mass, 0.99 * critical) < class,
                 "{mass} kg, {critical} m/s"
             );
             assert!(
-                severity(mass, 1.01 * critical) >= class,
+                action(mass, 1.01 * critical) >= class,
                 "{mass} kg, {critical} m/s"
             );
         }
@@ -428,11 +428,11 @@ fn a_boundary_along_a_parameter_of_the_column() {
     let map = DamageMap::new(&parameters, None, axes).expect("a map");
     let refined = map.refine(&Batch::default()).expect("boundaries");
     let table = map.table(&Batch::default()).expect("a table");
-    for (boundary, class) in refined.boundaries.iter().zip(SEVERITIES) {
+    for (boundary, class) in refined.boundaries.iter().zip(ACTIONS) {
         for point in &boundary.points {
             let holds = |load: u64| {
                 let cell = (point.row * 30 + load) as usize;
-                table.result[cell].as_ref().expect("a result").severity >= class
+                table.result[cell].as_ref().expect("a result").action >= class
             };
             match point.place {
                 RowBoundary::Between { below, at, rising } => {
@@ -529,7 +529,7 @@ fn a_lorry_lighter_than_its_own_cab_is_computed() {
 #[test]
 fn figures_are_drawn_for_every_column_and_for_their_comparison() {
     let folder = tempfile::tempdir().expect("a folder");
-    let arguments = ["--compare", "section=HEB200,HEB 240", "--plots", "plots"];
+    let arguments = ["--compare", "section=HEB200,HEB 240", "--figures", "plots"];
     let summary = succeed(folder.path(), &with(&SMALL, &arguments));
     assert!(summary.contains("HEB240"), "{summary}");
     let mut names: Vec<_> = fs::read_dir(folder.path().join("plots"))
@@ -655,12 +655,12 @@ fn the_part_of_a_row_that_can_be_computed_has_its_boundaries() {
         "{largest}"
     );
     let mut between = 0;
-    for (boundary, class) in refined.boundaries.iter().zip(SEVERITIES) {
+    for (boundary, class) in refined.boundaries.iter().zip(ACTIONS) {
         assert_eq!(boundary.points.len(), 2);
         for point in &boundary.points {
             let holds = |load: f64| {
                 let result = cell(point.row, ((load - FIRST) / STEP).round() as u64).as_ref();
-                result.expect("a result").severity >= class
+                result.expect("a result").action >= class
             };
             let heaviest = if point.row == 0 { 2.75e6 } else { 3.5e6 };
             match point.place {

@@ -61,21 +61,27 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     assert_eq!(found["counts"]["samples"], 60);
     assert_eq!(found["complete"], true);
     assert_eq!(found["inputs"]["speed_km_h"]["tag"], "T");
-    assert!(curves.starts_with("vehicle,severity,speed_from_m_s,"));
+    assert!(curves.starts_with("vehicle,action,speed_from_m_s,"));
     assert_eq!(samples.lines().count(), 61);
     // The samples of the table are those of the result.
     let evacuate = samples
         .lines()
         .filter(|line| line.contains(",evacuate,"))
         .count();
-    let given_impact = found["severities"][3]["given_impact"]["value"]
+    let given_impact = found["actions"][3]["given_impact"]["value"]
         .as_f64()
         .expect("a number");
     assert!((given_impact - evacuate as f64 / 60.0).abs() < 1e-12);
     // Other inputs have another result.
     let other = json(&run(
         folder.path(),
-        &street(&["--samples", "60", "--json", "--law", "speed_km_h=fixed:40"]),
+        &street(&[
+            "--samples",
+            "60",
+            "--json",
+            "--distribution",
+            "speed_km_h=fixed:40",
+        ]),
     ));
     assert_ne!(other["classes"], found["classes"]);
 }
@@ -105,7 +111,7 @@ fn measures_and_targets_are_compared_and_say_what_they_assume() {
     for measure in measures {
         assert!(measure["source"].as_str().is_some_and(|it| it.len() > 20));
         for (with, without) in
-            [0, 1, 2, 3].map(|it| (&measure["severities"][it], &found["annual"][it]))
+            [0, 1, 2, 3].map(|it| (&measure["actions"][it], &found["annual"][it]))
         {
             let annual = number(&with["annual"]["value"]);
             let base = number(&without["annual"]["value"]);
@@ -117,7 +123,7 @@ fn measures_and_targets_are_compared_and_say_what_they_assume() {
     // n T lambda dx by hand, with dx = b / sin(10 degrees).
     let evacuate = &found["annual"][3];
     let departures = 10_000.0 * 365.25 * 1e-10 * 2.5 / 10_f64.to_radians().sin();
-    let given = number(&found["severities"][3]["given_departure"]["value"]);
+    let given = number(&found["actions"][3]["given_departure"]["value"]);
     let expected = 1.0 - (-departures * given).exp();
     assert!((number(&evacuate["annual"]["value"]) / expected - 1.0).abs() < 1e-6);
     assert_eq!(evacuate["target"]["beta"], 4.7);
@@ -140,7 +146,7 @@ fn the_summary_and_the_figures_of_a_column_that_is_not_hit_are_no_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = run(
         folder.path(),
-        &street(&["--samples", "10", "--distance", "1e6", "--plots", "plots"]),
+        &street(&["--samples", "10", "--distance", "1e6", "--figures", "plots"]),
     );
     assert!(
         output.status.success(),
@@ -161,7 +167,7 @@ fn wrong_input_is_rejected_with_what_is_expected() {
     fs::write(
         folder.path().join("mine.json"),
         r#"{"scenarios": [{"name": "yard", "based_on": "courtyard",
-            "speed_km_h": {"law": "lognormal", "mean": 15, "sd": -6}}]}"#,
+            "speed_km_h": {"distribution": "lognormal", "mean": 15, "sd": -6}}]}"#,
     )
     .expect("written");
     for (arguments, expected) in [
@@ -170,8 +176,8 @@ fn wrong_input_is_rejected_with_what_is_expected() {
             "--distance: distance_m: found -3; expected values not below 0 m",
         ),
         (
-            &["--law", "speed_km_h=lognormal:12:0"],
-            "--law: speed_km_h.sd: found 0; expected a finite number > 0",
+            &["--distribution", "speed_km_h=lognormal:12:0"],
+            "--distribution: speed_km_h.sd: found 0; expected a finite number > 0",
         ),
         (
             &["--confidence", "95"],
@@ -283,13 +289,7 @@ fn ctrl_c_leaves_the_result_of_what_is_finished() {
         folder.path(),
         &street(&["--samples", &samples, "--exact", "--json"]),
     ));
-    for part in [
-        "severities",
-        "classes",
-        "fragility",
-        "sensitivity",
-        "counts",
-    ] {
+    for part in ["actions", "classes", "fragility", "sensitivity", "counts"] {
         assert_eq!(again[part], found[part], "{part}");
     }
 }

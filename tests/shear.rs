@@ -1,7 +1,7 @@
 //! Shear of the web through the parameters of the program: finite-element impacts, sections by numbers, bumpers of vehicles.
 
 use column_twin::assessment::{
-    ActionRange, Assumption, HARDENING_BAND, ImpactEvaluation, Severity, respond_and_rest,
+    Action, ActionRange, Assumption, HARDENING_BAND, ImpactEvaluation, respond_and_rest,
 };
 use column_twin::column::{
     End, Impact, ImpactSpecification, Model, Outcome, Report, State, plastic_plateau,
@@ -166,19 +166,19 @@ fn a_car_at_its_own_height_shears_the_web() {
         let report = &evaluation.report;
         assert_eq!(
             (report.outcome, report.end),
-            (Outcome::Severed, End::Severed)
+            (Outcome::Fractured, End::Fractured)
         );
         assert!(report.webs[0].plastic_angle >= 0.17, "{report:?}");
         let assessment = evaluation.assessment.expect("an assessment");
-        assert_eq!(assessment.severity, Severity::Evacuate);
+        assert_eq!(assessment.action, Action::Evacuate);
         let (report, range) = by_default(force);
         assert!(report.webs[0].plastic_angle > 0.15, "{report:?}");
-        assert!(range.ends.least >= Severity::Restrict, "{range}");
+        assert!(range.ends.least >= Action::Restrict, "{range}");
         // The weak end of the band of the steel once left the webs as they were.
         let weakest = range.of_assumption(Assumption::Hardening).next();
-        let weakest = weakest.map(|it| (it.severity, it.report.outcome));
-        assert_eq!(weakest, Some((Severity::Evacuate, Outcome::Severed)));
-        assert_eq!(range.ends.most, Severity::Evacuate, "{range}");
+        let weakest = weakest.map(|it| (it.action, it.report.outcome));
+        assert_eq!(weakest, Some((Action::Evacuate, Outcome::Fractured)));
+        assert_eq!(range.ends.most, Action::Evacuate, "{range}");
         // Without the limits of deformation it bends by as much as the finite elements say: 185 and 206 mm.
         let mut values = car(force);
         values.extend(as_the_finite_elements());
@@ -277,14 +277,14 @@ fn the_bumper_belongs_to_the_vehicle() {
     ]);
     assert_eq!(parameters.impact().bumper_height, 0.0);
     assert_eq!(parameters.bumper_named("mid_car"), 0.2);
-    let column = StudyColumn::virgin(&parameters).expect("a column");
+    let column = StudyColumn::undamaged(&parameters).expect("a column");
     let rigid = column.impact(None, None, 5.0).expect("an impact");
     let behind = Impact {
         bumper_height: 0.2,
         ..rigid
     };
     let [at_a_point, before_a_bumper] =
-        [rigid, behind].map(|it| column.screen(&it).expect("a screening").max_v1);
+        [rigid, behind].map(|it| column.evaluate(&it).expect("an evaluation").max_v1);
     // The shorter bar is stronger: 0.2 m take about 4 % off such a hit.
     assert!(
         before_a_bumper < 0.98 * at_a_point,
@@ -379,8 +379,8 @@ fn damage_is_carried_from_one_bumper_to_another() {
             bumper_height,
             ..impact
         };
-        let screening = column.screen(&next).expect("a screening");
-        assert!(screening.max_v1 > 1.5 * residual, "{screening:?}");
+        let evaluation = column.evaluate(&next).expect("an evaluation");
+        assert!(evaluation.max_v1 > 1.5 * residual, "{evaluation:?}");
     }
     assert!(State::at_rest(&model).plastic != rest.plastic);
 }

@@ -1,10 +1,10 @@
-//! Hits that a structural engineer has judged: the severity of the program beside the action that the engineer would order.
+//! Hits that a structural engineer has judged: the action of the program beside the action that the engineer would order.
 
 use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use column_twin::assessment::{
-    Assumption, ImpactEvaluation, MissingData, Severity, respond_and_rest,
+    Action, Assumption, ImpactEvaluation, MissingData, respond_and_rest,
 };
 use column_twin::column::Outcome;
 use column_twin::parameters::{Parameters, parse_override};
@@ -30,7 +30,7 @@ struct Case {
     hit_height_m: f64,
     note: String,
     /// What the engineer would order.
-    engineer: Severity,
+    engineer: Action,
 }
 
 /// Cases in which the program is more severe than the engineer, and why: at most five, none of them by more than two classes.
@@ -128,9 +128,9 @@ fn the_base_of_the_stronger_column_bears_its_own_forces() {
     let mut variations = range.of_assumption(Assumption::YieldStrength);
     let variation = variations.next().expect("it is varied");
     assert_eq!(variation.report, stronger.report);
-    let severity = stronger.assessment.expect("an assessment").severity;
-    assert_eq!(severity, Severity::Restrict);
-    assert_eq!(variation.severity, severity);
+    let action = stronger.assessment.expect("an assessment").action;
+    assert_eq!(action, Action::Restrict);
+    assert_eq!(variation.action, action);
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
         println!(
             "{:4}  {:9}  {:9}  {residual:>8}  {}; {range}  ({} {}, {})",
             case.id,
-            assessment.severity.name(),
+            assessment.action.name(),
             case.engineer.name(),
             assessment.deciding_criterion,
             case.section,
@@ -168,7 +168,7 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
             case.id,
             assessment.reason
         );
-        let found = (assessment.severity, case.engineer);
+        let found = (assessment.action, case.engineer);
         match found.0.cmp(&found.1) {
             Ordering::Less => panic!("case {}: {found:?}, milder than the engineer", case.id),
             Ordering::Equal => agree += 1,

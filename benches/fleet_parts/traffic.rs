@@ -10,7 +10,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::evidence::verify;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ImpactEvent, ImpactReport, ResetColumnRequest, ResetColumnResponse,
 };
 use column_twin::messages::std_msgs::Header;

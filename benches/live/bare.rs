@@ -4,9 +4,12 @@ use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use column_twin::column::Sample;
 use column_twin::live::{Clock, Notifier, SystemClock};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport,
+};
 use column_twin::messages::std_msgs::Header;
 use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{Environment, Names, Node};
@@ -134,7 +137,8 @@ fn publish(mut node: Node, count: u64) {
             header,
             column_id,
             event_id,
-            ..HingeForces::default()
+            // With an entry for each hinge, as the node sends them.
+            ..HingeForces::from(&Sample::default())
         };
         let _ = forces.publish(force);
     }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport};
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::ros::qos::{self, Endpoint};
 
@@ -55,7 +55,7 @@ pub fn run(_: Duration) {
             futures::executor::block_on(reset.async_call_service(TriggerRequest::default()));
         assert!(
             answer.is_ok_and(|it| it.success),
-            "the column is virgin again"
+            "the column is undamaged again"
         );
         let sent = Instant::now();
         pings
@@ -66,7 +66,7 @@ pub fn run(_: Duration) {
     }
     let [twin, bare, computing] = [twin, bare, computing].map(Ranked::new);
     println!(
-        "time from publishing an event to receiving its forecast, {} events on a virgin column, each followed by a bare echo",
+        "time from publishing an event to receiving its forecast, {} events on an undamaged column, each followed by a bare echo",
         twin.len()
     );
     row("[ms]", ["p50", "p99", "max"].map(str::to_owned));

@@ -3,7 +3,7 @@
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use column_twin::messages::column_twin::{ColumnState, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, TwinStatus};
 use column_twin::ros::qos;
 
 use super::domain::Domain;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::ros::qos;
 
 use super::domain::Domain;
@@ -84,7 +84,7 @@ fn statuses(domain: &Domain, is_it: impl Fn(&TwinStatus) -> bool) -> (usize, Dur
     (columns.len(), began.elapsed())
 }
 
-/// An impact on a virgin column that it hardly feels.
+/// An impact on an undamaged column that it hardly detects.
 fn reaches(domain: &Domain, twin: usize) -> bool {
     let column = format!("c{twin:02}");
     let arguments = [

@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::ImpactEvent;
+use column_twin::messages::column_twin_msgs::ImpactEvent;
 use column_twin::messages::std_msgs::Header;
 use column_twin::ros::qos::Endpoint;
 use column_twin::ros::{Names, Node};

@@ -1,4 +1,4 @@
-//! Lateness of the stream at 1 kHz while eight sensors send 10 000 samples per second each, and while an impact that they feel is
+//! Lateness of the stream at 1 kHz while eight sensors send 10 000 samples per second each, and while an impact that they detect is
 //! estimated, compared with the same node without sensors.
 
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use column_twin::column::Impact;
-use column_twin::messages::column_twin::{ColumnState, ImpactEstimate, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEstimate, TwinStatus};
 use column_twin::parameters::Parameters;
 use column_twin::ros::qos;
 use column_twin::senses::{Readings, simulate_sensors};
@@ -33,7 +33,7 @@ const SENSORS: [(&str, &str, f64, f64); 8] = [
     ("s3", "axial_strain", 2.0, 1e-6),
 ];
 
-/// Rest between two impacts that the sensors feel, in samples: the next one is felt after a second in which nothing was.
+/// Rest between two impacts that the sensors detect, in samples: the next one is detected after a second in which nothing was.
 const REST: usize = 25_000;
 
 /// What strikes the column of the sensors: it remains elastic.
@@ -220,7 +220,7 @@ pub fn run(span: Duration) {
     let [at_rest, estimating] = with.late.map(Ranked::new);
     for (name, late) in [
         ("without sensors", &alone),
-        ("with sensors, nothing is felt", &at_rest),
+        ("with sensors, nothing is detected", &at_rest),
         ("with sensors, an impact is estimated", &estimating),
     ] {
         let [p50, p99] = [50.0, 99.0].map(|it| late.percentile(it));

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnState, HingeForces};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces};
 use column_twin::ros::security::{SecuritySettings, SecurityStrategy};
 use column_twin::ros::{Environment, qos};
 

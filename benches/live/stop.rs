@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent};
 use column_twin::ros::qos;
 
 use super::domain::Domain;

@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport,
+};
 use column_twin::ros::qos::{self, Endpoint};
 
 use super::bare::{BARE_FORCES, BARE_STATE, Bare};

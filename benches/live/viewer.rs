@@ -3,7 +3,7 @@
 use std::net::{Ipv4Addr, TcpListener};
 use std::time::Duration;
 
-use column_twin::messages::column_twin::ColumnState;
+use column_twin::messages::column_twin_msgs::ColumnState;
 use column_twin::ros::qos;
 
 use super::domain::Domain;

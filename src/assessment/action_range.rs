@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-use super::evaluation::{band_properties, input_of, respond_and_rest};
-use super::{Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, Severity, assess, in_capitals};
+use super::response::{band_properties, input_of, respond_and_rest};
+use super::{Action, Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};
 
@@ -50,7 +50,7 @@ pub struct Variation {
     /// Whether the column softens.
     pub softens: bool,
     /// What would have to be done.
-    pub severity: Severity,
+    pub action: Action,
     /// At least, because a criterion could not be evaluated.
     pub at_least: bool,
 }
@@ -60,9 +60,9 @@ pub struct Variation {
 #[serde(deny_unknown_fields)]
 pub struct VerdictRange {
     /// The least severe action of the verdict and all variations.
-    pub least: Severity,
+    pub least: Action,
     /// The most severe one.
-    pub most: Severity,
+    pub most: Action,
     /// Whether more than that may have to be done, because a criterion could not be evaluated.
     pub at_least: bool,
     /// The assumptions that alone lead to the most severe action, or where none does to more than the verdict, to the least
@@ -117,7 +117,7 @@ impl Assumption {
 
 impl ActionRange {
     /// Computes one response, with its assessment, for each end of the range of each assumption: at most 14. `verdict` is the
-    /// assessment of the response of the virgin column with these `properties` to this impact.
+    /// assessment of the response of the undamaged column with these `properties` to this impact.
     #[must_use]
     pub fn of(
         parameters: &Parameters,
@@ -125,7 +125,7 @@ impl ActionRange {
         impact: &Impact,
         verdict: &Assessment,
     ) -> Self {
-        let verdict = (verdict.severity, verdict.at_least);
+        let verdict = (verdict.action, verdict.at_least);
         let mut range = Self::begin(verdict);
         // Nothing stops it.
         range.vary(parameters, properties, impact, &mut || true);
@@ -133,14 +133,14 @@ impl ActionRange {
         range
     }
 
-    /// As [`of`](Self::of) a verdict with this severity, which is a lower bound or not; `go_on` is asked before each response, and
+    /// As [`of`](Self::of) a verdict with this action, which is a lower bound or not; `go_on` is asked before each response, and
     /// `None` is the result once it returns false.
     #[must_use]
-    pub fn of_severity(
+    pub fn of_action(
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
-        verdict: (Severity, bool),
+        verdict: (Action, bool),
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
         let mut range = Self::begin(verdict);
@@ -151,11 +151,11 @@ impl ActionRange {
         Some(range)
     }
 
-    fn begin((severity, at_least): (Severity, bool)) -> Self {
+    fn begin((action, at_least): (Action, bool)) -> Self {
         Self {
             ends: VerdictRange {
-                least: severity,
-                most: severity,
+                least: action,
+                most: action,
                 at_least,
                 decided_by: Vec::new(),
             },
@@ -189,13 +189,13 @@ impl ActionRange {
         true
     }
 
-    fn summarise(&mut self, verdict: Severity) {
+    fn summarise(&mut self, verdict: Action) {
         let range = &mut self.ends;
-        let found = || self.variations.iter().map(|it| it.severity);
-        range.least = found().fold(verdict, Severity::min);
-        range.most = found().fold(verdict, Severity::max);
+        let found = || self.variations.iter().map(|it| it.action);
+        range.least = found().fold(verdict, Action::min);
+        range.most = found().fold(verdict, Action::max);
         let is_open = range.at_least || self.variations.iter().any(|it| it.at_least);
-        range.at_least = is_open && range.most < Severity::Evacuate;
+        range.at_least = is_open && range.most < Action::Evacuate;
         let end = match range.most > verdict {
             true => range.most,
             false => range.least,
@@ -204,7 +204,7 @@ impl ActionRange {
             return;
         }
         for variation in &self.variations {
-            let reaches = variation.severity == end;
+            let reaches = variation.action == end;
             if reaches && !range.decided_by.contains(&variation.assumption) {
                 range.decided_by.push(variation.assumption);
             }
@@ -313,7 +313,7 @@ impl Changed {
             hardening_ratio: self.properties.hardening_ratio,
             softens: self.properties.softening.is_some(),
             report,
-            severity: assessment.severity,
+            action: assessment.action,
             at_least: assessment.at_least,
         })
     }
@@ -556,13 +556,13 @@ mod tests {
         let mut wide = 0;
         for hit in hits {
             let evaluation = evaluated(&[&real[..], hit].concat());
-            let verdict = evaluation.assessment.expect("an assessment").severity;
+            let verdict = evaluation.assessment.expect("an assessment").action;
             let range = evaluation.range.expect("a range");
             assert!(
                 range.ends.least <= verdict && verdict <= range.ends.most,
                 "{range}"
             );
-            let found: Vec<_> = range.variations.iter().map(|it| it.severity).collect();
+            let found: Vec<_> = range.variations.iter().map(|it| it.action).collect();
             for end in [range.ends.least, range.ends.most] {
                 assert!(end == verdict || found.contains(&end), "{range}");
             }
@@ -573,11 +573,7 @@ mod tests {
             };
             assert_eq!(range.ends.decided_by.is_empty(), end == verdict, "{range}");
             for assumption in &range.ends.decided_by {
-                assert!(
-                    range
-                        .of_assumption(*assumption)
-                        .any(|it| it.severity == end)
-                );
+                assert!(range.of_assumption(*assumption).any(|it| it.action == end));
             }
             wide += usize::from(range.ends.least < range.ends.most);
             assert_eq!(range.not_varied, []);

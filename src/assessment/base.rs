@@ -12,7 +12,7 @@ use crate::column::{
 };
 use crate::parameters::{Parameters, assumed_plate, plate_in_words};
 
-use super::Criterion;
+use super::criterion::Criterion;
 
 /// Ratio of the yield strength that steel has to the nominal one, for forces into connections (`gamma_ov` of EN 1998-1,
 /// 6.1.3, recalled).

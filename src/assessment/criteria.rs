@@ -1,11 +1,12 @@
-//! The criteria as data: names, editions, tags, severities; and how each is evaluated.
+//! The criteria as data: names, editions, tags, actions; and how each is evaluated.
 
 use std::borrow::Cow;
 
 use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
+use super::criterion::{Action, PART_OF_LENGTH};
+use super::input::{AssessedShear, AssessmentInput};
 use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
 use super::section_class::{SectionClass, section_class};
-use super::{AssessedShear, AssessmentInput, Severity};
 use crate::column::RolledSection;
 use crate::parameters::Provenance;
 
@@ -27,7 +28,7 @@ pub(super) struct Definition {
     pub tag: Provenance,
     pub unit: &'static str,
     pub relation: Relation,
-    pub severity: Severity,
+    pub action: Action,
     /// What the value is.
     pub value: &'static str,
     /// What it means if the criterion is exceeded.
@@ -81,20 +82,20 @@ const AISC: &str = "ANSI/AISC 342-21, table C3.6";
 const LIGNOS: &str = "Lignos et al. 2019, monotonic";
 const PDC: &str = "PDC-TR 06-08, support rotation";
 const TABLE_4_1: &str = "EN 1991-1-7:2006, table 4.1";
-const DAMAGE: &str = "damage index D = 1 - N_u / N_u virgin";
+const DAMAGE: &str = "damage index D = 1 - N_u / N_u undamaged";
 const LINKS: &str = "ASCE/SEI 41-17, links that yield in shear, rotation b";
 const WEB: &str = "largest plastic shear angle of a web";
 const HINGE: &str = "largest plastic rotation, of hinges 1a and 1b together";
-const RESISTANCE: &str = "remaining buckling resistance about the weaker axis, over N_Ed";
-const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin of the push-down";
+const RESISTANCE: &str =
+    "remaining buckling resistance about the weaker axis, over the applied load N";
+const TIMES_RATIO: &str = "EN 1993-1-1:2005, 6.3.1, times N_u / N_u undamaged of the push-down";
 const BOW: &str = "residual bow over the height L";
 const BENT: &str = "residual bow over the height L, or of the bent part over its length";
-/// Unit of a bow over the length to which it belongs.
-pub(crate) const PART_OF_LENGTH: &str = "L";
 const SUPPORT: &str = "largest rotation of a bar at its support";
 const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
 const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";
-const RESERVE: &str = "N_u, remaining buckling resistance about the strong axis, over N_Ed";
+const RESERVE: &str =
+    "N_u, remaining buckling resistance about the strong axis, over the applied load N";
 
 /// Every criterion, in the order of the names in the table of parameters: the most severe first, so that the first of
 /// equally severe ones decides.
@@ -105,11 +106,11 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Computed,
         unit: "",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
-        value: "collapse or torn hinge or web in the response (1: yes)",
+        action: Action::Evacuate,
+        value: "collapse or fractured hinge or web in the response (1: yes)",
         consequence: "the column has lost its shape, its equilibrium or a hinge and carries nothing",
         evaluate: |input| {
-            let lost = input.collapsed || input.severed;
+            let lost = input.collapsed || input.fractured;
             Ok((if lost { 1.0 } else { 0.0 }, 0.0))
         },
     },
@@ -119,16 +120,16 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Read,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: HINGE,
-        consequence: "the section is torn and the column carries nothing",
+        consequence: "the section is fractured and the column carries nothing",
         evaluate: |input| {
-            // A torn hinge lies beyond its limit, whatever remains of its rotation.
+            // A fractured hinge lies beyond its limit, whatever remains of its rotation.
             let by_shear = input
                 .shear
                 .as_ref()
                 .is_some_and(AssessedShear::is_fractured);
-            let beyond = if input.severed && !by_shear {
+            let beyond = if input.fractured && !by_shear {
                 input.ultimate_rotation * (1.0 + f64::EPSILON)
             } else {
                 0.0
@@ -144,7 +145,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: WEB,
         consequence: "the web is fractured and the column carries nothing",
         evaluate: |input| {
@@ -158,7 +159,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: RESERVE,
         consequence: "the column cannot carry its load",
         evaluate: |input| reserve(input, 1.0),
@@ -169,7 +170,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: RESISTANCE,
         consequence: "the load exceeds the characteristic buckling resistance that is left",
         evaluate: |input| resistance(input, 1.0),
@@ -180,7 +181,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: "loss of axial capacity",
         consequence: "the damage is that of a collapse",
         evaluate: |input| Ok((input.remaining.damage, 0.8)),
@@ -191,7 +192,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: RESERVE,
         consequence: "the load must be taken off the column",
         evaluate: |input| reserve(input, 1.5),
@@ -202,7 +203,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: RESISTANCE,
         consequence: "less is left of the characteristic buckling resistance than a load with its partial factors needs",
         evaluate: |input| resistance(input, 1.5),
@@ -213,7 +214,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
         relation: Relation::AtMost,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: BOW,
         consequence: "the column is bent so far that its buckling resistance must not be relied on",
         evaluate: |input| bow(input, AssessmentInput::bow_of_column, 100.0),
@@ -224,7 +225,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: HINGE,
         consequence: "local buckling lowers the moment of the hinge, so that the computed capacity is too high",
         evaluate: |input| {
@@ -248,7 +249,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: "loss of axial capacity",
         consequence: "the damage is high",
         evaluate: |input| Ok((input.remaining.damage, 0.5)),
@@ -259,7 +260,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
         relation: Relation::AtMost,
-        severity: Severity::Restrict,
+        action: Action::Restrict,
         value: BENT,
         consequence: "the bow is larger than the one that the buckling curves contain, so that they do not hold",
         evaluate: |input| bow(input, AssessmentInput::bow_of_bent_part, 250.0),
@@ -270,7 +271,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
-        severity: Severity::Restrict,
+        action: Action::Restrict,
         value: "loss of axial capacity",
         consequence: "the damage is medium",
         evaluate: |input| Ok((input.remaining.damage, 0.2)),
@@ -281,7 +282,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: BENT,
         consequence: "the column is no longer as straight as it has to be erected; its shape must be measured",
         evaluate: |input| bow(input, AssessmentInput::bow_of_bent_part, 750.0),
@@ -292,7 +293,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: HINGE,
         consequence: "the steel has yielded; connections and welds must be looked at",
         evaluate: |input| Ok((input.largest_rotation(), 0.0)),
@@ -304,7 +305,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtMost,
-        severity: Severity::Restrict,
+        action: Action::Restrict,
         value: "largest force in the anchors over 1 ms, shear or uplift, with 1.25 times the strength of a column that has flowed, \
                 over their resistance",
         consequence: "the anchors do not hold the column",
@@ -320,7 +321,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "N",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: "largest shear force of the base over 1 ms, with 1.25 times the strength of a column that has flowed",
         consequence: "the anchors slip or shear off; the base plate and its anchors must be looked at",
         evaluate: |input| {
@@ -335,7 +336,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "N m",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: "moment of the base to be checked, with 1.25 times the strength of a column that has flowed",
         consequence: "anchors, plate or concrete yield; the base plate must be looked at",
         evaluate: |input| {
@@ -355,9 +356,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "N",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: "largest tension of the base over 1 ms, with 1.25 times the strength of a column that has flowed",
-        consequence: "the anchors are pulled out of the foundation or torn",
+        consequence: "the anchors are pulled out of the foundation or fractured",
         evaluate: |input| {
             let (base, demand) = base(input)?;
             let used = base.uplift(demand);
@@ -370,7 +371,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: WEB,
         consequence: "the web has yielded in shear; web, base plate, anchors and welds must be looked at",
         evaluate: |input| {
@@ -384,7 +385,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: HINGE,
         consequence: "collapse prevention (b) is not given after repeated cycles",
         evaluate: |input| rotation(input, |hinge| hinge.asce41().b),
@@ -395,7 +396,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: HINGE,
         consequence: "life safety (0.75 b) is not given after repeated cycles",
         evaluate: |input| rotation(input, |hinge| 0.75 * hinge.asce41().b),
@@ -406,7 +407,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Restrict,
+        action: Action::Restrict,
         value: HINGE,
         consequence: "immediate occupancy (0.5 a) is not given",
         evaluate: |input| rotation(input, |hinge| 0.5 * hinge.asce41().a),
@@ -417,7 +418,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: HINGE,
         consequence: "collapse prevention (b) is not given after repeated cycles",
         evaluate: |input| rotation(input, |hinge| hinge.aisc342().b),
@@ -428,7 +429,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: HINGE,
         consequence: "life safety (0.75 b) is not given after repeated cycles",
         evaluate: |input| rotation(input, |hinge| 0.75 * hinge.aisc342().b),
@@ -439,7 +440,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
-        severity: Severity::Restrict,
+        action: Action::Restrict,
         value: HINGE,
         consequence: "immediate occupancy (0.5 a) is not given",
         evaluate: |input| rotation(input, |hinge| 0.5 * hinge.aisc342().a),
@@ -450,7 +451,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "deg",
         relation: Relation::AtMost,
-        severity: Severity::Evacuate,
+        action: Action::Evacuate,
         value: SUPPORT,
         consequence: "blast practice expects the member to fail",
         evaluate: |input| Ok((input.support_rotation(), 20.0)),
@@ -461,7 +462,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "deg",
         relation: Relation::AtMost,
-        severity: Severity::Prop,
+        action: Action::Shore,
         value: SUPPORT,
         consequence: "blast practice expects heavy damage",
         evaluate: |input| Ok((input.support_rotation(), 10.0)),
@@ -472,7 +473,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Recalled,
         unit: "deg",
         relation: Relation::AtMost,
-        severity: Severity::Restrict,
+        action: Action::Restrict,
         value: SUPPORT,
         consequence: "blast practice expects moderate damage",
         evaluate: |input| Ok((input.support_rotation(), 3.0)),
@@ -483,7 +484,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Assumed,
         unit: "N",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: "largest crush force of the vehicle's front",
         consequence: "the front is stronger than the plastic plateau F0 of the column, so that the column gives way first",
         evaluate: |input| {
@@ -500,7 +501,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         tag: Provenance::Read,
         unit: "N",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: "equivalent static force of the impact",
         consequence: "the force of the code exceeds the plastic plateau F0 of the column",
         evaluate: |input| {
@@ -549,7 +550,7 @@ const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluat
         tag: Provenance::Recalled,
         unit: "N",
         relation: Relation::AtMost,
-        severity: Severity::Inspect,
+        action: Action::Inspect,
         value: "indicative equivalent static force of this road class",
         consequence: "the force of the code exceeds the plastic plateau F0 of the column",
         evaluate,
@@ -590,7 +591,7 @@ fn bow(input: &AssessmentInput, bow: fn(&AssessmentInput) -> Option<f64>, part: 
     match bow(input) {
         Some(bow) if bow < ROUND_OFF_OF_BOW => Ok((0.0, 1.0 / part)),
         Some(bow) => Ok((bow, 1.0 / part)),
-        None if input.collapsed || input.severed => Err(NotEvaluated::NotApplicable(
+        None if input.collapsed || input.fractured => Err(NotEvaluated::NotApplicable(
             "the column has no equilibrium that remains".into(),
         )),
         None => Err(NO_EQUILIBRIUM),

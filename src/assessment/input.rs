@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::base::{BaseDemand, ConnectedBase};
-use super::remaining::{RemainingCapacity, section_dimensions};
+use super::criterion::{PARTIAL_FACTOR, quantity};
+use super::remaining::{ResidualCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use super::utilisation::Utilisation;
-use super::{PARTIAL_FACTOR, quantity};
 use crate::column::{
     ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
     ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
@@ -55,8 +55,8 @@ pub struct VerdictLoad {
 pub struct AssessmentInput {
     /// Whether the column has lost its shape or its equilibrium.
     pub collapsed: bool,
-    /// Whether a hinge has torn in the response.
-    pub severed: bool,
+    /// Whether a hinge has fractured in the response.
+    pub fractured: bool,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 since the column was new \[rad\].
     pub plastic_rotation: [f64; HINGES],
     /// `v1` in the equilibrium under the load that remains \[m\], from the straight line between the supports, which do not
@@ -64,7 +64,7 @@ pub struct AssessmentInput {
     pub residual_v1: Option<f64>,
     /// Which part of the column has come closest to its strength, and how close; `None` where it is not known.
     pub utilisation: Option<Utilisation>,
-    /// Plastic rotation at which a section tears \[rad\].
+    /// Plastic rotation at which a section fractures \[rad\].
     pub ultimate_rotation: f64,
     /// Shear of the webs; `None` where they do not yield in shear.
     pub shear: Option<AssessedShear>,
@@ -80,12 +80,12 @@ pub struct AssessmentInput {
     pub yield_strength: f64,
     /// Dimensions of the section; `None` where they are not known.
     pub section: Option<RolledSection>,
-    /// Remaining axial capacity and the carried load.
-    pub remaining: RemainingCapacity,
-    /// Which load `N_Ed` is.
+    /// Residual axial capacity and the carried load.
+    pub remaining: ResidualCapacity,
+    /// Which load `N` is.
     #[serde(default)]
     pub load: VerdictLoad,
-    /// `F0`: plastic plateau of the virgin column under the carried load \[N\].
+    /// `F0`: plastic plateau of the undamaged column under the carried load \[N\].
     pub plateau: f64,
     /// What struck the column; `None` for an assessment of its state alone.
     pub impact: Option<AssessedImpact>,
@@ -98,7 +98,7 @@ pub struct AssessmentInput {
     /// What the impact puts into the base; `None` for an assessment of its state alone.
     #[serde(default)]
     pub base_demand: Option<BaseDemand>,
-    /// Names of the criteria that decide the severity, such as [`DEFAULT_CRITERIA`](crate::parameters::DEFAULT_CRITERIA).
+    /// Names of the criteria that decide the action, such as [`DEFAULT_CRITERIA`](crate::parameters::DEFAULT_CRITERIA).
     pub deciding: Vec<String>,
 }
 
@@ -163,8 +163,8 @@ impl VerdictLoad {
         }
     }
 
-    /// What `N_Ed` of this column is, as a sentence.
-    pub(super) fn in_words(&self, remaining: &RemainingCapacity) -> String {
+    /// What `N` of this column is, as a sentence.
+    pub(super) fn in_words(&self, remaining: &ResidualCapacity) -> String {
         let force = |newtons: f64| quantity(newtons, "N");
         let (load, basis) = (remaining.carried_load, self.basis.in_words());
         let taken = self.top_load - load;
@@ -185,25 +185,25 @@ impl VerdictLoad {
             )
         };
         format!(
-            "N_Ed of {} is {what}; gamma_M = {PARTIAL_FACTOR:.1}.",
+            "The applied load N of {} is {what}; gamma_M = {PARTIAL_FACTOR:.1}.",
             force(load)
         )
     }
 }
 
 impl AssessmentInput {
-    /// After a response: its report, the impact, and the remaining capacity of the column that it left.
+    /// After a response: its report, the impact, and the residual capacity of the column that it left.
     #[must_use]
     pub fn of_response(
         parameters: &Parameters,
         model: &Model,
         impact: &Impact,
         report: &Report,
-        remaining: RemainingCapacity,
+        remaining: ResidualCapacity,
     ) -> Self {
         Self {
             collapsed: report.outcome == Outcome::Collapsed,
-            severed: report.outcome == Outcome::Severed,
+            fractured: report.outcome == Outcome::Fractured,
             plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
             shear: AssessedShear::of(model, report.webs.map(|web| web.plastic_angle)),
             residual_v1: report.residual_v1,
@@ -221,7 +221,7 @@ impl AssessmentInput {
         parameters: &Parameters,
         model: &Model,
         state: &State,
-        remaining: RemainingCapacity,
+        remaining: ResidualCapacity,
     ) -> Self {
         Self {
             residual_v1: Some(state.displacement.v1),
@@ -276,12 +276,12 @@ impl AssessmentInput {
         )
     }
 
-    fn of_column(parameters: &Parameters, model: &Model, remaining: RemainingCapacity) -> Self {
+    fn of_column(parameters: &Parameters, model: &Model, remaining: ResidualCapacity) -> Self {
         let p = &model.properties;
         let base = ConnectedBase::of(parameters);
         Self {
             collapsed: false,
-            severed: false,
+            fractured: false,
             plastic_rotation: [0.0; HINGES],
             residual_v1: None,
             utilisation: None,

@@ -1,55 +1,56 @@
-//! Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one severity.
+//! Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one action.
 //!
 //! Every number that may decide over people carries where it comes from: [`Provenance`]. `docs/assessment.md` lists the criteria.
 //!
 //! ```
-//! use column_twin::assessment::{AssessmentInput, RemainingCapacity, Severity, assess};
+//! use column_twin::assessment::{AssessmentInput, ResidualCapacity, Action, assess};
 //! use column_twin::column::{Model, State};
 //! use column_twin::parameters::Parameters;
 //!
 //! let parameters = Parameters::default();
 //! let model = Model::new(&parameters.column_properties())?;
-//! let virgin = State::at_rest(&model);
-//! let remaining = RemainingCapacity::compute(&parameters, &model, Some(&virgin))?;
-//! let assessment = assess(&AssessmentInput::of_state(&parameters, &model, &virgin, remaining));
-//! assert_eq!(assessment.severity, Severity::None);
+//! let undamaged = State::at_rest(&model);
+//! let remaining = ResidualCapacity::compute(&parameters, &model, Some(&undamaged))?;
+//! let assessment = assess(&AssessmentInput::of_state(&parameters, &model, &undamaged, remaining));
+//! assert_eq!(assessment.action, Action::None);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod action_range;
 mod base;
 mod criteria;
+mod criterion;
 mod evaluation;
 mod input;
 mod prepared;
 mod remaining;
+mod response;
 mod rotation_limits;
 mod section_class;
 #[cfg(test)]
 mod tests;
 mod utilisation;
 
-use std::fmt::{self, Display, Formatter};
-
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub(crate) use action_range::range_in_words;
 pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
+use criteria::{DEFINITIONS, Definition, NotEvaluated, Relation};
 #[cfg(feature = "cli")]
-pub(crate) use criteria::PART_OF_LENGTH as UNIT_OF_BOW;
-use criteria::{DEFINITIONS, Definition, NotEvaluated, PART_OF_LENGTH, Relation};
-pub use evaluation::{
-    HARDENING_BAND, ImpactEvaluation, band_properties, observe_and_rest, respond_and_rest,
-};
+pub(crate) use criterion::PART_OF_LENGTH as UNIT_OF_BOW;
+use criterion::quantity;
+pub use criterion::{Action, Criterion, PARTIAL_FACTOR};
+pub use evaluation::ImpactEvaluation;
 pub use input::{
     AssessedImpact, AssessedShear, AssessmentInput, VerdictLoad, largest_plastic_rotation,
 };
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
-    RemainingCapacity, buckling_curve, buckling_resistances, dimensions_by_numbers, imperfection,
+    ResidualCapacity, buckling_curve, buckling_resistances, dimensions_by_numbers, imperfection,
     section_dimensions,
 };
+pub use response::{HARDENING_BAND, band_properties, observe_and_rest, respond_and_rest};
 pub use rotation_limits::{
     CLASS_3_ROTATION, HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,
     rotation_before_buckling,
@@ -57,64 +58,16 @@ pub use rotation_limits::{
 pub use section_class::{SectionClass, SectionClassification, section_class};
 pub use utilisation::{Utilisation, UtilisedPart};
 
-use crate::parameters::{LoadBasis, Provenance};
-
-/// `gamma_M` of every resistance: what is left of a column is judged by its characteristic strength, which a limit of 1.5
-/// stands beside.
-pub const PARTIAL_FACTOR: f64 = 1.0;
+use crate::parameters::LoadBasis;
 
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
-
-/// What has to be done, least severe first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// No criterion that decides is exceeded.
-    None,
-    /// An engineer has to examine the column.
-    Inspect,
-    /// People and additional loads have to be kept away from the column until an engineer has examined it.
-    Restrict,
-    /// The load has to be taken off the column at once.
-    Prop,
-    /// Everybody has to leave the part of the building that the column carries.
-    Evacuate,
-}
-
-/// One criterion with its values.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Criterion {
-    /// Its name, as in the parameter `assessment.criteria`.
-    pub name: &'static str,
-    /// Document and edition, or what the criterion is based on.
-    pub edition: &'static str,
-    /// Where its limit comes from; the weakest link where several numbers enter.
-    pub tag: Provenance,
-    /// The value; `None` if it could not be evaluated.
-    pub value: Option<f64>,
-    /// Its limit; `None` if it could not be evaluated.
-    pub limit: Option<f64>,
-    /// Unit of both; empty for a ratio.
-    pub unit: &'static str,
-    /// Distance to the limit, relative to it: positive while the criterion is met, negative when it is exceeded. Where the
-    /// limit is 0, the value with its sign reversed. `None` if it could not be evaluated.
-    pub margin: Option<f64>,
-    /// Whether the criterion is exceeded; `None` if it could not be evaluated.
-    pub exceeded: Option<bool>,
-    /// Severity if it is exceeded.
-    pub severity: Severity,
-    /// Whether it decides, by the user's choice.
-    pub decides: bool,
-    /// What it says, with its numbers, or why it could not be evaluated.
-    pub statement: String,
-}
 
 /// The assessment of one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assessment {
     /// What has to be done; at least, see [`at_least`](Self::at_least).
-    pub severity: Severity,
+    pub action: Action,
     /// Whether more may have to be done, because a criterion that decides and is more severe could not be evaluated.
     pub at_least: bool,
     /// The criteria that decide and for which data are missing, the most severe first.
@@ -125,7 +78,7 @@ pub struct Assessment {
     /// The reason in words, with its margin and with what the model does not know. It begins with `At least` where more may
     /// have to be done.
     pub reason: String,
-    /// Which load `N_Ed` is, as a sentence, which is a part of the reason.
+    /// Which load `N` is, as a sentence, which is a part of the reason.
     pub load: String,
     /// Which load `top.load` is.
     pub load_basis: LoadBasis,
@@ -142,7 +95,7 @@ pub struct MissingData {
     /// Its name.
     pub criterion: &'static str,
     /// What would have to be done if it were exceeded.
-    pub severity: Severity,
+    pub action: Action,
     /// What is missing, and what to give.
     pub needs: String,
 }
@@ -150,10 +103,10 @@ pub struct MissingData {
 impl Assessment {
     /// What has to be done, as two or three words of a sentence.
     #[must_use]
-    pub fn severity_in_words(&self) -> String {
+    pub fn action_in_words(&self) -> String {
         match self.at_least {
-            true => format!("at least {}", self.severity),
-            false => self.severity.to_string(),
+            true => format!("at least {}", self.action),
+            false => self.action.to_string(),
         }
     }
 
@@ -162,7 +115,7 @@ impl Assessment {
     pub fn in_words(&self) -> String {
         match self.at_least {
             true => self.reason.clone(),
-            false => format!("{}: {}", in_capitals(self.severity), self.reason),
+            false => format!("{}: {}", in_capitals(self.action), self.reason),
         }
     }
 
@@ -173,8 +126,8 @@ impl Assessment {
     }
 }
 
-fn in_capitals(severity: Severity) -> String {
-    severity.name().to_uppercase()
+fn in_capitals(action: Action) -> String {
+    action.name().to_uppercase()
 }
 
 /// Evaluates every criterion. Criteria without the data that they need are listed with the reason.
@@ -190,7 +143,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
             Ok(measured) if decides => choice.consider(index, measured),
             Err(NotEvaluated::Missing(needs)) if decides => not_evaluated.push(MissingData {
                 criterion: definition.name,
-                severity: definition.severity,
+                action: definition.action,
                 needs: needs.to_string(),
             }),
             _ => (),
@@ -199,26 +152,24 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         base::annotate(&mut made, input.base.as_ref(), input.base_demand.as_ref());
         criteria.push(made);
     }
-    not_evaluated.sort_by_key(|missing| std::cmp::Reverse(missing.severity));
-    let (severity, deciding) = (choice.severity(), &criteria[choice.deciding()]);
-    let at_least = not_evaluated
-        .iter()
-        .any(|missing| missing.severity > severity);
+    not_evaluated.sort_by_key(|missing| std::cmp::Reverse(missing.action));
+    let (action, deciding) = (choice.action(), &criteria[choice.deciding()]);
+    let at_least = not_evaluated.iter().any(|missing| missing.action > action);
     let mut reason = match at_least {
-        true => format!("At least {}: ", in_capitals(severity)),
+        true => format!("At least {}: ", in_capitals(action)),
         false => String::new(),
     };
-    reason += &finding(input, severity, deciding);
+    reason += &finding(input, action, deciding);
     let reservations = reason.len();
     reason += &missing_data(&not_evaluated);
     let load = input.load.in_words(&input.remaining);
     reason.push(' ');
     reason += &load;
-    if !(input.collapsed || input.severed) {
+    if !(input.collapsed || input.fractured) {
         reason += &axes(input);
     }
     Assessment {
-        severity,
+        action,
         at_least,
         not_evaluated,
         deciding_criterion: deciding.name,
@@ -275,11 +226,11 @@ struct Choice {
 impl Choice {
     /// Takes the next criterion that decides, with its index among the definitions.
     fn consider(&mut self, index: usize, measured: &Measured) {
-        let severity = DEFINITIONS[index].severity;
+        let action = DEFINITIONS[index].action;
         if measured.exceeded
             && self
                 .exceeded
-                .is_none_or(|before| severity > DEFINITIONS[before].severity)
+                .is_none_or(|before| action > DEFINITIONS[before].action)
         {
             self.exceeded = Some(index);
         }
@@ -292,9 +243,9 @@ impl Choice {
         }
     }
 
-    fn severity(&self) -> Severity {
+    fn action(&self) -> Action {
         self.exceeded
-            .map_or(Severity::None, |index| DEFINITIONS[index].severity)
+            .map_or(Action::None, |index| DEFINITIONS[index].action)
     }
 
     /// The index of the criterion that decides; the first one of all where none has a limit.
@@ -319,7 +270,7 @@ fn criterion(
         unit: definition.unit,
         margin: numbers.map(|it| it.margin),
         exceeded: numbers.map(|it| it.exceeded),
-        severity: definition.severity,
+        action: definition.action,
         decides,
         statement: match &measured {
             Err(fault) => format!("Not evaluated: {}.", fault.reason()),
@@ -370,45 +321,13 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
-/// A number with its unit: forces in kN, moments in kNm, bows as parts of a length, otherwise three significant digits.
-fn quantity(value: f64, unit: &str) -> String {
-    if unit == PART_OF_LENGTH {
-        return match value {
-            value if value > 0.0 && value.is_finite() => match 1.0 / value {
-                part if part >= 1e4 => "less than L/10000".to_owned(),
-                part => format!("L/{part:.0}"),
-            },
-            0.0 => "0".to_owned(),
-            _ => "not a number".to_owned(),
-        };
-    }
-    let (value, unit) = if unit == "N" {
-        (value / 1e3, "kN")
-    } else if unit == "N m" {
-        (value / 1e3, "kNm")
-    } else {
-        (value, unit)
-    };
-    let size = value.abs();
-    let decimals = match size {
-        _ if size == 0.0 || !size.is_finite() => 0,
-        _ if size >= 99.95 => 0,
-        _ if size >= 9.995 => 1,
-        _ if size >= 0.9995 => 2,
-        _ if size >= 0.0001 => 4,
-        _ => 6,
-    };
-    let space = if unit.is_empty() { "" } else { " " };
-    format!("{value:.decimals$}{space}{unit}")
-}
-
 /// The criterion that decides with its numbers, or how far the column has come where nothing decides.
-fn finding(input: &AssessmentInput, severity: Severity, deciding: &Criterion) -> String {
-    match (severity, input.utilisation) {
-        (Severity::None, Some(utilisation)) => {
+fn finding(input: &AssessmentInput, action: Action, deciding: &Criterion) -> String {
+    match (action, input.utilisation) {
+        (Action::None, Some(utilisation)) => {
             format!("No deciding criterion is exceeded. Largest utilisation: {utilisation}.")
         }
-        (Severity::None, None) => format!(
+        (Action::None, None) => format!(
             "No deciding criterion is exceeded. The closest to its limit is {}: {}",
             deciding.name, deciding.statement
         ),
@@ -427,7 +346,7 @@ fn missing_data(missing: &[MissingData]) -> String {
         let names: Vec<_> = missing
             .iter()
             .filter(|it| it.needs == one.needs)
-            .map(|it| format!("{} ({})", it.criterion, it.severity))
+            .map(|it| format!("{} ({})", it.criterion, it.action))
             .collect();
         text += &format!(" Not evaluated: {}: {}.", names.join(", "), one.needs);
     }
@@ -464,33 +383,4 @@ fn axes(input: &AssessmentInput) -> String {
     }
     text.push('.');
     text
-}
-
-impl Severity {
-    /// Every severity, the least severe first.
-    pub const ALL: [Self; 5] = [
-        Self::None,
-        Self::Inspect,
-        Self::Restrict,
-        Self::Prop,
-        Self::Evacuate,
-    ];
-
-    /// Its name, as messages and files write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Inspect => "inspect",
-            Self::Restrict => "restrict",
-            Self::Prop => "prop",
-            Self::Evacuate => "evacuate",
-        }
-    }
-}
-
-impl Display for Severity {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
 }

@@ -5,10 +5,9 @@ use std::sync::OnceLock;
 
 use super::base::{BaseDemand, ConnectedBase};
 use super::criteria::{DEFINITIONS, Definition, share_of_limit};
-use super::remaining::{RemainingCapacity, VerdictBasis, imperfection};
+use super::remaining::{ResidualCapacity, VerdictBasis, imperfection};
 use super::{
-    AssessedImpact, AssessedShear, AssessmentInput, Choice, Severity, VerdictLoad, decides,
-    measured,
+    Action, AssessedImpact, AssessedShear, AssessmentInput, Choice, VerdictLoad, decides, measured,
 };
 use crate::column::{
     BaseReport, Capacity, CapacityEnd, CapacityError, HINGES, Impact, KnownCapacity, Model,
@@ -19,20 +18,20 @@ use crate::parameters::Parameters;
 /// Bound of the capacity of any column, relative to its squash load, which the normal force in no hinge can exceed.
 const MAX_CAPACITY: f64 = 1.01;
 
-/// Steps of the search for the capacity that decides a severity, each of which halves its bracket.
+/// Steps of the search for the capacity that decides an action, each of which halves its bracket.
 const CAPACITY_HALVINGS: u32 = 10;
 
 /// The assessment of one column, prepared for many impacts.
 #[derive(Debug, Clone)]
 pub struct PreparedAssessment {
-    /// Of the virgin column, without an impact, without names of criteria and without its capacities.
+    /// Of the undamaged column, without an impact, without names of criteria and without its capacities.
     input: AssessmentInput,
     basis: VerdictBasis,
     imperfection: f64,
     /// The criteria that decide, by their index.
     deciding: Vec<usize>,
-    /// The capacity of the virgin column, once an impact has needed it.
-    virgin: OnceLock<Capacity>,
+    /// The capacity of the undamaged column, once an impact has needed it.
+    undamaged: OnceLock<Capacity>,
     /// Whether the steel of the column has the largest strength that it may have, so that the forces into the base contain its
     /// overstrength.
     has_overstrength: bool,
@@ -42,7 +41,7 @@ pub struct PreparedAssessment {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
     /// What has to be done.
-    pub severity: Severity,
+    pub action: Action,
     /// Name of the criterion that decides.
     pub deciding_criterion: &'static str,
     /// Smallest distance of a criterion that decides to its limit, relative to that, on either side; that of a residual bow
@@ -53,7 +52,7 @@ pub struct Verdict {
 /// What the criteria need of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AssessedResponse {
-    /// Whether the column yields, collapses or tears.
+    /// Whether the column yields, collapses or fractures.
     pub outcome: Outcome,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 \[rad\].
     pub plastic_rotation: [f64; HINGES],
@@ -80,7 +79,7 @@ impl PreparedAssessment {
         let basis = VerdictBasis::of(parameters);
         let unknown = Capacity::none(CapacityEnd::NoEquilibrium);
         let loads = basis.loads(model, Some(&state));
-        let remaining = RemainingCapacity::with(&basis, loads, unknown, unknown);
+        let remaining = ResidualCapacity::with(&basis, loads, unknown, unknown);
         let input = AssessmentInput::of_state(parameters, model, &state, remaining);
         let chosen = &input.deciding;
         let indices = 0..DEFINITIONS.len();
@@ -96,7 +95,7 @@ impl PreparedAssessment {
             },
             basis,
             imperfection,
-            virgin: OnceLock::new(),
+            undamaged: OnceLock::new(),
             has_overstrength: false,
         })
     }
@@ -131,69 +130,69 @@ impl PreparedAssessment {
         }
     }
 
-    /// The capacity of the virgin column, computed when it is needed for the first time.
-    fn virgin(&self, model: &Model) -> Result<Capacity, CapacityError> {
-        if let Some(virgin) = self.virgin.get() {
-            return Ok(*virgin);
+    /// The capacity of the undamaged column, computed when it is needed for the first time.
+    fn undamaged(&self, model: &Model) -> Result<Capacity, CapacityError> {
+        if let Some(undamaged) = self.undamaged.get() {
+            return Ok(*undamaged);
         }
-        let virgin = capacity(model, &State::at_rest(model), self.imperfection)?;
-        Ok(*self.virgin.get_or_init(|| virgin))
+        let undamaged = capacity(model, &State::at_rest(model), self.imperfection)?;
+        Ok(*self.undamaged.get_or_init(|| undamaged))
     }
 
-    /// As [`RemainingCapacity::compute`]. A column without plastic deformation has the capacity of the virgin one.
+    /// As [`ResidualCapacity::compute`]. A column without plastic deformation has the capacity of the undamaged one.
     ///
     /// # Errors
-    /// As [`RemainingCapacity::compute`].
+    /// As [`ResidualCapacity::compute`].
     pub fn remaining(
         &self,
         model: &Model,
         state: Option<&State>,
-    ) -> Result<RemainingCapacity, CapacityError> {
-        let virgin = self.virgin(model)?;
+    ) -> Result<ResidualCapacity, CapacityError> {
+        let undamaged = self.undamaged(model)?;
         let (now, loaded) = match state {
-            Some(state) if state.plastic == PerBar::default() => (virgin, None),
+            Some(state) if state.plastic == PerBar::default() => (undamaged, None),
             Some(state) => (capacity(model, state, self.imperfection)?, Some(state)),
             None => (Capacity::none(CapacityEnd::NoEquilibrium), None),
         };
         let loads = self.basis.loads(model, loaded);
-        Ok(RemainingCapacity::with(&self.basis, loads, virgin, now))
+        Ok(ResidualCapacity::with(&self.basis, loads, undamaged, now))
     }
 
-    /// The severity of the verdict after a response that leaves the column at rest in `state`, without more of the push-downs
+    /// The action of the verdict after a response that leaves the column at rest in `state`, without more of the push-downs
     /// than it takes: the capacities enter all criteria such that less of them is not less severe, so that a lower bound
-    /// decides where the greatest capacity that a column can have leads to the same severity. `None` where a criterion that
+    /// decides where the greatest capacity that a column can have leads to the same action. `None` where a criterion that
     /// may decide is closer to its limit than `margin`, relative to it.
     ///
     /// # Errors
-    /// As [`RemainingCapacity::compute`].
-    pub fn severity(
+    /// As [`ResidualCapacity::compute`].
+    pub fn action(
         &self,
         model: &Model,
         impact: &Impact,
         response: &AssessedResponse,
         state: &State,
         margin: f64,
-    ) -> Result<Option<Severity>, CapacityError> {
-        let is_virgin = state.plastic == PerBar::default();
+    ) -> Result<Option<Action>, CapacityError> {
+        let is_undamaged = state.plastic == PerBar::default();
         let highest = MAX_CAPACITY * model.properties.resistance_axial;
         let loads = self.basis.loads(model, Some(state));
-        let known = |virgin: f64, now: f64| {
-            let [virgin, now] = [virgin, now].map(|force| Capacity {
+        let known = |undamaged: f64, now: f64| {
+            let [undamaged, now] = [undamaged, now].map(|force| Capacity {
                 force,
                 ..Capacity::none(CapacityEnd::NoEquilibrium)
             });
-            let remaining = RemainingCapacity::with(&self.basis, loads, virgin, now);
+            let remaining = ResidualCapacity::with(&self.basis, loads, undamaged, now);
             self.verdict(model, impact, response, remaining)
         };
-        // The least favourable verdict with this capacity, whatever that of the virgin column is.
-        let worst = |now: f64| known(if is_virgin { now } else { highest }, now);
+        // The least favourable verdict with this capacity, whatever that of the undamaged column is.
+        let worst = |now: f64| known(if is_undamaged { now } else { highest }, now);
         let best = worst(highest);
-        // Whether the capacity of the virgin column is known already must not decide how, or threads would.
+        // Whether the capacity of the undamaged column is known already must not decide how, or threads would.
         if best.least_margin > margin {
             let (mut too_low, mut enough) = (0.0, highest);
             for _ in 0..CAPACITY_HALVINGS {
                 let middle = 0.5 * (too_low + enough);
-                if worst(middle).severity == best.severity {
+                if worst(middle).action == best.action {
                     enough = middle;
                 } else {
                     too_low = middle;
@@ -201,20 +200,20 @@ impl PreparedAssessment {
             }
             let enough = (1.0 + 2.0 * margin) * enough;
             match capacity_up_to(model, state, self.imperfection, enough)? {
-                KnownCapacity::Enough => return Ok(Some(best.severity)),
+                KnownCapacity::Enough => return Ok(Some(best.action)),
                 KnownCapacity::Found(now) => {
-                    let virgin = match is_virgin {
-                        true => *self.virgin.get_or_init(|| now),
-                        false => self.virgin(model)?,
+                    let undamaged = match is_undamaged {
+                        true => *self.undamaged.get_or_init(|| now),
+                        false => self.undamaged(model)?,
                     };
-                    let verdict = known(virgin.force, now.force);
-                    return Ok((verdict.least_margin > margin).then_some(verdict.severity));
+                    let verdict = known(undamaged.force, now.force);
+                    return Ok((verdict.least_margin > margin).then_some(verdict.action));
                 }
             }
         }
         let remaining = self.remaining(model, Some(state))?;
         let verdict = self.verdict(model, impact, response, remaining);
-        Ok((verdict.least_margin > margin).then_some(verdict.severity))
+        Ok((verdict.least_margin > margin).then_some(verdict.action))
     }
 
     /// The verdict of [`assess`](super::assess) after a response.
@@ -224,11 +223,11 @@ impl PreparedAssessment {
         model: &Model,
         impact: &Impact,
         response: &AssessedResponse,
-        remaining: RemainingCapacity,
+        remaining: ResidualCapacity,
     ) -> Verdict {
         let input = AssessmentInput {
             collapsed: response.outcome == Outcome::Collapsed,
-            severed: response.outcome == Outcome::Severed,
+            fractured: response.outcome == Outcome::Fractured,
             plastic_rotation: response.plastic_rotation,
             shear: AssessedShear::of(model, response.plastic_shear),
             residual_v1: response.residual_v1,
@@ -254,7 +253,7 @@ impl PreparedAssessment {
         }
         let Definition { name, .. } = DEFINITIONS[choice.deciding()];
         Verdict {
-            severity: choice.severity(),
+            action: choice.action(),
             deciding_criterion: name,
             least_margin,
         }

@@ -1,4 +1,4 @@
-//! The remaining axial capacity of a column, beside the buckling resistances of the code.
+//! The residual axial capacity of a column, beside the buckling resistances of the code.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,29 +12,29 @@ use crate::parameters::Parameters;
 /// with flanges up to 100 mm, or up to 40 mm where they are deeper than 1.2 times their width (an assumption).
 const CURVE_OF_UNKNOWN_SECTION: BucklingCurve = BucklingCurve::B;
 
-/// Remaining axial capacity: virgin against now, and what it means for the load. Nothing that it tells of the column as it is
+/// Residual axial capacity: undamaged against now, and what it means for the load. Nothing that it tells of the column as it is
 /// exceeds the same of the new column.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RemainingCapacity {
-    /// Push-down of the virgin column.
-    pub virgin: Capacity,
-    /// Push-down of the column as it is, with at most the force of the virgin one.
+pub struct ResidualCapacity {
+    /// Push-down of the undamaged column.
+    pub undamaged: Capacity,
+    /// Push-down of the column as it is, with at most the force of the undamaged one.
     pub now: Capacity,
-    /// The force of the push-down now over that of the virgin column, at most 1.
+    /// The force of the push-down now over that of the undamaged column, at most 1.
     pub ratio: f64,
     /// `D = 1 - ratio`, not below 0.
     pub damage: f64,
-    /// `N_Ed`: the load on the column before any help, `top.load`, less what the structure above is proven to take
+    /// `N`: the load on the column before any help, `top.load`, less what the structure above is proven to take
     /// (`top.redistribution_limit`) \[N\].
     pub carried_load: f64,
-    /// `N_Ed` of the new column \[N\].
-    pub virgin_load: f64,
+    /// `N` of the new column \[N\].
+    pub undamaged_load: f64,
     /// `N_u`: `ratio` times the strong-axis resistance \[N\]. The push-down alone is too stiff for slender columns: its ratio is
     /// right, and the code knows the slenderness.
     pub axial_capacity: f64,
-    /// `N_u / N_Ed`, at most that of the new column; `None` where there is no compressive load.
+    /// `N_u / N`, at most that of the new column; `None` where there is no compressive load.
     pub reserve: Option<f64>,
-    /// Resistance of the virgin column in the plane of the impact, about its strong axis.
+    /// Resistance of the undamaged column in the plane of the impact, about its strong axis.
     pub strong: BucklingResistance,
     /// About the weak axis; `None` where the dimensions of the section are not known.
     pub weak: Option<BucklingResistance>,
@@ -52,10 +52,10 @@ pub(super) struct VerdictBasis {
     redistribution_limit: f64,
 }
 
-/// `N_Ed` of the new column and of the column as it is \[N\].
+/// `N` of the new column and of the column as it is \[N\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VerdictLoads {
-    virgin: f64,
+    undamaged: f64,
     now: f64,
 }
 
@@ -69,10 +69,10 @@ impl VerdictBasis {
 
     /// `state` is the column at rest as it is, `None` if it carries nothing: the load is then that of the new column.
     pub fn loads(&self, model: &Model, state: Option<&State>) -> VerdictLoads {
-        let virgin = self.load(model, &State::at_rest(model));
+        let undamaged = self.load(model, &State::at_rest(model));
         VerdictLoads {
-            virgin,
-            now: state.map_or(virgin, |state| self.load(model, state)),
+            undamaged,
+            now: state.map_or(undamaged, |state| self.load(model, state)),
         }
     }
 
@@ -88,51 +88,51 @@ impl VerdictBasis {
     }
 }
 
-impl RemainingCapacity {
-    /// Puts the push-downs of the virgin column and of the column as it is into relation with its load. `state` is the column
+impl ResidualCapacity {
+    /// Puts the push-downs of the undamaged column and of the column as it is into relation with its load. `state` is the column
     /// at rest as it is, `None` if it carries nothing.
     #[must_use]
     pub fn new(
         parameters: &Parameters,
         model: &Model,
         state: Option<&State>,
-        virgin: Capacity,
+        undamaged: Capacity,
         now: Capacity,
     ) -> Self {
         let basis = VerdictBasis::of(parameters);
-        Self::with(&basis, basis.loads(model, state), virgin, now)
+        Self::with(&basis, basis.loads(model, state), undamaged, now)
     }
 
-    /// As [`RemainingCapacity::new`], with what has been computed before.
+    /// As [`ResidualCapacity::new`], with what has been computed before.
     pub(super) fn with(
         basis: &VerdictBasis,
         loads: VerdictLoads,
-        virgin: Capacity,
+        undamaged: Capacity,
         now: Capacity,
     ) -> Self {
         let [strong, weak] = basis.resistances;
         let strong = strong.expect("the strong axis needs no dimensions");
         // A push-down of a damaged column may carry more than that of the new one, because its steel has hardened or its bow
         // opposes the imperfection. Nobody may rely on it.
-        let now = match now.force > virgin.force {
+        let now = match now.force > undamaged.force {
             true => Capacity {
-                force: virgin.force,
+                force: undamaged.force,
                 ..now
             },
             false => now,
         };
-        let ratio = if virgin.force > 0.0 {
-            now.force / virgin.force
+        let ratio = if undamaged.force > 0.0 {
+            now.force / undamaged.force
         } else {
             0.0
         };
         let remaining = Self {
-            virgin,
+            undamaged,
             now,
             ratio,
             damage: (1.0 - ratio).max(0.0),
             carried_load: loads.now,
-            virgin_load: loads.virgin,
+            undamaged_load: loads.undamaged,
             axial_capacity: ratio * strong.force,
             reserve: None,
             strong,
@@ -146,7 +146,7 @@ impl RemainingCapacity {
         }
     }
 
-    /// `resistance / N_Ed`, at most that of the new column; `None` where there is no compressive load or the weak axis is not
+    /// `resistance / N`, at most that of the new column; `None` where there is no compressive load or the weak axis is not
     /// known.
     #[must_use]
     pub fn resistance_over_load(&self) -> Option<f64> {
@@ -163,14 +163,14 @@ impl RemainingCapacity {
 
     /// How many times its load a column resists that resists `now`; at most as often as the new one, which resists `of_new`.
     fn times_the_load(&self, now: f64, of_new: f64) -> f64 {
-        let (times, new) = (now / self.carried_load, of_new / self.virgin_load);
-        match self.virgin_load > 0.0 && times > new {
+        let (times, new) = (now / self.carried_load, of_new / self.undamaged_load);
+        match self.undamaged_load > 0.0 && times > new {
             true => new,
             false => times,
         }
     }
 
-    /// Computes both push-downs. `state` is the column at rest as it is, `None` if it has collapsed or is severed: it then
+    /// Computes both push-downs. `state` is the column at rest as it is, `None` if it has collapsed or is fractured: it then
     /// carries nothing.
     ///
     /// # Errors
@@ -181,12 +181,12 @@ impl RemainingCapacity {
         state: Option<&State>,
     ) -> Result<Self, CapacityError> {
         let imperfection = imperfection(parameters);
-        let virgin = capacity(model, &State::at_rest(model), imperfection)?;
+        let undamaged = capacity(model, &State::at_rest(model), imperfection)?;
         let now = match state {
             Some(state) => capacity(model, state, imperfection)?,
             None => Capacity::none(CapacityEnd::NoEquilibrium),
         };
-        Ok(Self::new(parameters, model, state, virgin, now))
+        Ok(Self::new(parameters, model, state, undamaged, now))
     }
 }
 
@@ -241,7 +241,7 @@ pub fn imperfection(parameters: &Parameters) -> f64 {
     curve.relative_bow() * height(parameters)
 }
 
-/// Resistances of the virgin column about the strong and the weak axis, with the buckling lengths that are given, or those of
+/// Resistances of the undamaged column about the strong and the weak axis, with the buckling lengths that are given, or those of
 /// its supports, which are assumed to hold both axes alike.
 #[must_use]
 pub fn buckling_resistances(parameters: &Parameters) -> [Option<BucklingResistance>; 2] {

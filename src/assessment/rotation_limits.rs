@@ -3,7 +3,7 @@
 use super::section_class::{SectionClass, section_class};
 use crate::column::{RolledSection, SectionBackbone};
 
-/// `theta_u`: plastic rotation at which a section tears \[rad\] (Lignos et al. 2019).
+/// `theta_u`: plastic rotation at which a section fractures \[rad\] (Lignos et al. 2019).
 pub const ULTIMATE_ROTATION: f64 = 0.15;
 
 /// Plastic shear angle at which a web is fractured unless the user gives another \[rad\]: the rotation `b` at which a link of an

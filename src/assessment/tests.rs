@@ -15,14 +15,14 @@ fn parameters(overrides: &[&str]) -> Parameters {
     Parameters::load(&[], &overrides).expect("parameters")
 }
 
-/// The virgin default column: HEB 220 in S355, 4 m, 500 kN.
+/// The undamaged default column: HEB 220 in S355, 4 m, 500 kN.
 fn input(overrides: &[&str]) -> AssessmentInput {
     let parameters = parameters(overrides);
     let model = Model::new(&parameters.column_properties()).expect("a column");
-    let virgin = State::at_rest(&model);
+    let undamaged = State::at_rest(&model);
     let remaining =
-        RemainingCapacity::compute(&parameters, &model, Some(&virgin)).expect("capacities");
-    AssessmentInput::of_state(&parameters, &model, &virgin, remaining)
+        ResidualCapacity::compute(&parameters, &model, Some(&undamaged)).expect("capacities");
+    AssessmentInput::of_state(&parameters, &model, &undamaged, remaining)
 }
 
 fn criterion<'a>(assessment: &'a Assessment, name: &str) -> &'a Criterion {
@@ -39,7 +39,7 @@ fn the_criteria_are_those_of_the_parameter() {
 }
 
 #[test]
-fn the_virgin_column_needs_nothing_and_the_margin_stands_beside_it() {
+fn the_undamaged_column_needs_nothing_and_the_margin_stands_beside_it() {
     let input = input(&[]);
     let remaining = &input.remaining;
     assert_eq!(remaining.ratio, 1.0);
@@ -53,7 +53,7 @@ fn the_virgin_column_needs_nothing_and_the_margin_stands_beside_it() {
     assert_eq!(remaining.axial_capacity, remaining.strong.force);
     assert_eq!(remaining.carried_load, 500e3);
     let assessment = assess(&input);
-    assert_eq!(assessment.severity, Severity::None);
+    assert_eq!(assessment.action, Action::None);
     assert!(
         assessment
             .reason
@@ -70,7 +70,7 @@ fn the_virgin_column_needs_nothing_and_the_margin_stands_beside_it() {
     );
     assert_eq!(
         assessment.load,
-        "N_Ed of 500 kN is top.load, the present load, before any redistribution; gamma_M = 1.0."
+        "The applied load N of 500 kN is top.load, the present load, before any redistribution; gamma_M = 1.0."
     );
     for criterion in &assessment.criteria {
         assert!(!criterion.statement.is_empty() && criterion.statement.ends_with('.'));
@@ -81,40 +81,34 @@ fn the_virgin_column_needs_nothing_and_the_margin_stands_beside_it() {
 }
 
 #[test]
-fn severities_rise_with_the_damage_and_the_first_of_the_most_severe_criteria_decides() {
-    let virgin = input(&[]);
+fn actions_rise_with_the_damage_and_the_first_of_the_most_severe_criteria_decides() {
+    let undamaged = input(&[]);
     let parameters = Parameters::default();
     let model = Model::new(&parameters.column_properties()).expect("a column");
     let damaged = |rotation: f64, ratio: f64| {
-        let mut input = virgin.clone();
+        let mut input = undamaged.clone();
         input.plastic_rotation[1] = -rotation;
         let now = Capacity {
-            force: ratio * input.remaining.virgin.force,
-            ..input.remaining.virgin
+            force: ratio * input.remaining.undamaged.force,
+            ..input.remaining.undamaged
         };
-        let virgin = input.remaining.virgin;
-        input.remaining = RemainingCapacity::new(&parameters, &model, None, virgin, now);
+        let undamaged = input.remaining.undamaged;
+        input.remaining = ResidualCapacity::new(&parameters, &model, None, undamaged, now);
         let assessment = assess(&input);
-        (assessment.severity, assessment.deciding_criterion)
+        (assessment.action, assessment.deciding_criterion)
     };
-    assert_eq!(damaged(0.0, 1.0).0, Severity::None);
-    assert_eq!(damaged(1e-4, 1.0), (Severity::Inspect, "plastic_flow"));
-    assert_eq!(damaged(0.05, 0.75), (Severity::Restrict, "damage_20"));
-    assert_eq!(damaged(0.105, 0.75), (Severity::Prop, "capping_rotation"));
-    assert_eq!(damaged(0.05, 0.45), (Severity::Prop, "damage_50"));
-    assert_eq!(
-        damaged(0.05, 0.21),
-        (Severity::Prop, "capacity_reserve_1_5")
-    );
+    assert_eq!(damaged(0.0, 1.0).0, Action::None);
+    assert_eq!(damaged(1e-4, 1.0), (Action::Inspect, "plastic_flow"));
+    assert_eq!(damaged(0.05, 0.75), (Action::Restrict, "damage_20"));
+    assert_eq!(damaged(0.105, 0.75), (Action::Shore, "capping_rotation"));
+    assert_eq!(damaged(0.05, 0.45), (Action::Shore, "damage_50"));
+    assert_eq!(damaged(0.05, 0.21), (Action::Shore, "capacity_reserve_1_5"));
     assert_eq!(
         damaged(0.05, 0.15),
-        (Severity::Evacuate, "capacity_reserve_1")
+        (Action::Evacuate, "capacity_reserve_1")
     );
-    assert_eq!(
-        damaged(0.16, 0.9),
-        (Severity::Evacuate, "ultimate_rotation")
-    );
-    assert_eq!(damaged(f64::NAN, 1.0).0, Severity::Evacuate);
+    assert_eq!(damaged(0.16, 0.9), (Action::Evacuate, "ultimate_rotation"));
+    assert_eq!(damaged(f64::NAN, 1.0).0, Action::Evacuate);
 }
 
 #[test]
@@ -127,7 +121,7 @@ fn a_collapse_always_evacuates() {
     ]);
     let (assessment, outcome) = assessed_as_nothing(&parameters);
     assert_eq!(outcome, Outcome::Collapsed);
-    assert_eq!(assessment.severity, Severity::Evacuate);
+    assert_eq!(assessment.action, Action::Evacuate);
     assert_eq!(assessment.deciding_criterion, "collapse");
     assert!(
         assessment.reason.contains("carries nothing"),
@@ -137,11 +131,11 @@ fn a_collapse_always_evacuates() {
 }
 
 #[test]
-fn a_torn_hinge_always_evacuates() {
+fn a_fractured_hinge_always_evacuates() {
     let parameters = parameters(&["assessment.criteria:=[plastic_flow]", "top.load:=2.0e6"]);
     let (assessment, outcome) = assessed_as_nothing(&parameters);
-    assert_eq!(outcome, Outcome::Severed);
-    assert_eq!(assessment.severity, Severity::Evacuate);
+    assert_eq!(outcome, Outcome::Fractured);
+    assert_eq!(assessment.action, Action::Evacuate);
     assert_eq!(assessment.deciding_criterion, "collapse");
 }
 
@@ -150,7 +144,7 @@ fn assessed_as_nothing(parameters: &Parameters) -> (Assessment, Outcome) {
     let model = Model::new(&parameters.column_properties()).expect("a column");
     let impact = Impact::rigid(1500.0, 12.0);
     let report = respond(&model.properties, &impact, 2.0).expect("a response");
-    let remaining = RemainingCapacity::compute(parameters, &model, None).expect("capacities");
+    let remaining = ResidualCapacity::compute(parameters, &model, None).expect("capacities");
     assert_eq!(remaining.now.force, 0.0);
     assert_eq!(remaining.now.end, CapacityEnd::NoEquilibrium);
     assert_eq!(remaining.reserve, Some(0.0));
@@ -166,10 +160,10 @@ fn the_user_chooses_which_criteria_decide() {
     let mut input = input(&[]);
     input.plastic_rotation[0] = 0.06;
     input.remaining.damage = 0.3;
-    assert_eq!(assess(&input).severity, Severity::Restrict);
+    assert_eq!(assess(&input).action, Action::Restrict);
     input.deciding = vec!["asce41_cp".to_owned(), "asce41_io".to_owned()];
     let assessment = assess(&input);
-    assert_eq!(assessment.severity, Severity::Evacuate);
+    assert_eq!(assessment.action, Action::Evacuate);
     assert_eq!(assessment.deciding_criterion, "asce41_cp");
     assert!(!criterion(&assessment, "damage_20").decides);
     assert_eq!(criterion(&assessment, "damage_20").exceeded, Some(true));
@@ -202,7 +196,7 @@ fn what_cannot_be_evaluated_is_listed_with_its_reason() {
     }
     assert!(
         assessment.reason.contains(
-            "Not evaluated: remaining_resistance (evacuate), remaining_resistance_1_5 (prop): the section is given by numbers"
+            "Not evaluated: remaining_resistance (evacuate), remaining_resistance_1_5 (shore): the section is given by numbers"
         ),
         "{}",
         assessment.reason
@@ -246,9 +240,9 @@ fn what_cannot_be_evaluated_is_listed_with_its_reason() {
     );
 }
 
-/// Version 0.3 gave a milder severity to a column of which it knew less.
+/// Version 0.3 gave a milder action to a column of which it knew less.
 #[test]
-fn what_is_not_known_never_lowers_the_severity() {
+fn what_is_not_known_never_lowers_the_action() {
     const NUMBERS: [&str; 4] = [
         "section.area:=91.04e-4",
         "section.second_moment:=8091.0e-8",
@@ -264,17 +258,14 @@ fn what_is_not_known_never_lowers_the_severity() {
         });
         assert!(!named.at_least, "{rotation}");
         assert!(
-            by_numbers.severity == named.severity || by_numbers.at_least,
+            by_numbers.action == named.action || by_numbers.at_least,
             "{rotation}"
         );
-        let words = format!("At least {}: ", in_capitals(by_numbers.severity));
+        let words = format!("At least {}: ", in_capitals(by_numbers.action));
         assert_eq!(by_numbers.reason.starts_with(&words), by_numbers.at_least);
-        assert_eq!(
-            by_numbers.severity < Severity::Evacuate,
-            by_numbers.at_least
-        );
+        assert_eq!(by_numbers.action < Action::Evacuate, by_numbers.at_least);
         if by_numbers.at_least {
-            assert_eq!(by_numbers.not_evaluated[0].severity, Severity::Evacuate);
+            assert_eq!(by_numbers.not_evaluated[0].action, Action::Evacuate);
             assert!(by_numbers.in_words().starts_with(&words));
         }
         assert!(by_numbers.reason.ends_with(by_numbers.reservations()));
@@ -284,7 +275,7 @@ fn what_is_not_known_never_lowers_the_severity() {
     input.plastic_rotation[3] = 0.01;
     input.residual_v1 = None;
     let assessment = assess(&input);
-    assert_eq!(assessment.severity, Severity::Inspect);
+    assert_eq!(assessment.action, Action::Inspect);
     assert!(
         assessment
             .reason
@@ -304,36 +295,31 @@ fn the_bow_that_remains_decides() {
             &format!("geometry.length_below:={below}"),
             &format!("geometry.length_above:={above:?}"),
         ]);
-        let mut severity = |bow: f64| {
+        let mut action = |bow: f64| {
             input.residual_v1 = Some(-4.0 * bow);
             let assessment = assess(&input);
-            (assessment.severity, assessment.deciding_criterion)
+            (assessment.action, assessment.deciding_criterion)
         };
         for (limit, mild, severe, name) in [
             (
                 factor * 750.0,
-                Severity::None,
-                Severity::Inspect,
+                Action::None,
+                Action::Inspect,
                 "residual_bow_750",
             ),
             (
                 factor * 250.0,
-                Severity::Inspect,
-                Severity::Restrict,
+                Action::Inspect,
+                Action::Restrict,
                 "residual_bow_250",
             ),
-            (
-                100.0,
-                Severity::Restrict,
-                Severity::Prop,
-                "residual_bow_100",
-            ),
+            (100.0, Action::Restrict, Action::Shore, "residual_bow_100"),
         ] {
-            assert_eq!(severity(0.999 / limit).0, mild, "L/{limit}");
-            assert_eq!(severity(1.001 / limit), (severe, name), "L/{limit}");
+            assert_eq!(action(0.999 / limit).0, mild, "L/{limit}");
+            assert_eq!(action(1.001 / limit), (severe, name), "L/{limit}");
         }
-        assert_eq!(severity(1.0 / 45.0).0, Severity::Prop);
-        assert_eq!(severity(f64::NAN).0, Severity::Prop);
+        assert_eq!(action(1.0 / 45.0).0, Action::Shore);
+        assert_eq!(action(f64::NAN).0, Action::Shore);
     }
     let mut input = input(&[]);
     input.residual_v1 = Some(4.0 / 45.0);
@@ -349,22 +335,22 @@ fn the_bow_that_remains_decides() {
 /// Only the sum of the rotations of hinges 1a and 1b is determined; version 0.3 judged the larger of both.
 #[test]
 fn the_kink_decides_however_it_is_split() {
-    let virgin = input(&[]);
+    let undamaged = input(&[]);
     for kink in [0.05, 0.09, 0.12, 0.16] {
         let assessed = [0.0, 0.2, 0.5, 0.8, 1.0].map(|share| {
-            let mut input = virgin.clone();
+            let mut input = undamaged.clone();
             input.plastic_rotation = [share * kink, (1.0 - share) * kink, 0.0, 0.0];
             let assessment = assess(&input);
-            (assessment.severity, assessment.deciding_criterion)
+            (assessment.action, assessment.deciding_criterion)
         });
         assert_eq!(assessed, [assessed[0]; 5], "{kink}");
     }
 }
 
-/// A section of a higher grade, and so of a higher class, never gets the milder severity for the same rotation under the same
+/// A section of a higher grade, and so of a higher class, never gets the milder action for the same rotation under the same
 /// share of its squash load.
 #[test]
-fn a_section_that_buckles_sooner_never_gets_the_milder_severity() {
+fn a_section_that_buckles_sooner_never_gets_the_milder_action() {
     let mut input = input(&[]);
     input.deciding = ["capping_rotation", "plastic_flow", "ultimate_rotation"]
         .map(str::to_owned)
@@ -374,14 +360,14 @@ fn a_section_that_buckles_sooner_never_gets_the_milder_severity() {
         for ratio in [0.0, 0.15, 0.3, 0.6, 0.9] {
             for rotation in [1e-4, 0.005, 0.01, 0.02, 0.04, 0.08, 0.12, 0.2] {
                 input.plastic_rotation[3] = rotation;
-                let mut before = (SectionClass::One, Severity::None);
+                let mut before = (SectionClass::One, Action::None);
                 for grade in crate::parameters::STEEL_GRADES {
                     input.yield_strength = grade.yield_strength;
                     input.squash_load = section.dimensions.properties().area * grade.yield_strength;
                     input.remaining.carried_load = ratio * input.squash_load;
                     let class =
                         section_class(&section.dimensions, grade.yield_strength, ratio).class;
-                    let here = (class, assess(&input).severity);
+                    let here = (class, assess(&input).action);
                     assert!(
                         here.0 >= before.0 && here.1 >= before.1,
                         "{} {} n = {ratio}, {rotation} rad: {here:?} after {before:?}",
@@ -399,14 +385,14 @@ fn a_section_that_buckles_sooner_never_gets_the_milder_severity() {
 #[test]
 fn less_than_half_as_much_again_has_to_be_propped() {
     let mut input = input(&[]);
-    for (reserve, severity, name) in [
-        (1.6, Severity::None, None),
-        (1.4, Severity::Prop, Some("remaining_resistance_1_5")),
-        (0.9, Severity::Evacuate, Some("remaining_resistance")),
+    for (reserve, action, name) in [
+        (1.6, Action::None, None),
+        (1.4, Action::Shore, Some("remaining_resistance_1_5")),
+        (0.9, Action::Evacuate, Some("remaining_resistance")),
     ] {
         input.remaining.resistance = Some(reserve * input.remaining.carried_load);
         let assessment = assess(&input);
-        assert_eq!(assessment.severity, severity);
+        assert_eq!(assessment.action, action);
         assert!(name.is_none_or(|name| name == assessment.deciding_criterion));
     }
 }
@@ -455,11 +441,7 @@ fn the_base_is_judged_by_its_plate() {
     let assessed = |demand: Option<BaseDemand>, input: &mut AssessmentInput| {
         input.base_demand = demand;
         let assessment = assess(input);
-        (
-            assessment.severity,
-            assessment.deciding_criterion,
-            assessment,
-        )
+        (assessment.action, assessment.deciding_criterion, assessment)
     };
     assert_eq!(criterion(&assess(&input), "base_shear").value, Some(0.0));
     input.plastic_rotation[0] = 1e-3;
@@ -472,8 +454,8 @@ fn the_base_is_judged_by_its_plate() {
         "{}",
         unknown.statement
     );
-    let (severity, _, held) = assessed(base_demand(370e3, 170e3, false), &mut input);
-    assert_eq!(severity, Severity::None);
+    let (action, _, held) = assessed(base_demand(370e3, 170e3, false), &mut input);
+    assert_eq!(action, Action::None);
     let shear = criterion(&held, "base_shear");
     assert!((shear.limit.expect("a limit") / 378e3 - 1.0).abs() < 0.005);
     assert!(
@@ -482,10 +464,10 @@ fn the_base_is_judged_by_its_plate() {
         shear.statement
     );
     assert!(shear.statement.contains("[A]"));
-    let (severity, name, _) = assessed(base_demand(400e3, 0.0, false), &mut input);
-    assert_eq!((severity, name), (Severity::Inspect, "base_shear"));
-    let (severity, name, moved) = assessed(base_demand(100e3, 180e3, false), &mut input);
-    assert_eq!((severity, name), (Severity::Inspect, "base_moment"));
+    let (action, name, _) = assessed(base_demand(400e3, 0.0, false), &mut input);
+    assert_eq!((action, name), (Action::Inspect, "base_shear"));
+    let (action, name, moved) = assessed(base_demand(100e3, 180e3, false), &mut input);
+    assert_eq!((action, name), (Action::Inspect, "base_moment"));
     let moment = criterion(&moved, "base_moment");
     assert!(moment.statement.contains("kNm"), "{}", moment.statement);
     assert!(
@@ -494,14 +476,14 @@ fn the_base_is_judged_by_its_plate() {
         moment.statement
     );
     // The overstrength of a column that has flowed.
-    let (severity, name, _) = assessed(base_demand(400e3, 0.0, true), &mut input);
-    assert_eq!((severity, name), (Severity::Restrict, "base_anchors_1_3"));
+    let (action, name, _) = assessed(base_demand(400e3, 0.0, true), &mut input);
+    assert_eq!((action, name), (Action::Restrict, "base_anchors_1_3"));
     // Lifted off its grout by more than the anchors bear.
     let mut lifted = base_demand(0.0, 0.0, false);
     let demand = lifted.as_mut().expect("a demand");
     demand.report.least_compressed.normal_force = 1.1e6;
-    let (severity, name, _) = assessed(lifted, &mut input);
-    assert_eq!((severity, name), (Severity::Inspect, "base_uplift"));
+    let (action, name, _) = assessed(lifted, &mut input);
+    assert_eq!((action, name), (Action::Inspect, "base_uplift"));
 }
 
 /// A base that nobody knows is not evaluated, with the reason, and one that is given does not say that it is assumed.
@@ -595,7 +577,7 @@ fn forces_are_compared_with_the_plateau() {
     let last = State::at_rest(&model);
     let report = simulate(&model.properties, &impact, 2.0, &mut |_| {}).expect("a response");
     let remaining =
-        RemainingCapacity::compute(&parameters, &model, Some(&last)).expect("capacities");
+        ResidualCapacity::compute(&parameters, &model, Some(&last)).expect("capacities");
     let input = AssessmentInput::of_response(&parameters, &model, &impact, &report, remaining);
     let p = &model.properties;
     let moment =
@@ -621,7 +603,7 @@ fn forces_are_compared_with_the_plateau() {
 #[test]
 fn json_has_the_names_of_the_contract() {
     let json = serde_json::to_value(assess(&input(&[]))).expect("serializes");
-    assert_eq!(json["severity"], "none");
+    assert_eq!(json["action"], "none");
     let first = &json["criteria"][1];
     assert_eq!(first["name"], "ultimate_rotation");
     assert_eq!(first["tag"], "T");
@@ -643,7 +625,7 @@ fn the_document_lists_every_criterion() {
         };
         let row = format!(
             "| `{}` | {} | [{}] | {} | {default} |",
-            definition.name, definition.edition, definition.tag, definition.severity
+            definition.name, definition.edition, definition.tag, definition.action
         );
         assert!(
             text.contains(&row),
@@ -688,13 +670,13 @@ fn a_free_top_is_not_assessed_and_says_so() {
     let resistance = properties.resistance_moment / properties.length_below;
     assert!((evaluation.plateau / resistance - 1.0).abs() < 1e-12);
     for fault in [
-        RemainingCapacity::compute(&parameters, &model, None).map(|_| ()),
+        ResidualCapacity::compute(&parameters, &model, None).map(|_| ()),
         PreparedAssessment::new(&parameters, &model).map(|_| ()),
     ] {
         let text = fault.expect_err("no capacity").to_string();
         assert!(text.contains("not evaluated: the top is free"), "{text}");
     }
-    let study = StudyColumn::virgin(&parameters).map(|_| ());
+    let study = StudyColumn::undamaged(&parameters).map(|_| ());
     let text = study.expect_err("no capacity").to_string();
     assert!(text.contains("not evaluated: the top is free"), "{text}");
 }

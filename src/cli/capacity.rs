@@ -1,4 +1,4 @@
-//! `column-twin capacity`: the axial capacity of the column, virgin and as it is, and what follows for its load.
+//! `column-twin capacity`: the axial capacity of the column, undamaged and as it is, and what follows for its load.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::{
-    Assessment, AssessmentInput, RemainingCapacity, assess, imperfection, respond_and_rest,
+    Assessment, AssessmentInput, ResidualCapacity, assess, imperfection, respond_and_rest,
 };
 use column_twin::bounded_file::read_text_at_most;
 use column_twin::column::{
@@ -39,7 +39,7 @@ pub struct CapacityArgs {
     /// The damage that a node has saved (a file of its state.directory); the parameters must be those of the node
     #[arg(long, value_name = "FILE", conflicts_with = "after_impact")]
     state: Option<PathBuf>,
-    /// Simulate an impact on the virgin column first; the options below and the parameters impact.* specify it
+    /// Simulate an impact on the undamaged column first; the options below and the parameters impact.* specify it
     #[arg(long)]
     after_impact: bool,
     #[command(flatten)]
@@ -47,13 +47,13 @@ pub struct CapacityArgs {
     /// Print the result as JSON (SI units), and nothing else
     #[arg(long)]
     json: bool,
-    /// Draw the push-down curves, virgin and as it is, into this SVG file
+    /// Draw the push-down curves, undamaged and as it is, into this SVG file
     #[arg(long, visible_alias = "svg", value_name = "FILE")]
     figure: Option<PathBuf>,
 }
 
 const EXAMPLE: &str = "\
-Without --state and --after-impact, the column is virgin.
+Without --state and --after-impact, the column is undamaged.
 docs/assessment.md describes the push-down, the criteria and their sources.
 
 Example: what a car of 1.5 t at 36 km/h leaves of the paper's column
@@ -124,7 +124,7 @@ pub(super) fn run(arguments: &CapacityArgs, output: &mut dyn Write) -> Result<()
     let column = match &arguments.state {
         Some(path) => Column::saved(parameters, path)?,
         None if arguments.after_impact => Column::after_impact(parameters)?,
-        None => Column::virgin(parameters)?,
+        None => Column::undamaged(parameters)?,
     };
     let result = column.result()?;
     let mut text = if arguments.json {
@@ -151,17 +151,17 @@ pub(super) fn run(arguments: &CapacityArgs, output: &mut dyn Write) -> Result<()
 
 /// Capacities and assessment, with the curves for a figure.
 struct CapacityResult {
-    remaining: RemainingCapacity,
+    remaining: ResidualCapacity,
     assessment: Assessment,
-    virgin: Vec<PushDownPoint>,
+    undamaged: Vec<PushDownPoint>,
     now: Vec<PushDownPoint>,
 }
 
 impl Column {
-    fn virgin(parameters: Parameters) -> Result<Self, CapacityCommandError> {
+    fn undamaged(parameters: Parameters) -> Result<Self, CapacityCommandError> {
         let model = model_of(&parameters)?;
         Ok(Self {
-            history: "virgin".into(),
+            history: "undamaged".into(),
             state: Some(State::at_rest(&model)),
             damaged: false,
             response: None,
@@ -172,7 +172,7 @@ impl Column {
 
     fn after_impact(parameters: Parameters) -> Result<Self, CapacityCommandError> {
         let impact = parameters.impact();
-        let mut column = Self::virgin(parameters)?;
+        let mut column = Self::undamaged(parameters)?;
         let (properties, duration) = (
             column.parameters.column_properties(),
             column.parameters.response_duration(),
@@ -186,7 +186,7 @@ impl Column {
                 length(report.residual_v1.unwrap_or(f64::NAN))
             ),
             Outcome::Collapsed => "collapsed".to_owned(),
-            Outcome::Severed => "severed".to_owned(),
+            Outcome::Fractured => "fractured".to_owned(),
         };
         column.history = format!(
             "after {} kg at {} m/s, {} m above the base: {outcome}",
@@ -223,17 +223,15 @@ impl Column {
         let parameters = parameters
             .with_changes(moved)
             .map_err(|faults| CapacityCommandError::Faulted(faults.to_string()))?;
-        let mut column = Self::virgin(parameters)?;
+        let mut column = Self::undamaged(parameters)?;
         let mut state = State::settled(&column.model, saved.displacement, saved.plastic);
-        if let Some(accumulated) = saved.accumulated_rotation {
-            state.set_accumulated_rotation(&column.model, &accumulated);
-        }
+        state.set_accumulated_rotation(&column.model, &saved.accumulated_rotation);
         if let Some(webs) = &saved.webs {
             state.set_webs(&column.model, webs);
         }
         column.state = match &saved.condition {
             Condition::Standing => residual_state(&column.model, &state),
-            Condition::Collapsed | Condition::Severed => None,
+            Condition::Collapsed | Condition::Fractured => None,
             Condition::Faulted(reason) => {
                 return Err(CapacityCommandError::Faulted(reason.to_string()));
             }
@@ -249,12 +247,12 @@ impl Column {
     fn result(&self) -> Result<CapacityResult, CapacityCommandError> {
         let bow = imperfection(&self.parameters);
         let remaining =
-            RemainingCapacity::compute(&self.parameters, &self.model, self.state.as_ref())?;
+            ResidualCapacity::compute(&self.parameters, &self.model, self.state.as_ref())?;
         let curve = |state: &State| {
             let mut curve = Vec::new();
             push_down(&self.model, state, bow, &mut |point| curve.push(*point)).map(|_| curve)
         };
-        let virgin = curve(&State::at_rest(&self.model))?;
+        let undamaged = curve(&State::at_rest(&self.model))?;
         let now = match &self.state {
             Some(state) if self.damaged => curve(state)?,
             _ => Vec::new(),
@@ -262,12 +260,12 @@ impl Column {
         Ok(CapacityResult {
             assessment: assess(&self.input(remaining)),
             remaining,
-            virgin,
+            undamaged,
             now,
         })
     }
 
-    fn input(&self, remaining: RemainingCapacity) -> AssessmentInput {
+    fn input(&self, remaining: ResidualCapacity) -> AssessmentInput {
         match (&self.response, &self.state) {
             (Some((impact, report)), _) => AssessmentInput::of_response(
                 &self.parameters,
@@ -280,10 +278,15 @@ impl Column {
                 AssessmentInput::of_state(&self.parameters, &self.model, state, remaining)
             }
             (None, None) => {
-                let virgin = State::at_rest(&self.model);
+                let undamaged = State::at_rest(&self.model);
                 AssessmentInput {
                     collapsed: true,
-                    ..AssessmentInput::of_state(&self.parameters, &self.model, &virgin, remaining)
+                    ..AssessmentInput::of_state(
+                        &self.parameters,
+                        &self.model,
+                        &undamaged,
+                        remaining,
+                    )
                 }
             }
         }
@@ -306,7 +309,7 @@ impl Column {
         let title = self.title();
         let svg = push_down_svg(&PushDownCurves {
             title: &title,
-            virgin: &result.virgin,
+            undamaged: &result.undamaged,
             now: &result.now,
             remaining: &result.remaining,
         })?;
@@ -326,17 +329,17 @@ impl Column {
             let _ = writeln!(text, "  {name:<24}{value}");
         };
         line(
-            "Push-down virgin",
+            "Push-down undamaged",
             format!(
                 "{} (bow {})",
-                capacity_text(&remaining.virgin),
-                length(remaining.virgin.imperfection)
+                capacity_text(&remaining.undamaged),
+                length(remaining.undamaged.imperfection)
             ),
         );
         line(
             "Push-down now",
             format!(
-                "{}, {} % of the virgin column",
+                "{}, {} % of the undamaged column",
                 capacity_text(&remaining.now),
                 significant(100.0 * remaining.ratio, 3)
             ),
@@ -349,9 +352,9 @@ impl Column {
             ),
         );
         line(
-            "Load N_Ed",
+            "Applied load N",
             format!(
-                "{}; N_u / N_Ed = {}",
+                "{}; N_u / N = {}",
                 force(remaining.carried_load),
                 remaining
                     .reserve
@@ -384,8 +387,8 @@ impl Column {
         let assessment = &result.assessment;
         let _ = write!(
             text,
-            "\nSeverity: {}\n{}\n\n",
-            assessment.severity_in_words(),
+            "\nAction: {}\n{}\n\n",
+            assessment.action_in_words(),
             assessment.reason
         );
         for criterion in &assessment.criteria {
@@ -401,7 +404,7 @@ impl Column {
                 criterion.name, criterion.statement
             );
         }
-        text.push_str("\n! exceeded, ? not evaluated, * decides the severity\n");
+        text.push_str("\n! exceeded, ? not evaluated, * decides the action\n");
         text.push_str(
             "[T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption of this program; \
              see docs/assessment.md\n",
@@ -428,8 +431,8 @@ fn capacity_text(capacity: &Capacity) -> String {
         CapacityEnd::NoEquilibrium => {
             "0 kN: the column has no equilibrium and carries nothing".into()
         }
-        CapacityEnd::Severed if capacity.force == 0.0 => {
-            "0 kN: a hinge or web is torn and the column carries nothing".into()
+        CapacityEnd::Fractured if capacity.force == 0.0 => {
+            "0 kN: a hinge or web is fractured and the column carries nothing".into()
         }
         CapacityEnd::NotFollowed | CapacityEnd::BoundReached => format!(
             "at least {} (the push-down could not be followed to its end)",
@@ -438,7 +441,7 @@ fn capacity_text(capacity: &Capacity) -> String {
         CapacityEnd::ForceFell
         | CapacityEnd::Plateau
         | CapacityEnd::Folded
-        | CapacityEnd::Severed => {
+        | CapacityEnd::Fractured => {
             format!("{} at v1 {}", force(capacity.force), length(capacity.v1))
         }
     }

@@ -12,7 +12,7 @@ use serde_json::{Map, Value as Json, json};
 use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
 use column_twin::printable::Printable;
@@ -36,13 +36,13 @@ pub struct EstimateArgs {
     parameter: Vec<String>,
     /// Readings as CSV: a column `time` [s] and one column for each sensor, by its name; - is the standard input
     #[arg(long, value_name = "FILE")]
-    measurements: PathBuf,
+    readings: PathBuf,
     /// Write a report in HTML; an existing file is replaced
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Draw the forecast and, for each sensor, what was measured against what is predicted, as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
-    plots: Option<PathBuf>,
+    figures: Option<PathBuf>,
     /// Print the estimate as JSON (SI units), with its history, and nothing else
     #[arg(long)]
     json: bool,
@@ -52,13 +52,13 @@ pub struct EstimateArgs {
 }
 
 const EXAMPLE: &str = "\
-The column is assumed to be virgin before the impact. docs/estimation.md describes the method and its limits.
+The column is assumed to be undamaged before the impact. docs/estimation.md describes the method and its limits.
 
 Example: simulate what the sensors of a column read when a car hits it, and estimate the car from that
   column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
-    --vehicle mid_car --velocity 12 --sensors readings.csv
+    --vehicle mid_car --velocity 12 --readings readings.csv
   column-twin estimate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
-    --measurements readings.csv --plots figures --report estimate.html
+    --readings readings.csv --figures figures --report estimate.html
 
 Exit codes: 0 done (also if no impact was detected), 1 failed, 2 bad input or usage.";
 
@@ -106,7 +106,7 @@ pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<()
     if sensors.is_empty() {
         return Err(EstimateCommandError::from(EstimatorError::NoSensors).into());
     }
-    let path = &arguments.measurements;
+    let path = &arguments.readings;
     let read = |source: &mut dyn io::Read| Readings::from_csv(source, &sensors);
     let readings = if path == Path::new("-") {
         read(&mut io::stdin().lock())
@@ -150,7 +150,7 @@ pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<()
     match &estimated {
         Some(impact) => write_files(arguments, &parameters, &sensors, impact),
         None => {
-            if arguments.report.is_some() || arguments.plots.is_some() {
+            if arguments.report.is_some() || arguments.figures.is_some() {
                 eprintln!("no impact was detected: neither a report nor figures are written");
             }
             Ok(())
@@ -166,11 +166,11 @@ fn write_files(
     impact: &RecordedImpact,
 ) -> Result<(), Failure> {
     let failed = |fault: FigureError| Failure::new(Exit::Failed, fault);
-    let source = match arguments.measurements.as_path() {
+    let source = match arguments.readings.as_path() {
         path if path == Path::new("-") => "the standard input".to_owned(),
         path => Printable(&path.to_string_lossy()).to_string(),
     };
-    if let Some(folder) = &arguments.plots {
+    if let Some(folder) = &arguments.figures {
         let column = &parameters.settings().column_id;
         let figures = EstimateFigures {
             title: &format!("column {column}, readings of {source}"),
@@ -228,7 +228,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
     let named = |pairs: &mut dyn Iterator<Item = (String, f64)>| -> Json {
         Json::Object(pairs.map(|(name, value)| (name, value.into())).collect())
     };
-    let severity = |(severity, probability): &(Severity, f64)| (severity.to_string(), *probability);
+    let action = |(action, probability): &(Action, f64)| (action.to_string(), *probability);
     let fields = json!({
         "data_until_s": estimate.data_until,
         "contact_time_s": estimate.contact_time.mean,
@@ -242,9 +242,9 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
         "capacity_ratio": interval(&estimate.capacity_ratio),
         "yielded": estimate.yielded,
         "collapsed": estimate.collapsed,
-        "severity": named(&mut estimate.severity.iter().map(severity)),
+        "action": named(&mut estimate.action.iter().map(action)),
         "vehicle_probabilities": named(&mut estimate.vehicle_probabilities.iter().cloned()),
-        "effective_responses": estimate.effective_responses,
+        "effective_sample_size": estimate.effective_sample_size,
         "doubtful_sensors": estimate.doubtful_sensors,
     });
     match fields {
@@ -282,10 +282,10 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
         ("Peak v1", last.peak_v1, 1e3, "mm"),
         ("Residual v1", last.residual_v1, 1e3, "mm"),
         (
-            "Remaining capacity",
+            "Residual capacity",
             last.capacity_ratio,
             100.0,
-            "% of the virgin column's",
+            "% of the undamaged column's",
         ),
     ];
     for (name, interval, factor, unit) in rows {
@@ -308,21 +308,17 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             .map(|(name, probability)| format!("{name} {:.0} %", 100.0 * probability));
         each.collect::<Vec<_>>().join(", ")
     };
-    let severity = last
-        .severity
+    let action = last
+        .action
         .iter()
-        .map(|(severity, p)| (severity.to_string(), *p));
-    let _ = writeln!(
-        text,
-        "Severity           {}",
-        list(&mut severity.into_iter())
-    );
+        .map(|(action, p)| (action.to_string(), *p));
+    let _ = writeln!(text, "Action             {}", list(&mut action.into_iter()));
     let _ = writeln!(
         text,
         "Vehicle            {}",
         list(&mut last.vehicle_probabilities.iter().cloned())
     );
-    text += "\nData until [ms]   mass [kg]              speed [m/s]            peak v1 [mm]           severity\n";
+    text += "\nData until [ms]   mass [kg]              speed [m/s]            peak v1 [mm]           action\n";
     for estimate in &impact.estimates {
         let cell = |interval: &CredibleInterval, factor: f64| {
             let CredibleInterval { mean, low, high } = interval;
@@ -334,7 +330,7 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             );
             format!("{text:<23}")
         };
-        let likely = estimate.severity.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let likely = estimate.action.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let _ = writeln!(
             text,
             "{:>15.0}   {}{}{}{}",
@@ -342,17 +338,17 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             cell(&estimate.mass, 1.0),
             cell(&estimate.velocity, 1.0),
             cell(&estimate.peak_v1, 1e3),
-            likely.map_or_else(String::new, |(severity, p)| format!(
-                "{severity} {:.0} %",
+            likely.map_or_else(String::new, |(action, p)| format!(
+                "{action} {:.0} %",
                 100.0 * p
             )),
         );
     }
-    if last.effective_responses < FEWEST_RESPONSES {
+    if last.effective_sample_size < FEWEST_RESPONSES {
         let _ = writeln!(
             text,
-            "\nWarning: the estimate rests on {:.0} effective responses; its intervals are unreliable.",
-            last.effective_responses
+            "\nWarning: the effective sample size of the estimate is {:.0}; its intervals are unreliable.",
+            last.effective_sample_size
         );
     }
     if !last.doubtful_sensors.is_empty() {

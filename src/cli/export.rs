@@ -18,7 +18,7 @@ use column_twin::whole_file::WholeFile;
 #[command(group = clap::ArgGroup::new("format").required(true))]
 pub struct ExportArgs {
     /// Directory of the recording, or an MCAP file
-    #[arg(value_name = "BAG")]
+    #[arg(value_name = "RECORDING")]
     bag: PathBuf,
     /// Write a directory with one CSV table per topic, one row per message
     #[arg(long, group = "format")]

@@ -7,7 +7,7 @@ use clap::Args;
 use super::failure::{Exit, Failure};
 use super::run::{end_of_run, environment, failure_of_run};
 use column_twin::parameters::{Source, Value};
-use column_twin::ros::{FleetRunOptions, RosArguments, run_fleet};
+use column_twin::ros::{RosArguments, RunOptions, run_fleet};
 
 /// Arguments of `column-twin fleet`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -56,7 +56,7 @@ pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> 
         let selected = Source::Value("viewer.select".to_owned(), selected);
         ros.parameters.push(selected);
     }
-    let options = FleetRunOptions {
+    let options = RunOptions {
         environment,
         ros,
         parameter_files: arguments.params_file.clone(),

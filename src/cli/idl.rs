@@ -16,7 +16,7 @@ pub struct IdlArgs {}
 const EXAMPLE: &str = "\
 Example: read the column's state in C with Cyclone DDS
   column-twin idl > column_twin.idl && idlc column_twin.idl
-  # then subscribe to the topic rt/column_state, type column_twin::msg::dds_::ColumnState_
+  # then subscribe to the topic rt/column_state, type column_twin_msgs::msg::dds_::ColumnState_
 
 Exit codes: 0 done, 1 failed.";
 

@@ -8,7 +8,7 @@ use clap::Args;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, RosArguments, RowImpactOptions,
     report_line, send_impact, send_row_impact,
@@ -104,7 +104,7 @@ pub fn run(
             lines.print(format_args!("accepted, without a forecast: {reason}"));
             lines.end()
         }
-        ImpactOutcome::Refused(reason) => Err(Failure::plain(
+        ImpactOutcome::Rejected(reason) => Err(Failure::plain(
             Exit::Failed,
             format!("the twin rejected the event: {reason}"),
         )),
@@ -152,15 +152,14 @@ fn run_row(
         let column = &report.column_id;
         match (report.kind, report.end) {
             (ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED) => {
-                rejected = Some(report.severity_reason);
+                rejected = Some(report.action_reason);
             }
-            (ImpactReport::NO_FORECAST, ImpactReport::END_NOT_HIT) => lines.print(format_args!(
-                "{column}: not hit: {}",
-                report.severity_reason
-            )),
+            (ImpactReport::NO_FORECAST, ImpactReport::END_NOT_HIT) => {
+                lines.print(format_args!("{column}: not hit: {}", report.action_reason))
+            }
             (ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN, _) => lines.print(format_args!(
                 "{column}: without a forecast: {}",
-                report.severity_reason
+                report.action_reason
             )),
             _ => lines.print(format_args!(
                 "{column}: {}",

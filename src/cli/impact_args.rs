@@ -66,8 +66,8 @@ impl ImpactSpecificationArgs {
     /// The override that the options imply and that any other one takes precedence over: a vehicle named without a mass has
     /// its own, whatever mass a parameter file gives to another one.
     pub fn implied_override(&self) -> Option<String> {
-        let compliant = CatalogueVehicle::named(self.vehicle.as_deref()?).is_some();
-        (compliant && self.mass.is_none()).then(|| "impact.mass:=0.0".to_owned())
+        let deformable = CatalogueVehicle::named(self.vehicle.as_deref()?).is_some();
+        (deformable && self.mass.is_none()).then(|| "impact.mass:=0.0".to_owned())
     }
 
     /// The options as overrides of parameters, so that the one table of parameters validates them. The height, which two

@@ -21,7 +21,7 @@ use column_twin::results::outcome_word;
 #[command(after_help = EXAMPLE)]
 pub struct InfoArgs {
     /// Directory of the recording, or an MCAP file
-    #[arg(value_name = "BAG")]
+    #[arg(value_name = "RECORDING")]
     bag: PathBuf,
     /// Print the summary as JSON
     #[arg(long)]
@@ -88,6 +88,9 @@ fn print(reader: &Reader, events: &EventSummaries, out: &mut impl Write) -> io::
             Some(note) => writeln!(out, "  {note}")?,
             None => writeln!(out)?,
         }
+    }
+    if let Err(error) = recording::check_version(reader) {
+        return writeln!(out, "\n{error}");
     }
     let Ok((events, beyond)) = events else {
         return Ok(());
@@ -187,7 +190,10 @@ fn losses(reader: &Reader) -> String {
 
 /// Explains why a topic cannot be read as one of column_twin.
 fn note(topic: &RecordedTopic) -> Option<String> {
-    if !topic.type_name.starts_with("column_twin/") {
+    if recording::is_of_earlier_version(topic) {
+        return Some("of an earlier version".to_owned());
+    }
+    if !topic.type_name.starts_with("column_twin_msgs/") {
         return None;
     }
     recording::check_definition(topic)

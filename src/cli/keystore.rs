@@ -50,7 +50,7 @@ enum KeystoreCommand {
 #[derive(Debug, Args)]
 struct CreateArgs {
     /// Folder of the keystore, which must not exist or be empty
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     #[command(flatten)]
     enclaves: EnclaveArgs,
@@ -68,7 +68,7 @@ struct CreateArgs {
 #[derive(Debug, Args)]
 struct AddArgs {
     /// Folder of the keystore
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     /// The enclave and its role: twin, monitor or operator
     #[arg(value_name = "NAME=ROLE")]
@@ -86,7 +86,7 @@ struct AddArgs {
 #[derive(Debug, Args)]
 struct RenewArgs {
     /// Folder of the keystore
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     /// The enclaves [default: all]
     #[arg(value_name = "NAME", conflicts_with = "authority")]
@@ -102,7 +102,7 @@ struct RenewArgs {
 #[derive(Debug, Args)]
 struct ShowArgs {
     /// Folder of the keystore
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     /// Domain for which the enclaves are checked [default: the first one of the governance]
     #[arg(long, value_name = "DOMAIN", value_parser = clap::value_parser!(u16).range(0..=i64::from(MAX_DOMAIN_ID)))]

@@ -27,7 +27,7 @@ mod map;
 #[cfg(feature = "ros")]
 mod measure;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
-mod recorded_felt;
+mod recorded_detected;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
@@ -85,11 +85,11 @@ enum CliCommand {
     Demo(demo::DemoArgs),
     /// Simulate one impact without ROS and summarise the response of the column
     Simulate(SimulateArgs),
-    /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
+    /// Compute the axial capacity of the column, undamaged and damaged, and assess what is left
     Capacity(CapacityArgs),
     /// Estimate what struck the column, and what remains of it, from the readings of its sensors
     Estimate(estimate::EstimateArgs),
-    /// Map what impacts do over two quantities, such as mass and velocity: severity, displacement, capacity
+    /// Map what impacts do over two quantities, such as mass and velocity: action, displacement, capacity
     Map(map::MapArgs),
     /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
     Risk(risk::RiskArgs),

@@ -7,17 +7,17 @@ use std::sync::Arc;
 use serde::de::DeserializeOwned;
 
 use super::failure::{Exit, Failure};
-use super::recorded_felt::RecordedFelt;
+use super::recorded_detected::RecordedDetected;
 use column_twin::evidence::{JournalEntry, JournalError, JournalLine};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEstimate, ImpactEvent, ImpactReport, Measurement,
 };
 use column_twin::messages::{Message, cdr};
 use column_twin::parameters::Parameters;
 use column_twin::recording::{self, Reader};
 use column_twin::twin::Journal;
-use column_twin::viewer::{self, FeltUpdate, RecordedMessage, ViewerItem};
+use column_twin::viewer::{self, DetectedUpdate, RecordedMessage, ViewerItem};
 
 /// The parameters of the column of a recording, and the items to show.
 pub(super) struct RecordedItems {
@@ -28,14 +28,14 @@ pub(super) struct RecordedItems {
 /// Reads a recording. Its journal contains the parameters of the column; for a recording without a journal they come from
 /// the parameter file `config`.
 pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<RecordedItems, Failure> {
-    let reader = Reader::open(bag)?;
+    let reader = recording::open(bag)?;
     let mut parameters = match config {
         None => None,
         Some(file) => Some(Arc::new(Parameters::load(std::slice::from_ref(file), &[])?)),
     };
     let mut gathered = Gathered::default();
     if let Some(parameters) = &parameters {
-        gathered.felt.parameters(parameters);
+        gathered.detected.parameters(parameters);
     }
     for message in reader.messages() {
         let message = message?;
@@ -66,8 +66,8 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
                 _ => {}
             }
             if config.is_none() {
-                let updates = gathered.felt.line(&line);
-                gathered.show_felt(updates);
+                let updates = gathered.detected.line(&line);
+                gathered.show_detected(updates);
             }
         } else {
             gathered.take(&message);
@@ -82,8 +82,8 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
             ),
         )
     })?;
-    let left = gathered.felt.end();
-    gathered.show_felt(left);
+    let left = gathered.detected.end();
+    gathered.show_detected(left);
     gathered.report_unshown();
     if gathered.shown == 0 {
         return Err(Failure::plain(
@@ -117,7 +117,7 @@ struct Gathered {
     states: HashMap<Instant, ColumnState>,
     /// Messages of hinges without their state.
     forces: HashMap<Instant, HingeForces>,
-    felt: RecordedFelt,
+    detected: RecordedDetected,
     /// Number of messages that cannot be decoded.
     unreadable: usize,
     first_fault: Option<String>,
@@ -143,16 +143,16 @@ impl Gathered {
         } else if let Some(event) = self.read::<ImpactEvent>(message) {
             self.messages.push(RecordedMessage::Event(Box::new(event)));
         } else if let Some(measurement) = self.read::<Measurement>(message) {
-            self.felt.measurement(&measurement, message.log_time);
+            self.detected.measurement(&measurement, message.log_time);
         } else if let Some(estimate) = self.read::<ImpactEstimate>(message) {
-            let updates = self.felt.estimate(estimate);
-            self.show_felt(updates);
+            let updates = self.detected.estimate(estimate);
+            self.show_detected(updates);
         }
     }
 
-    fn show_felt(&mut self, updates: Vec<FeltUpdate>) {
+    fn show_detected(&mut self, updates: Vec<DetectedUpdate>) {
         let updates = updates.into_iter();
-        let messages = updates.map(|it| RecordedMessage::Felt(Box::new(it)));
+        let messages = updates.map(|it| RecordedMessage::Detected(Box::new(it)));
         self.messages.extend(messages);
     }
 

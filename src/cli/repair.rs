@@ -13,10 +13,10 @@ use column_twin::recording;
 #[command(after_help = EXAMPLE)]
 pub struct RepairArgs {
     /// Directory of the recording, or its MCAP file
-    #[arg(value_name = "BAG")]
+    #[arg(value_name = "RECORDING")]
     bag: PathBuf,
     /// Directory to write to; default: next to the recording, with _repaired appended to its name
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
 

@@ -27,7 +27,7 @@ const CLOCK_HZ: &str = "40";
 #[cfg_attr(feature = "viewer", command(group = clap::ArgGroup::new("shown")))]
 pub struct ReplayArgs {
     /// Directory of the recording, or its MCAP file
-    #[arg(value_name = "BAG")]
+    #[arg(value_name = "RECORDING")]
     bag: PathBuf,
     /// Replay speed: recorded seconds per second
     #[arg(long, short, value_name = "X", default_value_t = 1.0, value_parser = rate)]

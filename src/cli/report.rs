@@ -16,7 +16,7 @@ use column_twin::whole_file;
 #[command(after_help = EXAMPLE)]
 pub struct ReportArgs {
     /// Directory of the recording, or its MCAP file
-    #[arg(value_name = "BAG")]
+    #[arg(value_name = "RECORDING")]
     bag: PathBuf,
     /// HTML file to write; an existing file is replaced
     #[arg(long, short, value_name = "FILE", default_value = "report.html")]

@@ -6,9 +6,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use column_twin::ros::security::protection;
-use column_twin::ros::{
-    self, Environment, FleetTwinError, RosArguments, RunEnd, RunError, RunOptions,
-};
+use column_twin::ros::{self, Environment, RosArguments, RunEnd, RunError, RunOptions, StartError};
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -25,6 +23,7 @@ Example: the column of a parameter file, in a namespace, on this machine only
     --ros-args -r __ns:=/garage -p top.load:=4.0e5
 
 The arguments after --ros-args are those of every ROS 2 node: -r, -p, --params-file, --log-level.
+Parameter files that name several columns and not this node make a fleet: see column-twin fleet.
 With -p record.mode:=always the node records everything that it receives and sends, in the directory
 given by -p record.directory:=DIR. Recordings are sealed with the key of -p record.seal_key:=FILE, or
 with a fresh one, whose public part the log shows.
@@ -37,6 +36,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         environment: environment(&ros)?,
         ros,
         parameter_files: arguments.config.clone(),
+        columns: None,
     };
     end_of_run(ros::run(&options).map_err(failure_of_run)?)
 }
@@ -46,10 +46,9 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
     match error {
         RunError::Parameters(faults) => faults.into(),
         error @ (RunError::SealKey(_)
-        | RunError::Fleet(
-            FleetTwinError::Selection(_)
-            | FleetTwinError::SensorSource { .. }
-            | FleetTwinError::Columns(_),
+        | RunError::Start(
+            _,
+            StartError::Selection(_) | StartError::SensorTopics { .. } | StartError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
@@ -94,7 +93,7 @@ pub(super) fn environment(ros: &RosArguments) -> Result<Environment, Failure> {
     })
 }
 
-/// As [`environment`], for a client, which has no log: refuses an enclave that cannot be used, and warns on the terminal if
+/// As [`environment`], for a client, which has no log: rejects an enclave that cannot be used, and warns on the terminal if
 /// the client runs unprotected.
 pub(super) fn client_environment(ros: &RosArguments) -> Result<Environment, Failure> {
     let environment = environment(ros)?;

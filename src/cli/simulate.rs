@@ -22,7 +22,7 @@ use column_twin::evidence::SimulatedRecordingError;
 use column_twin::figures::HistoryThinning;
 use column_twin::figures::{self, FigureError};
 #[cfg(feature = "viewer")]
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::{
     Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };
@@ -58,13 +58,13 @@ pub struct SimulateArgs {
     csv: Option<PathBuf>,
     /// Write what the sensors of sensors.names read, with their errors, as CSV; docs/estimation.md describes them
     #[arg(long, value_name = "FILE")]
-    sensors: Option<PathBuf>,
+    readings: Option<PathBuf>,
     /// Seed of the errors of the sensors; the same seed gives the same readings
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "sensors")]
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "readings")]
     sensor_seed: u64,
     /// Draw the figures into this folder, as SVG and PNG
-    #[arg(long, value_name = "DIR")]
-    plots: Option<PathBuf>,
+    #[arg(long, value_name = "FOLDER")]
+    figures: Option<PathBuf>,
     /// Write a report for people: one HTML file with the verdict on four pages of A4, and an annex; all parameters go to a JSON file beside it
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -73,7 +73,7 @@ pub struct SimulateArgs {
     report_details: Option<PathBuf>,
     /// Record what a node would publish to this new folder, as an MCAP recording that ROS tools can read
     #[cfg(feature = "record")]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// Time of the event in the recording [s since 1970]
     #[cfg(feature = "record")]
@@ -89,7 +89,7 @@ const EXAMPLE: &str = "\
 Without an option, the parameter of its name applies: vehicle.name, impact.mass, impact.velocity.
 
 Example: the paper's rigid mass of 1.5 t hits the paper's column at 36 km/h; with figures
-  column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --plots plots
+  column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --figures figures
 Example: a real car hits a real column at the same speed
   column-twin simulate --config config/heb220_s355.yaml --vehicle mid_car --velocity 10
 Example: record an impact, and verify the recording by recomputation
@@ -201,7 +201,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         case.write_history_file(path)?;
         files += &format!("History    {}\n", path.display());
     }
-    if let Some(path) = &arguments.sensors {
+    if let Some(path) = &arguments.readings {
         case.write_readings(path, arguments.sensor_seed)?;
         files += &format!("Readings   {}\n", path.display());
     }
@@ -218,7 +218,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
             }
         }
     }
-    if let Some(folder) = &arguments.plots {
+    if let Some(folder) = &arguments.figures {
         let count = case.draw(folder)?.len();
         files += &format!("Figures    {count} files in {}\n", folder.display());
     }

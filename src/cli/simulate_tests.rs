@@ -34,12 +34,12 @@ fn json_is_all_that_is_printed() {
 fn history_and_figures_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let csv = folder.path().join("history.csv");
-    let plots = folder.path().join("plots");
+    let figures = folder.path().join("figures");
     let (output, ended) = typed(&[
         "--csv",
         csv.to_str().unwrap(),
-        "--plots",
-        plots.to_str().unwrap(),
+        "--figures",
+        figures.to_str().unwrap(),
     ]);
     assert!(ended.is_ok(), "{ended:?}");
     assert!(
@@ -48,7 +48,7 @@ fn history_and_figures_are_written() {
     );
     let rows = csv::Reader::from_path(csv).unwrap().records().count();
     assert!(rows > 500);
-    assert_eq!(fs::read_dir(plots).unwrap().count(), 22);
+    assert_eq!(fs::read_dir(figures).unwrap().count(), 22);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn the_history_is_the_simulation() {
         at("t_s"),
         at("v1_m"),
         at("u2_m"),
-        at("percussion_Ns"),
+        at("impact_impulse_Ns"),
         at("M3_Nm"),
     ];
     let mut steps = 0;
@@ -96,7 +96,7 @@ fn the_history_is_the_simulation() {
             sample.time,
             sample.v1,
             sample.u2,
-            sample.percussion,
+            sample.impact_impulse,
             sample.hinges[3].moment,
         ];
         assert_eq!(printed, simulated);
@@ -137,7 +137,7 @@ fn unwritable_places_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
-    for option in ["--csv", "--plots"] {
+    for option in ["--csv", "--figures"] {
         let (output, ended) = typed(&[option, file.join("x").to_str().unwrap()]);
         let failure = ended.unwrap_err();
         assert_eq!(failure.exit, Exit::Failed);
@@ -253,7 +253,7 @@ fn a_report_is_reproducible() {
     assert!(first == second);
 }
 
-/// The summary once said "a torn hinge or web to a torn hinge or web".
+/// The summary once said "a fractured hinge or web to a fractured hinge or web".
 #[test]
 fn a_band_of_one_outcome_is_not_from_it_to_itself() {
     let (output, ended) = typed(&["--mass", "20000", "--velocity", "20"]);
@@ -262,5 +262,8 @@ fn a_band_of_one_outcome_is_not_from_it_to_itself() {
         .lines()
         .find(|line| line.contains("largest v1, band"));
     let band = band.expect("a band");
-    assert!(band.ends_with("a torn hinge or web at both ends"), "{band}");
+    assert!(
+        band.ends_with("a fractured hinge or web at both ends"),
+        "{band}"
+    );
 }

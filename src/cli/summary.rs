@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use column_twin::assessment::{ActionRange, ImpactEvaluation};
 use column_twin::column::{
-    HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
+    HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_IMPACT_IMPULSES, Outcome, Report,
 };
 use column_twin::figures::units::{Unit, significant};
 use column_twin::parameters::{NoShear, readable};
@@ -67,7 +67,7 @@ impl Summary<'_> {
                 None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
             },
         };
-        wrapped(f, "Severity", &words)?;
+        wrapped(f, "Action", &words)?;
         match &self.evaluation.range {
             Some(range) => wrapped(f, "Range", &range.to_string()),
             None => Ok(()),
@@ -81,7 +81,7 @@ impl Summary<'_> {
         };
         writeln!(
             f,
-            "\n{:<45}{:>12}{:>12}  severity",
+            "\n{:<45}{:>12}{:>12}  action",
             "Range: one assumption changed at a time", "peak v1", "residual"
         )?;
         for it in &range.variations {
@@ -89,7 +89,7 @@ impl Summary<'_> {
             let unit = Unit::length(report.max_v1);
             let (peak, residual) = match report.outcome {
                 Outcome::Collapsed => ("collapse".to_owned(), String::new()),
-                Outcome::Severed => ("torn".to_owned(), String::new()),
+                Outcome::Fractured => ("fractured".to_owned(), String::new()),
                 Outcome::Elastic | Outcome::Plastic => (
                     unit.show(report.max_v1),
                     report.residual_v1.map_or("none".into(), |it| unit.show(it)),
@@ -100,7 +100,7 @@ impl Summary<'_> {
                 "  {:<16}{:<27}{peak:>12}{residual:>12}  {}",
                 it.assumption.name(),
                 it.instead,
-                it.severity.name()
+                it.action.name()
             )?;
         }
         let not_varied: Vec<_> = range
@@ -119,18 +119,18 @@ impl Summary<'_> {
         let Some(remaining) = &self.evaluation.remaining else {
             return Ok(());
         };
-        let unit = Unit::force(remaining.virgin.force);
+        let unit = Unit::force(remaining.undamaged.force);
         let bound = |is_lower: bool| if is_lower { "at least " } else { "" };
         writeln!(
             f,
             "\n{:<32}{:>14}{:>14}{:>14}",
-            "Axial capacity in the plane", "virgin", "now", "ratio"
+            "Axial capacity in the plane", "undamaged", "now", "ratio"
         )?;
         writeln!(
             f,
             "  {:<30}{:>14}{:>14}{:>14}",
             "force of the push-down",
-            unit.show(remaining.virgin.force),
+            unit.show(remaining.undamaged.force),
             format!(
                 "{}{}",
                 bound(remaining.now.is_lower_bound()),
@@ -140,7 +140,7 @@ impl Summary<'_> {
         )?;
         let lines = [
             (
-                "load N_Ed, gamma_M = 1.0",
+                "applied load N, gamma_M = 1.0",
                 Unit::force(remaining.carried_load).show(remaining.carried_load),
             ),
             (
@@ -148,19 +148,19 @@ impl Summary<'_> {
                 unit.show(remaining.axial_capacity),
             ),
             (
-                "reserve N_u / N_Ed",
+                "reserve N_u / N",
                 remaining
                     .reserve
                     .map_or("none is carried".into(), |it| significant(it, 3)),
             ),
             (
                 "EN 1993-1-1, strong axis",
-                format!("{} when virgin", unit.show(remaining.strong.force)),
+                format!("{} when undamaged", unit.show(remaining.strong.force)),
             ),
             (
                 "EN 1993-1-1, weak axis",
                 remaining.weak.map_or("not known".into(), |it| {
-                    format!("{} when virgin", unit.show(it.force))
+                    format!("{} when undamaged", unit.show(it.force))
                 }),
             ),
             (
@@ -229,7 +229,7 @@ impl Summary<'_> {
             let unit = Unit::length(self.report().max_v1);
             let one = |index: usize, value: Option<f64>| match band[index].report.outcome {
                 Outcome::Collapsed => "collapse".to_owned(),
-                Outcome::Severed => "a torn hinge or web".to_owned(),
+                Outcome::Fractured => "a fractured hinge or web".to_owned(),
                 Outcome::Elastic | Outcome::Plastic => {
                     value.map_or("none".to_owned(), |value| unit.show(value))
                 }
@@ -314,11 +314,11 @@ impl Summary<'_> {
             ),
             ("duration", self.time(report.contact_duration)),
             (
-                "percussions",
+                "impact impulses",
                 format!(
                     "{}, {} N s in total",
-                    report.percussions,
-                    significant(report.percussion_impulse, 4)
+                    report.impact_impulses,
+                    significant(report.total_impact_impulse, 4)
                 ),
             ),
             (
@@ -330,7 +330,7 @@ impl Summary<'_> {
                 ),
             ),
             (
-                "impulse including percussions",
+                "impulse with impact impulses",
                 format!("{} N s", significant(report.impulse, 5)),
             ),
             (
@@ -507,7 +507,7 @@ impl Display for Summary<'_> {
         if self.report().restitution_ended_early() {
             writeln!(
                 f,
-                "Rattling   from percussion {MAX_ELASTIC_PERCUSSIONS} on the restitution was 0"
+                "Rattling   from impact impulse {MAX_ELASTIC_IMPACT_IMPULSES} on the restitution was 0"
             )?;
         }
         Ok(())
@@ -578,7 +578,7 @@ mod tests {
             Outcome::Elastic,
             Outcome::Plastic,
             Outcome::Collapsed,
-            Outcome::Severed,
+            Outcome::Fractured,
         ] {
             for line in text(&Report { outcome, ..report }).lines() {
                 assert!(line.chars().count() <= 80, "{line:?}");
@@ -610,7 +610,7 @@ mod tests {
             serde_json::json!([1.1, 1.2, 1.3, 1.4])
         );
         let number = |name: &str| json[name].as_f64().expect(name);
-        let ratio = number("residual_capacity_n") / number("virgin_capacity_n");
+        let ratio = number("residual_capacity_n") / number("undamaged_capacity_n");
         assert!((ratio - number("capacity_ratio")).abs() < 1e-12 && ratio < 0.95);
         let reserve = number("axial_capacity_n") / number("carried_load_n");
         assert!((reserve - number("reserve")).abs() < 1e-12 && reserve > 1.0);
@@ -621,7 +621,7 @@ mod tests {
             .iter()
             .find(|it| it["name"] == json["deciding_criterion"])
             .expect("the deciding criterion is listed");
-        assert_eq!(deciding["severity"], json["severity"]);
+        assert_eq!(deciding["action"], json["action"]);
         for name in ["name", "edition", "value", "limit", "margin", "tag"] {
             assert!(criteria.iter().all(|it| it.get(name).is_some()), "{name}");
         }

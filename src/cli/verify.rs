@@ -14,7 +14,7 @@ use column_twin::recording::{self, Reader, SealFinding};
 #[command(after_help = EXAMPLE)]
 pub struct VerifyArgs {
     /// Directory of the recording, or its MCAP file
-    #[arg(value_name = "BAG")]
+    #[arg(value_name = "RECORDING")]
     bag: PathBuf,
     /// Recompute this column of a fleet only
     #[arg(long, value_name = "ID")]

@@ -12,7 +12,7 @@ use crossterm::terminal::{self, Clear, ClearType};
 use super::failure::{Exit, Failure, printed};
 use super::run::client_environment;
 use column_twin::fleet::{TableSize, table};
-use column_twin::messages::column_twin::{ColumnStatus, FleetStatus};
+use column_twin::messages::column_twin_msgs::{ColumnStatus, FleetStatus};
 use column_twin::ros::{RosArguments, Shown, watch};
 
 /// Arguments of `column-twin watch`, besides the ROS arguments.

@@ -13,7 +13,7 @@ use super::parameter_events::ParameterEvents;
 use super::replayer::Replayer;
 use super::verification::{ColumnCheck, Verification};
 use crate::messages::cdr;
-use crate::messages::column_twin::Measurement;
+use crate::messages::column_twin_msgs::Measurement;
 use crate::outgoing::Topic;
 use crate::recording::Message;
 use crate::senses::SharedPreparations;

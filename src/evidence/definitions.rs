@@ -18,7 +18,7 @@ pub(super) fn compare_definitions(reader: &Reader, found: &mut Verification) {
         .collect();
     for topic in reader.topics() {
         let own = types.iter().find(|(name, _)| *name == &*topic.name);
-        let is_own = own.is_some() || topic.type_name.starts_with("column_twin/");
+        let is_own = own.is_some() || topic.type_name.starts_with("column_twin_msgs/");
         if !is_own {
             continue;
         }

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::activity::Activity;
 use super::journal_line::JournalEntry;
+use super::selection::{Levels, Selection};
 use crate::endpoints::{self, Endpoint};
 use crate::messages::cdr;
-use crate::messages::column_twin::{FleetStatus, TwinStatus};
-use crate::parameters::RecordSettings;
+use crate::messages::column_twin_msgs::{FleetStatus, TwinStatus};
+use crate::parameters::{RecordMode, RecordSettings};
 use crate::time::Nanos;
 use crate::twin::{CHECKPOINT_PERIOD, Command, CommandRecord, Journal};
 
@@ -31,6 +32,9 @@ pub(super) struct FleetRecording {
     bytes: u64,
     /// A status at rest is in no `fleet_status` yet.
     owes_status: bool,
+    /// As little as possible is recorded of what is sent while nothing happens.
+    events_only: bool,
+    levels: Levels,
     /// The columns whose sensors the journal has told of since the columns were listed.
     has_sensors: HashSet<String>,
 }
@@ -50,13 +54,27 @@ impl FleetRecording {
             listed: None,
             recorded: 0,
             owes_status: false,
+            events_only: record.mode == RecordMode::Events,
+            levels: Levels::default(),
             has_sensors: HashSet::new(),
         }
     }
 
-    /// The list of the columns, if it is due and a recording can begin here. After a quiet time it is due where something
-    /// `begins` that will be recorded, so that the recording does not have to begin in the middle of it.
-    pub fn due_list(&mut self, now: Nanos, begins: bool) -> Option<JournalEntry> {
+    fn takes_status(&mut self, bytes: &[u8]) -> bool {
+        let Ok(status) = cdr::decode::<TwinStatus>(bytes) else {
+            return true;
+        };
+        let is_recorded = self.activity.is_responding(&status.column_id);
+        if is_recorded && status.is_at_rest() {
+            self.activity.rests(&status.column_id);
+            self.owes_status = true;
+        }
+        is_recorded
+    }
+}
+
+impl Selection for FleetRecording {
+    fn due_list(&mut self, now: Nanos, begins: bool) -> Option<JournalEntry> {
         let is_due = self.listed.is_none_or(|last| {
             let is_long_ago = now.saturating_sub(last) >= self.period;
             let is_worthwhile = self.recorded > 0 || begins;
@@ -73,25 +91,28 @@ impl FleetRecording {
         })
     }
 
-    /// Whether the journal has to tell of the sensors of a column that has sent measurements: once after each list, so that those of
-    /// the recording that begins there can be followed.
-    pub fn owes_sensors(&mut self, column: &str) -> bool {
-        !self.has_sensors.contains(column) && self.has_sensors.insert(column.to_owned())
+    fn owes_sensors(&mut self, column: Option<&str>) -> bool {
+        column.is_some_and(|it| {
+            !self.has_sensors.contains(it) && self.has_sensors.insert(it.to_owned())
+        })
     }
 
-    /// Takes note of a received message.
-    pub fn received(&mut self, column: &str, now: Nanos) {
-        self.activity.received(column, now);
+    fn received(&mut self, column: Option<&str>, now: Nanos) {
+        if let Some(column) = column {
+            self.activity.received(column, now);
+        }
     }
 
-    /// Takes note that a message which was received did not reach its column.
-    pub fn rejected(&mut self, column: &str) {
-        self.activity.rejected(column);
+    fn rejected(&mut self, column: Option<&str>) {
+        if let Some(column) = column {
+            self.activity.rejected(column);
+        }
     }
 
-    /// Takes note of an entry of a column's journal; whether it is recorded. The status of a column that has executed no command
-    /// since the last one tells nothing new, and needs no checkpoint before it if it is left out.
-    pub fn journal(&mut self, column: &str, entry: &Journal, now: Nanos) -> bool {
+    /// The status of a column that has executed no command since the last one tells nothing new, and needs no checkpoint before it if it
+    /// is left out.
+    fn journal(&mut self, column: Option<&str>, entry: &Journal, now: Nanos) -> bool {
+        let column = column.unwrap_or_default();
         match entry {
             Journal::Command(record) => {
                 self.activity.command(column, is_received(record), now);
@@ -108,45 +129,26 @@ impl FleetRecording {
         }
     }
 
-    /// Takes note that a message or a line of so many bytes was recorded.
-    pub fn recorded(&mut self, bytes: usize) {
+    fn recorded(&mut self, bytes: usize) {
         self.recorded = self.recorded.saturating_add(bytes as u64);
     }
 
-    /// Whether a sent message is recorded, with `events_only` as little as possible of what is sent while nothing happens.
-    pub fn is_recorded(
-        &mut self,
-        endpoint: &Endpoint,
-        bytes: &[u8],
-        events_only: bool,
-        now: Nanos,
-    ) -> bool {
+    fn is_recorded(&mut self, endpoint: &Endpoint, bytes: &[u8], now: Nanos) -> bool {
+        let is_change = endpoint.name == endpoints::DIAGNOSTICS.name && self.levels.change(bytes);
         if endpoint.name == endpoints::TWIN_STATUS.name {
             return self.takes_status(bytes);
         }
-        if !events_only || !self.activity.is_idle(now) {
+        if !self.events_only || !self.activity.is_idle(now) {
             return true;
         }
         if endpoint.name == endpoints::DIAGNOSTICS.name {
-            return false;
+            return is_change;
         }
         if endpoint.name != endpoints::FLEET_STATUS.name {
             return true;
         }
         let of_all = cdr::decode::<FleetStatus>(bytes).is_ok_and(|status| status.of_all);
         !of_all && std::mem::take(&mut self.owes_status)
-    }
-
-    fn takes_status(&mut self, bytes: &[u8]) -> bool {
-        let Ok(status) = cdr::decode::<TwinStatus>(bytes) else {
-            return true;
-        };
-        let is_recorded = self.activity.is_responding(&status.column_id);
-        if is_recorded && status.is_at_rest() {
-            self.activity.rests(&status.column_id);
-            self.owes_status = true;
-        }
-        is_recorded
     }
 }
 

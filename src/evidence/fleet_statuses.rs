@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::comparison::{Difference, Place};
 use super::verification::Verification;
 use crate::messages::cdr;
-use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
+use crate::messages::column_twin_msgs::{ColumnStatus, FleetStatus, TwinStatus};
 
 /// What the columns of a fleet have last reported in a recording.
 #[derive(Debug, Default)]

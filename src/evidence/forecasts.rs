@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::outgoing::Message;
 
 /// Maximum number of forecasts that wait for a recorded message, and of impacts that are remembered as without one.
@@ -108,7 +108,7 @@ impl Forecasts {
             vehicle: first.vehicle.clone(),
             mass: first.mass,
             velocity: first.velocity,
-            ..ImpactReport::without_results(told.kind, told.end, &told.severity_reason)
+            ..ImpactReport::without_results(told.kind, told.end, &told.action_reason)
         });
         self.pending.retain(|it| !is_same_impact(it, recorded));
         push(&mut self.given_up, recorded.clone());

@@ -11,9 +11,9 @@ use super::verification::Verification;
 use crate::endpoints;
 use crate::incoming::{column_command, impact_command};
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{ColumnParameters, ImpactEvent};
+use crate::messages::column_twin_msgs::{ColumnParameters, ImpactEvent};
 use crate::time::Nanos;
-use crate::twin::{Command, RefusalCode};
+use crate::twin::{Command, RejectionCode};
 
 /// Maximum time from a message to its command in the journal \[ns\]. Without a command by then, and if the journal goes on, it
 /// did not reach the twin.
@@ -122,7 +122,7 @@ impl Inputs {
                     self.described(index, &described, place, found);
                 }
             }
-            JournalEntry::RefusedByNode {
+            JournalEntry::RejectedByNode {
                 topic, what, code, ..
             } => self.rejected(topic, what, *code, place, found),
             JournalEntry::Twin(_)
@@ -171,7 +171,7 @@ impl Inputs {
         &mut self,
         topic: &str,
         what: &str,
-        code: Option<RefusalCode>,
+        code: Option<RejectionCode>,
         place: &Place<'_>,
         found: &mut Verification,
     ) {
@@ -184,8 +184,8 @@ impl Inputs {
             // The message could not be recorded; its command follows all the same.
             None => waiting.unrecorded += 1,
             // What a sender sends that is not allowed to, or sends too much, is not recorded.
-            Some(RefusalCode::SenderNotAllowed | RefusalCode::SenderTooFast) => {}
-            Some(RefusalCode::NoAnswer) => {
+            Some(RejectionCode::SenderNotAllowed | RejectionCode::SenderTooFast) => {}
+            Some(RejectionCode::NoAnswer) => {
                 if let Some(last) = waiting.messages.back_mut() {
                     last.optional = true;
                 }

@@ -12,13 +12,13 @@ use crate::messages::std_msgs;
 use crate::senses::IntakeState;
 use crate::sensors::Sensor;
 use crate::time::Nanos;
-use crate::twin::{Journal, RefusalCode};
+use crate::twin::{Journal, RejectionCode};
 
 /// Format name in every line.
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
 /// The format version that this program writes, and the only one that it reads.
-pub const JOURNAL_VERSION: u32 = 6;
+pub const JOURNAL_VERSION: u32 = 7;
 
 /// One line of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -137,15 +137,15 @@ pub enum JournalEntry {
         sensors: Vec<Sensor>,
     },
     /// The node rejected a message before it reached the twin. Recomputation does not need this entry.
-    RefusedByNode {
+    RejectedByNode {
         /// When the message was rejected.
         stamp: Nanos,
         /// Topic name in the table of endpoints.
         topic: String,
         /// Identifier of the event, or a description of the message.
         what: String,
-        /// Stable code of the refusal; `None` if the message could not be recorded.
-        code: Option<RefusalCode>,
+        /// Stable code of the rejection; `None` if the message could not be recorded.
+        code: Option<RejectionCode>,
         /// The reason, for people.
         reason: String,
     },

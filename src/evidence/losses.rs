@@ -1,6 +1,6 @@
 //! Weighs what is missing in a recording against the losses that it declares.
 
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::time::Nanos;
 
 /// Time after a status within which the loss that it declares shows in the recording \[ns\]: a queue to the node counts what

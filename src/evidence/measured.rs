@@ -6,7 +6,7 @@ use super::comparison::{Difference, Place};
 use super::verification::Verification;
 use crate::incoming::raw_batch;
 use crate::messages::cdr::CdrError;
-use crate::messages::column_twin::Measurement;
+use crate::messages::column_twin_msgs::Measurement;
 use crate::senses::{Batch, Intake, IntakeState};
 use crate::sensors::Sensor;
 use crate::time::Nanos;

@@ -30,6 +30,7 @@ mod node_recording;
 mod parameter_events;
 mod replayed_twin;
 mod replayer;
+mod selection;
 mod simulated;
 mod topics;
 mod verification;

@@ -1,19 +1,17 @@
 //! The recording of a running node.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::entry_encoder::EntryEncoder;
 use super::fleet_recording::FleetRecording;
 use super::journal_line::JournalEntry;
+use super::selection::{Selection, SingleRecording};
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
 use crate::live::{QueueStats, WhenFull};
-use crate::messages::cdr;
-use crate::messages::column_twin::TwinStatus;
-use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::outgoing::{RecordingHealth, RecordingTap};
 use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
@@ -21,7 +19,7 @@ use crate::recording::{
 };
 use crate::senses::{Intake, IntakeState};
 use crate::time::Nanos;
-use crate::twin::{Journal, RefusalCode};
+use crate::twin::{Journal, RejectionCode};
 
 /// Records everything that a node receives and sends; a separate thread writes it.
 ///
@@ -33,11 +31,6 @@ pub struct NodeRecording {
     intakes: RwLock<HashMap<Option<String>, Arc<Mutex<Intake>>>>,
     /// Held while a message gets its time and is queued, so that messages are recorded in the order of their times.
     open: Mutex<Open>,
-    events_only: bool,
-    /// A command has been executed since the last status at rest.
-    is_active: AtomicBool,
-    /// The levels of the latest diagnostics.
-    levels: Mutex<Option<Vec<u8>>>,
     /// Journal entries that could not be encoded.
     unencoded: AtomicU64,
 }
@@ -58,8 +51,7 @@ struct Open {
     /// `None` after the stop.
     recorder: Option<RecorderHandle>,
     encoder: EntryEncoder,
-    /// The columns of a fleet; `None` for a single twin.
-    fleet: Option<FleetRecording>,
+    selection: Box<dyn Selection>,
     /// The last recorded time \[ns\]: recorded times never decrease, even if the system clock is set back.
     last_time: i64,
 }
@@ -83,9 +75,7 @@ impl Open {
         let is_recorded = self.record(entry);
         if is_recorded {
             self.encoder.recorded_message(endpoint, now);
-            if let Some(fleet) = &mut self.fleet {
-                fleet.recorded(length);
-            }
+            self.selection.recorded(length);
         }
         is_recorded
     }
@@ -102,7 +92,8 @@ impl NodeRecording {
         topics: &Topics,
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Result<Option<Arc<Self>>, RecordingError> {
-        Self::start_of(record, topics, None, options)
+        let single = SingleRecording::new(record.mode == RecordMode::Events);
+        Self::start_with(record, topics, Box::new(single), options)
     }
 
     /// As [`start`](Self::start) of a fleet of these columns, with the topics of a fleet. Both modes leave out the status of columns
@@ -117,7 +108,7 @@ impl NodeRecording {
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Result<Option<Arc<Self>>, RecordingError> {
         let fleet = FleetRecording::new(columns, record);
-        let started = Self::start_of(record, topics, Some(fleet), options)?;
+        let started = Self::start_with(record, topics, Box::new(fleet), options)?;
         if let Some(recording) = &started {
             let mut open = recording.open();
             let now = open.now();
@@ -126,10 +117,10 @@ impl NodeRecording {
         Ok(started)
     }
 
-    fn start_of(
+    fn start_with(
         record: &RecordSettings,
         topics: &Topics,
-        fleet: Option<FleetRecording>,
+        selection: Box<dyn Selection>,
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Result<Option<Arc<Self>>, RecordingError> {
         let events_only = match record.mode {
@@ -145,12 +136,9 @@ impl NodeRecording {
                 clock: Box::new(system_time),
                 recorder: Some(recorder),
                 encoder: EntryEncoder::new(topics, events_only),
-                fleet,
+                selection,
                 last_time: 0,
             }),
-            events_only,
-            is_active: AtomicBool::new(true),
-            levels: Mutex::default(),
             unencoded: AtomicU64::new(0),
         })))
     }
@@ -181,10 +169,9 @@ impl NodeRecording {
         intakes.get(&column.map(str::to_owned)).map(Arc::clone)
     }
 
-    /// Lists the columns of a fleet where it is due and another recording can begin; `begins` as in [`FleetRecording::due_list`].
+    /// Lists the columns of a fleet where it is due and another recording can begin; `begins` as in [`Selection::due_list`].
     fn list_columns(&self, open: &mut Open, now: i64, begins: bool) {
-        let fleet = open.fleet.as_mut();
-        if let Some(list) = fleet.and_then(|it| it.due_list(now, begins)) {
+        if let Some(list) = open.selection.due_list(now, begins) {
             self.line(open, list, None, now, None);
         }
     }
@@ -208,53 +195,11 @@ impl NodeRecording {
         let length = line.as_ref().map_or(0, |it| it.data.len());
         if open.record(line) {
             open.encoder.recorded_line();
-            if let Some(fleet) = open.fleet.as_mut().filter(|_| column.is_some()) {
-                fleet.recorded(length);
+            if column.is_some() {
+                open.selection.recorded(length);
             }
         }
     }
-
-    /// Whether the mode includes this message of a single twin.
-    fn is_recorded(&self, endpoint: &Endpoint, bytes: &[u8]) -> bool {
-        if !self.events_only {
-            return true;
-        }
-        // Joint states and markers come with the status, too.
-        let periodic = [
-            endpoints::TWIN_STATUS.name,
-            endpoints::DIAGNOSTICS.name,
-            endpoints::JOINT_STATES.name,
-            endpoints::MARKERS.name,
-        ];
-        if !periodic.contains(&endpoint.name) {
-            return true;
-        }
-        let is_active = self.is_active.load(Ordering::Relaxed);
-        if endpoint.name == endpoints::DIAGNOSTICS.name {
-            return self.changes_a_level(bytes) || is_active;
-        }
-        if endpoint.name == endpoints::TWIN_STATUS.name && is_at_rest(bytes) {
-            self.is_active.store(false, Ordering::Relaxed);
-        }
-        is_active
-    }
-
-    /// Whether a level in these diagnostics differs from the previous ones.
-    fn changes_a_level(&self, diagnostics: &[u8]) -> bool {
-        let Ok(array) = cdr::decode::<DiagnosticArray>(diagnostics) else {
-            return true;
-        };
-        let levels = Some(array.status.iter().map(|it| it.level).collect());
-        let mut last = self.levels.lock().unwrap_or_else(PoisonError::into_inner);
-        let changed = *last != levels;
-        *last = levels;
-        changed
-    }
-}
-
-/// Whether a status reports that no response is running.
-fn is_at_rest(status: &[u8]) -> bool {
-    cdr::decode::<TwinStatus>(status).is_ok_and(|status| status.is_at_rest())
 }
 
 impl RecordingTap for NodeRecording {
@@ -262,15 +207,7 @@ impl RecordingTap for NodeRecording {
         let mut open = self.open();
         let now = open.now();
         self.list_columns(&mut open, now, false);
-        let is_recorded = match &mut open.fleet {
-            None => self.is_recorded(endpoint, bytes),
-            Some(fleet) => {
-                let is_change =
-                    endpoint.name == endpoints::DIAGNOSTICS.name && self.changes_a_level(bytes);
-                fleet.is_recorded(endpoint, bytes, self.events_only, now) || is_change
-            }
-        };
-        if is_recorded {
+        if open.selection.is_recorded(endpoint, bytes, now) {
             open.message(endpoint, Arc::clone(bytes), now, now);
         }
     }
@@ -285,9 +222,7 @@ impl RecordingTap for NodeRecording {
         let mut open = self.open();
         let now = open.now();
         self.list_columns(&mut open, now, true);
-        if let (Some(fleet), Some(column)) = (&mut open.fleet, column) {
-            fleet.received(column, now);
-        }
+        open.selection.received(column, now);
         let published = source_stamp.filter(|stamp| *stamp >= 0).unwrap_or(now);
         let line = EntryEncoder::received(endpoint, &bytes, published);
         open.message(endpoint, bytes.into(), now, published);
@@ -316,12 +251,10 @@ impl RecordingTap for NodeRecording {
         } else {
             open.encoder.lost_measurement();
         }
-        if let (Some(fleet), Some(column)) = (&mut open.fleet, column)
-            && fleet.owes_sensors(column)
-        {
+        if open.selection.owes_sensors(column) {
             let sensors = intake.sensors().cloned().collect();
             let entry = JournalEntry::Sensors { sensors };
-            self.line(&mut open, entry, Some(column), now, Some(intake.state()));
+            self.line(&mut open, entry, column, now, Some(intake.state()));
         }
     }
 
@@ -330,12 +263,12 @@ impl RecordingTap for NodeRecording {
         column: Option<&str>,
         endpoint: &Endpoint,
         what: &str,
-        code: Option<RefusalCode>,
+        code: Option<RejectionCode>,
         reason: &str,
     ) {
         let mut open = self.open();
         let stamp = open.now();
-        let entry = JournalEntry::RefusedByNode {
+        let entry = JournalEntry::RejectedByNode {
             stamp,
             topic: endpoint.name.to_owned(),
             what: what.to_owned(),
@@ -350,10 +283,10 @@ impl RecordingTap for NodeRecording {
         // A sender that is not admitted has not been received before.
         let is_received = !matches!(
             code,
-            Some(RefusalCode::SenderNotAllowed | RefusalCode::SenderTooFast)
+            Some(RejectionCode::SenderNotAllowed | RejectionCode::SenderTooFast)
         );
-        if let (Some(fleet), Some(column), true) = (&mut open.fleet, column, is_received) {
-            fleet.rejected(column);
+        if is_received {
+            open.selection.rejected(column);
         }
     }
 
@@ -366,34 +299,13 @@ impl RecordingTap for NodeRecording {
         let intake = intake.as_ref();
         let intake = intake.map(|it| it.lock().unwrap_or_else(PoisonError::into_inner));
         let state = intake.as_ref().map(|it| it.state());
-        if let Some(column) = column {
-            let mut open = self.open();
-            let now = open.now();
-            self.list_columns(&mut open, now, !matches!(entry, Journal::Status(_)));
-            let fleet = open.fleet.as_mut();
-            if fleet.is_some_and(|it| it.journal(column, entry, now)) {
-                let entry = JournalEntry::Twin(entry.clone());
-                self.line(&mut open, entry, Some(column), now, state);
-            }
-            return;
-        }
-        match entry {
-            Journal::Command(_) => self.is_active.store(true, Ordering::Relaxed),
-            // The status that follows it is left out as well.
-            Journal::Status(_) if self.events_only && !self.is_active.load(Ordering::Relaxed) => {
-                return;
-            }
-            Journal::Checkpoint(_) | Journal::Status(_) => {}
-        }
         let mut open = self.open();
         let now = open.now();
-        self.line(
-            &mut open,
-            JournalEntry::Twin(entry.clone()),
-            None,
-            now,
-            state,
-        );
+        self.list_columns(&mut open, now, !matches!(entry, Journal::Status(_)));
+        if open.selection.journal(column, entry, now) {
+            let entry = JournalEntry::Twin(entry.clone());
+            self.line(&mut open, entry, column, now, state);
+        }
     }
 
     fn health(&self) -> RecordingHealth {

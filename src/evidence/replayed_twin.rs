@@ -8,7 +8,7 @@ use super::forecasts::{Forecasts, FoundForecast};
 use super::verification::Verification;
 use crate::column::ModelError;
 use crate::live::monotonic_nanos;
-use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
+use crate::messages::column_twin_msgs::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
 use crate::senses::MAX_EVENTS;
 use crate::time::Nanos;

@@ -8,7 +8,7 @@ use super::estimates::EstimateCheck;
 use super::replayed_twin::{Found, ReplayedTwin, compare, note_missing};
 use super::verification::Verification;
 use crate::messages::cdr::CdrError;
-use crate::messages::column_twin::{ImpactReport, TwinStatus};
+use crate::messages::column_twin_msgs::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
 use crate::time::Nanos;
@@ -236,7 +236,7 @@ impl Replayer {
             ..*place
         };
         self.estimates.parameters(replayed.twin.parameters());
-        let outcome = |it: &CommandRecord| (it.refusal.clone(), it.taken_back);
+        let outcome = |it: &CommandRecord| (it.rejection.clone(), it.taken_back);
         let command = match &record.command {
             Command::CriticalVelocities { .. } => {
                 let task = replayed.twin.critical_velocity_task();

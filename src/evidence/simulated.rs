@@ -1,4 +1,4 @@
-//! Records a simulated impact on a virgin column as a node would record it, without ROS and faster than real time.
+//! Records a simulated impact on an undamaged column as a node would record it, without ROS and faster than real time.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,13 +11,13 @@ use crate::endpoints::{self, Endpoint};
 use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::ImpactEvent;
+use crate::messages::column_twin_msgs::ImpactEvent;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::Outgoing;
 use crate::parameters::Parameters;
 use crate::recording::{Finished, RecordingError, Writer, WriterOptions};
 use crate::time::Nanos;
-use crate::twin::{Command, ImpactCommand, Output, Refusal, Twin};
+use crate::twin::{Command, ImpactCommand, Output, Rejection, Twin};
 
 /// Identifier of the event.
 const SIMULATED_EVENT: &str = "simulated";
@@ -48,7 +48,7 @@ pub enum SimulatedRecordingError {
     Journal(#[from] JournalError),
     /// The twin rejects the impact.
     #[error("the impact was rejected: {0}")]
-    Refused(#[from] Refusal),
+    Rejected(#[from] Rejection),
     /// The start time cannot be represented in a message.
     #[error(
         "expected a start time between 1970 and 2038 for the recording, found {0} ns after 1970"
@@ -56,7 +56,7 @@ pub enum SimulatedRecordingError {
     Origin(Nanos),
 }
 
-/// Simulates the impact that the parameters describe on a virgin column, and records it in a directory, which must not
+/// Simulates the impact that the parameters describe on an undamaged column, and records it in a directory, which must not
 /// exist. `origin` is the stamp of the event, where the times of the recording start.
 ///
 /// # Errors

@@ -76,7 +76,7 @@ pub struct Verification {
     /// The estimates in the journal: `compared` were computed again from the recorded measurements.
     pub estimates: TopicCheck,
     /// Messages that the node rejected before they reached the twin.
-    pub refused_by_node: u64,
+    pub rejected_by_node: u64,
     /// Missing entries of the journal, according to its consecutive numbers.
     pub missing_entries: u64,
     /// Why something was not checked; the first reasons only.

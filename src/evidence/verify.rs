@@ -124,6 +124,7 @@ fn verify_with(
     only: Option<&str>,
     observe: Option<&mut dyn FnMut(Observed<'_>)>,
 ) -> Result<Verification, VerifyError> {
+    recording::check_version(reader)?;
     let journal = reader
         .topics()
         .iter()
@@ -423,9 +424,9 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 self.lines.ended = true;
                 true
             }
-            JournalEntry::RefusedByNode { stamp, .. } if of_fleet && line.column_id.is_none() => {
+            JournalEntry::RejectedByNode { stamp, .. } if of_fleet && line.column_id.is_none() => {
                 // A request whose sender is not admitted names no column.
-                refused_by_node(*stamp, line.recorded, place, &mut self.found);
+                rejected_by_node(*stamp, line.recorded, place, &mut self.found);
                 true
             }
             entry => {
@@ -492,8 +493,8 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 let entry = match entry {
                     JournalEntry::Twin(entry) => entry,
                     other => {
-                        if let JournalEntry::RefusedByNode { stamp, .. } = other {
-                            refused_by_node(*stamp, recorded, place, found);
+                        if let JournalEntry::RejectedByNode { stamp, .. } = other {
+                            rejected_by_node(*stamp, recorded, place, found);
                         }
                         return column.inputs.line(other, is_continued, place, found);
                     }
@@ -619,8 +620,8 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
 }
 
 /// Takes note of a message that the node rejected when the line about it was recorded.
-fn refused_by_node(stamp: i64, recorded: i64, place: &Place<'_>, found: &mut Verification) {
-    found.refused_by_node += 1;
+fn rejected_by_node(stamp: i64, recorded: i64, place: &Place<'_>, found: &mut Verification) {
+    found.rejected_by_node += 1;
     if stamp != recorded {
         found.note_difference(place.difference("stamp", seconds(stamp), seconds(recorded)));
     }

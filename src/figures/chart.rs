@@ -383,7 +383,7 @@ impl Frame<'_, '_, '_> {
         // The highest arrow stays below the text of the peak.
         let highest = f64::from(self.plot.backend_coord(&(0.0, value.to)).1 - foot) * 0.6;
         let head = foot + (highest * arrow.height) as i32;
-        page::arrow(self.page, x, foot, head, colour::PERCUSSION)?;
+        page::arrow(self.page, x, foot, head, colour::IMPACT_IMPULSE)?;
         let Some(text) = &arrow.text else {
             return Ok(());
         };
@@ -392,7 +392,7 @@ impl Frame<'_, '_, '_> {
             text,
             (x, head - 16),
             (range.0.start, range.0.end),
-            colour::PERCUSSION,
+            colour::IMPACT_IMPULSE,
         )
     }
 }

@@ -9,9 +9,9 @@ use super::map_axis::ShownAxis;
 use super::map_picture::{Level, NOT_COMPUTED, Picture, rgb};
 use super::page::{self, CANVAS, Drawn, LegendKey, Stroke};
 use super::units::{Unit, significant};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::study::{
-    DamageMap, Limit, MapBands, MapGrid, MapQuantity, RefinedMap, RowBoundary, SEVERITIES,
+    ACTIONS, DamageMap, Limit, MapBands, MapGrid, MapQuantity, RefinedMap, RowBoundary,
 };
 
 /// Places along the axis of the rows at which a boundary is drawn.
@@ -103,7 +103,7 @@ impl MapFigures<'_> {
         let cut = self.cut(variant);
         let (x, y) = (rows.plot_axis(10), columns.plot_axis_to(cut, 8));
         let title = format!(
-            "Severity over {} and {}",
+            "Action over {} and {}",
             rows.axis.quantity().name(),
             columns.axis.quantity().name()
         );
@@ -124,7 +124,7 @@ impl MapFigures<'_> {
         }
         let end = cut.map(|cut| {
             let value = significant(columns.of_si(cut), 3);
-            let (symbol, all) = (&columns.symbol, Severity::Evacuate);
+            let (symbol, all) = (&columns.symbol, Action::Evacuate);
             format!("cut off at {value} {symbol}, above it all is {all}")
         });
         key.extend(end.as_deref());
@@ -148,8 +148,8 @@ impl MapFigures<'_> {
                 Some(grid) => self.fill_cells(&picture, grid, variant)?,
                 None => self.fill_boundaries(&picture, variant)?,
             }
-            for severity in SEVERITIES {
-                self.boundary(&picture, variant, severity, Stroke::solid(BOUNDARY, 12))?;
+            for action in ACTIONS {
+                self.boundary(&picture, variant, action, Stroke::solid(BOUNDARY, 12))?;
             }
             picture.iso_lines(&lines)?;
             for limit in Limit::ALL {
@@ -162,9 +162,9 @@ impl MapFigures<'_> {
     }
 
     fn legend(&self, variant: usize) -> Vec<(LegendKey, String)> {
-        let severities = [Severity::None].into_iter().chain(SEVERITIES);
-        let fill = |severity| (LegendKey::Fill(rgb(severity)), severity.name().to_owned());
-        let mut legend: Vec<_> = severities.map(fill).collect();
+        let actions = [Action::None].into_iter().chain(ACTIONS);
+        let fill = |action| (LegendKey::Fill(rgb(action)), action.name().to_owned());
+        let mut legend: Vec<_> = actions.map(fill).collect();
         let is_missing = |grid: &MapGrid| {
             let columns = 0..grid.columns().len();
             (0..grid.rows().len()).any(|row| {
@@ -191,8 +191,7 @@ impl MapFigures<'_> {
         let refined = self.refined?;
         let [from, to] = self.map.columns().ends()?;
         let mut boundaries = refined.boundaries.iter();
-        let last =
-            boundaries.find(|it| (it.variant, it.severity) == (variant, Severity::Evacuate))?;
+        let last = boundaries.find(|it| (it.variant, it.action) == (variant, Action::Evacuate))?;
         let mut highest = from;
         for point in &last.points {
             match point.place {
@@ -213,7 +212,7 @@ impl MapFigures<'_> {
                 let is_above = self.map.columns().number(grid.columns()[column]) > Some(highest);
                 let evacuates = |row: usize| {
                     let cell = grid.cell(variant, row, column);
-                    cell.is_some_and(|it| it.severity == Severity::Evacuate)
+                    cell.is_some_and(|it| it.action == Action::Evacuate)
                 };
                 // Between two rows, the boundary may be a little higher than in them.
                 !is_above || (0..grid.rows().len()).all(evacuates) || {
@@ -248,7 +247,7 @@ impl MapFigures<'_> {
                 let at = |part: usize| left + (right - left) * part as f64 / parts as f64;
                 let strip = (at(part), at(part + 1));
                 let middle = 0.5 * (strip.0 + strip.1) / rows.per_si;
-                let exact = |class: Severity, column: usize| {
+                let exact = |class: Action, column: usize| {
                     let place = grid.rows()[row] as usize;
                     let value = self.boundary_at(self.refined?, variant, class, place, middle)?;
                     let (low, high) = (
@@ -260,12 +259,12 @@ impl MapFigures<'_> {
                     let value = columns.of_si(value);
                     (low - room..high + room).contains(&value).then_some(value)
                 };
-                let mut begins = [None; SEVERITIES.len()];
-                let mut highest = Severity::None;
+                let mut begins = [None; ACTIONS.len()];
+                let mut highest = Action::None;
                 for column in 0..grid.columns().len() {
-                    let found = grid.cell(variant, row, column).map(|cell| cell.severity);
+                    let found = grid.cell(variant, row, column).map(|cell| cell.action);
                     let edge = column_edges[column];
-                    for (class, begin) in SEVERITIES.into_iter().zip(&mut begins) {
+                    for (class, begin) in ACTIONS.into_iter().zip(&mut begins) {
                         if begin.is_none() && found.is_some_and(|found| found >= class) {
                             let exact = if column == 0 {
                                 None
@@ -308,10 +307,10 @@ impl MapFigures<'_> {
             };
             let (left, right) = (at(strip), at(strip + 1));
             let middle = 0.5 * (left + right) / rows.per_si;
-            let begins = SEVERITIES.map(|severity| {
-                let value = self.boundary_at(refined, variant, severity, strip, middle);
+            let begins = ACTIONS.map(|action| {
+                let value = self.boundary_at(refined, variant, action, strip, middle);
                 let value = value.map(|value| columns.of_si(value));
-                let is_everywhere = refined.always_at(self.map, variant, severity, middle);
+                let is_everywhere = refined.always_at(self.map, variant, action, middle);
                 value.or(is_everywhere.then_some(picture.y.from))
             });
             areas.push((left, right), begins);
@@ -324,17 +323,17 @@ impl MapFigures<'_> {
         &self,
         refined: &RefinedMap,
         variant: usize,
-        severity: Severity,
+        action: Action,
         row: usize,
         value: f64,
     ) -> Option<f64> {
         if self.map.rows().ends().is_some() {
-            return refined.value_at(self.map, variant, severity, value);
+            return refined.value_at(self.map, variant, action, value);
         }
         let boundary = refined
             .boundaries
             .iter()
-            .find(|it| it.variant == variant && it.severity == severity)?;
+            .find(|it| it.variant == variant && it.action == action)?;
         let point = boundary
             .points
             .iter()
@@ -347,13 +346,13 @@ impl MapFigures<'_> {
         &self,
         picture: &Picture<'_, '_, '_>,
         variant: usize,
-        severity: Severity,
+        action: Action,
         stroke: Stroke,
     ) -> Drawn<()> {
         let Some(refined) = self.refined else {
             return Ok(());
         };
-        let at = |row: usize, value: f64| self.boundary_at(refined, variant, severity, row, value);
+        let at = |row: usize, value: f64| self.boundary_at(refined, variant, action, row, value);
         for line in self.lines(at) {
             picture.line(&line, stroke)?;
         }
@@ -425,22 +424,21 @@ impl MapFigures<'_> {
             [&subject, self.assumptions, &key],
             &legend,
             self.end_of_bands(bands, variant),
-            |picture, severity| {
+            |picture, action| {
                 // The names of the marks do not hide a band.
                 picture.mark(&[], &columns.marks())?;
                 let values = (0..=BOUNDARY_POINTS)
                     .map(|part| from + (to - from) * part as f64 / BOUNDARY_POINTS as f64);
                 let band = values.map(|value| {
-                    let ends = bands.at(self.map, variant, severity, value)?;
+                    let ends = bands.at(self.map, variant, action, value)?;
                     Some((rows.of_si(value), ends.map(|it| columns.of_si(it))))
                 });
                 let band: Vec<Option<(f64, [f64; 2])>> = band.collect();
                 for part in band.split(Option::is_none) {
                     let part: Vec<_> = part.iter().copied().flatten().collect();
-                    picture.between(&part, rgb(severity))?;
+                    picture.between(&part, rgb(action))?;
                 }
-                let at =
-                    |_: usize, value: f64| refined.value_at(self.map, variant, severity, value);
+                let at = |_: usize, value: f64| refined.value_at(self.map, variant, action, value);
                 for line in self.lines(at) {
                     picture.line(&line, Stroke::solid(BOUNDARY, 12))?;
                 }
@@ -465,7 +463,7 @@ impl MapFigures<'_> {
         lines: [&str; 3],
         legend: &[(LegendKey, String)],
         end: Option<f64>,
-        draw: impl Fn(&Picture<'_, '_, '_>, Severity) -> Drawn<()>,
+        draw: impl Fn(&Picture<'_, '_, '_>, Action) -> Drawn<()>,
     ) -> Drawn<String> {
         let [rows, columns] = self.axes();
         let (x, y) = (rows.plot_axis(6), columns.plot_axis_to(end, 5));
@@ -478,7 +476,7 @@ impl MapFigures<'_> {
                 upper.split_horizontally(half),
                 lower.split_horizontally(half),
             );
-            for (panel, severity) in [a, b, c, d].iter().zip(SEVERITIES) {
+            for (panel, action) in [a, b, c, d].iter().zip(ACTIONS) {
                 let names = [rows.name(), columns.short_name()];
                 let plot = axes(panel, &x, &y, [&names[0], &names[1]])?;
                 let picture = Picture {
@@ -487,8 +485,8 @@ impl MapFigures<'_> {
                     x: &x,
                     y: &y,
                 };
-                draw(&picture, severity)?;
-                picture.name(severity.name())?;
+                draw(&picture, action)?;
+                picture.name(action.name())?;
             }
             Ok(())
         })
@@ -544,7 +542,7 @@ impl MapFigures<'_> {
     fn comparison(&self) -> Drawn<String> {
         let [_, columns] = self.axes();
         let title = format!(
-            "{} at which each severity begins",
+            "{} at which each action begins",
             match columns.axis.quantity() {
                 MapQuantity::Velocity => "Critical velocity".to_owned(),
                 quantity => format!("Value of {}", quantity.name()),
@@ -565,9 +563,9 @@ impl MapFigures<'_> {
             .map(|(variant, it)| (LegendKey::Line(stroke(variant)), it.label.clone()))
             .collect();
         let lines = [self.subject, self.assumptions, key];
-        self.panels(&title, lines, &legend, None, |picture, severity| {
+        self.panels(&title, lines, &legend, None, |picture, action| {
             for variant in 0..variants.len() {
-                self.boundary(picture, variant, severity, stroke(variant))?;
+                self.boundary(picture, variant, action, stroke(variant))?;
             }
             Ok(())
         })

@@ -9,7 +9,7 @@ use crate::column::Sample;
 /// The entries of the stack from the bottom: dissipated energy is below stored energy.
 type LedgerEntry = (&'static str, plotters::style::RGBColor, fn(&Sample) -> f64);
 const LEDGER_ENTRIES: [LedgerEntry; 7] = [
-    ("lost in percussions", colour::IMPACT_LOSS, |sample| {
+    ("lost in impact impulses", colour::IMPACT_LOSS, |sample| {
         sample.impact_loss
     }),
     ("plastic work", colour::PLASTIC, |sample| {

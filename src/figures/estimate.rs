@@ -46,7 +46,7 @@ impl<'a> TimedEstimate<'a> {
     }
 }
 
-/// An impact that was estimated, and the sensors that felt it.
+/// An impact that was estimated, and the sensors that detected it.
 #[derive(Debug, Clone, Copy)]
 pub struct EstimateFigures<'a> {
     /// One line that describes the column and the data.

@@ -1,4 +1,4 @@
-//! The force of each spring of a compliant vehicle over its crush, with the envelope of the force.
+//! The force of each spring of a deformable vehicle over its crush, with the envelope of the force.
 
 use super::chart::Mark;
 use super::page::{Drawn, Stroke, colour};

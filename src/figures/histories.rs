@@ -199,7 +199,7 @@ pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
     .draw()
 }
 
-/// The smooth contact force as a curve, percussions as arrows.
+/// The smooth contact force as a curve, impact impulses as arrows.
 pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
     let unit = Unit::force(response.largest(|sample| [sample.contact_force]));
@@ -207,12 +207,12 @@ pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
         "no contact".to_owned()
     } else {
         format!(
-            "peak {}; impulse {} N s, of which {} N s in {} percussion{}",
+            "peak {}; impulse {} N s, of which {} N s in {} impact impulse{}",
             unit.show(report.peak_contact_force),
             significant(report.impulse, 5),
-            significant(report.percussion_impulse, 4),
-            report.percussions,
-            if report.percussions == 1 { "" } else { "s" },
+            significant(report.total_impact_impulse, 4),
+            report.impact_impulses,
+            if report.impact_impulses == 1 { "" } else { "s" },
         )
     };
     let mut force = Curve::line(
@@ -221,13 +221,13 @@ pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
         Stroke::solid(colour::CONTACT, 12),
     );
     force.fill = Some(plotters::style::RGBColor(219, 234, 244));
-    let arrows = percussions(response);
+    let arrows = impact_impulses(response);
     let keys = if arrows.is_empty() {
         Vec::new()
     } else {
         vec![(
-            LegendKey::Arrow(colour::PERCUSSION),
-            "percussion (instantaneous impulse, not to scale)".to_owned(),
+            LegendKey::Arrow(colour::IMPACT_IMPULSE),
+            "impact impulse (instantaneous impulse, not to scale)".to_owned(),
         )]
     };
     let marks = report
@@ -249,15 +249,15 @@ pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
     .draw()
 }
 
-/// The largest percussions as arrows of proportional height; up to three of them, far enough apart, with their impulse.
-fn percussions(response: &ResponseHistory<'_>) -> Vec<ImpulseArrow> {
+/// The largest impact impulses as arrows of proportional height; up to three of them, far enough apart, with their impulse.
+fn impact_impulses(response: &ResponseHistory<'_>) -> Vec<ImpulseArrow> {
     /// More arrows could not be distinguished.
     const MAX_ARROWS: usize = 200;
     let mut struck: Vec<_> = response
         .samples
         .iter()
-        .filter(|sample| sample.percussion > 0.0 && sample.percussion.is_finite())
-        .map(|sample| (sample.time, sample.percussion))
+        .filter(|sample| sample.impact_impulse > 0.0 && sample.impact_impulse.is_finite())
+        .map(|sample| (sample.time, sample.impact_impulse))
         .collect();
     struck.sort_by(|one, other| other.1.total_cmp(&one.1));
     struck.truncate(MAX_ARROWS);

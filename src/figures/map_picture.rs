@@ -8,8 +8,8 @@ use super::axis::PlotAxis;
 use super::chart::PlotArea;
 use super::map_marks::Mark;
 use super::page::{self, Area, Drawn, SMALL, Stroke, colour};
-use crate::assessment::Severity;
-use crate::shape::severity_colour;
+use crate::assessment::Action;
+use crate::shape::action_colour;
 
 /// Height and least distance of the labels on lines.
 const LABEL: i32 = 88;
@@ -21,8 +21,8 @@ const ISO_LINE: RGBColor = RGBColor(20, 60, 110);
 pub(super) type Level = (String, Vec<Vec<(f64, f64)>>);
 
 /// The colour of a class.
-pub(super) fn rgb(severity: Severity) -> RGBColor {
-    let [red, green, blue] = severity_colour(severity);
+pub(super) fn rgb(action: Action) -> RGBColor {
+    let [red, green, blue] = action_colour(action);
     RGBColor(red, green, blue)
 }
 
@@ -36,26 +36,26 @@ pub(super) struct Picture<'p, 'a, 'b> {
 
 impl Picture<'_, '_, '_> {
     /// Fills the whole plot.
-    pub fn background(&self, severity: Severity) -> Drawn<()> {
+    pub fn background(&self, action: Action) -> Drawn<()> {
         self.patch(
             (self.x.from, self.x.to),
             (self.y.from, self.y.to),
-            Some(severity),
+            Some(action),
         )
     }
 
     /// Fills a rectangle; grey, where nothing was computed.
-    pub fn patch(&self, x: (f64, f64), y: (f64, f64), severity: Option<Severity>) -> Drawn<()> {
+    pub fn patch(&self, x: (f64, f64), y: (f64, f64), action: Option<Action>) -> Drawn<()> {
         let y = (self.clamped(y.0), self.clamped(y.1));
         let lower = self.plot.backend_coord(&(x.0, y.0));
         let upper = self.plot.backend_coord(&(x.1, y.1));
-        let colour = severity.map_or(NOT_COMPUTED, rgb);
+        let colour = action.map_or(NOT_COMPUTED, rgb);
         self.page
             .draw(&Rectangle::new([lower, upper], colour.filled()))
     }
 
     /// Fills what lies above a line.
-    pub fn above(&self, line: &[(f64, f64)], severity: Severity) -> Drawn<()> {
+    pub fn above(&self, line: &[(f64, f64)], action: Action) -> Drawn<()> {
         let (Some(first), Some(last)) = (line.first(), line.last()) else {
             return Ok(());
         };
@@ -66,7 +66,7 @@ impl Picture<'_, '_, '_> {
             .map(|(x, y)| self.plot.backend_coord(&(*x, self.clamped(*y))));
         self.page.draw(&Polygon::new(
             points.collect::<Vec<_>>(),
-            rgb(severity).filled(),
+            rgb(action).filled(),
         ))
     }
 

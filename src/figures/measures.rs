@@ -36,8 +36,8 @@ pub(super) fn comparison(
         None,
     )];
     rows.extend(measures.iter().map(|risk| {
-        let annual = shown.iter().map(|it| risk.severities[*it].annual);
-        let times = risk.severities.last().and_then(|it| it.times);
+        let annual = shown.iter().map(|it| risk.actions[*it].annual);
+        let times = risk.actions.last().and_then(|it| it.times);
         (
             &*risk.measure.name,
             risk.assumption(),
@@ -52,8 +52,8 @@ pub(super) fn comparison(
     let mut legend = Vec::new();
     for &index in &shown {
         let risk = &result.annual[index];
-        let tone = line_colour(risk.severity);
-        legend.push((LegendKey::Fill(tone), format!("{} or worse", risk.severity)));
+        let tone = line_colour(risk.action);
+        legend.push((LegendKey::Fill(tone), format!("{} or worse", risk.action)));
         legend.push((
             LegendKey::Line(Stroke::dashed(tone, 10)),
             format!("target, beta {}", risk.target.beta),
@@ -78,13 +78,13 @@ pub(super) fn comparison(
             let risk = &result.annual[index];
             let x = scale.x(risk.target.probability);
             let line = vec![(x, top - 30), (x, bottom)];
-            Stroke::dashed(line_colour(risk.severity), 10).draw(page, line)?;
+            Stroke::dashed(line_colour(risk.action), 10).draw(page, line)?;
         }
         for (row, (name, assumption, estimates, times)) in rows.iter().enumerate() {
             let y = top + height * row as i32 + height / 2 - 15;
             row_name(page, &name.replace('_', " "), y)?;
             for (place, (estimate, &index)) in estimates.iter().zip(&shown).enumerate() {
-                let tone = line_colour(result.annual[index].severity);
+                let tone = line_colour(result.annual[index].action);
                 let y = y + if place == 0 { -38 } else { 38 };
                 let ends = [scale.x(estimate.low), scale.x(estimate.high)];
                 page.draw(&Rectangle::new(

@@ -47,7 +47,7 @@ pub(super) mod colour {
     pub const BAR_A: RGBColor = RGBColor(0, 114, 178);
     pub const BAR_B: RGBColor = RGBColor(230, 159, 0);
     pub const CONTACT: RGBColor = RGBColor(0, 114, 178);
-    pub const PERCUSSION: RGBColor = RGBColor(213, 94, 0);
+    pub const IMPACT_IMPULSE: RGBColor = RGBColor(213, 94, 0);
 
     /// Colours of the hinges 1a, 1b, 2, 3.
     pub const HINGES: [RGBColor; 4] = [

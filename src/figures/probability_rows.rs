@@ -6,7 +6,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::page::{self, Area, CANVAS, Drawn, LEFT, RIGHT, SMALL, TEXT, colour};
 use super::units::significant;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::study::risk::RiskResult;
 
 /// Left end of the scale of a chart with rows, behind their names.
@@ -16,14 +16,14 @@ pub(super) const ROW_END: i32 = 3520;
 /// Lower end of a scale of powers of ten, below its greatest value: probabilities below it are drawn at the edge.
 const MOST_DECADES: i32 = 10;
 
-/// The colour of a severity in lines and dots.
-pub(super) fn line_colour(severity: Severity) -> RGBColor {
-    match severity {
-        Severity::None => colour::FAINT,
-        Severity::Inspect => RGBColor(66, 160, 216),
-        Severity::Restrict => RGBColor(222, 150, 10),
-        Severity::Prop => RGBColor(205, 85, 15),
-        Severity::Evacuate => RGBColor(122, 28, 40),
+/// The colour of an action in lines and dots.
+pub(super) fn line_colour(action: Action) -> RGBColor {
+    match action {
+        Action::None => colour::FAINT,
+        Action::Inspect => RGBColor(66, 160, 216),
+        Action::Restrict => RGBColor(222, 150, 10),
+        Action::Shore => RGBColor(205, 85, 15),
+        Action::Evacuate => RGBColor(122, 28, 40),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The push-down curves: axial force over shortening, virgin and now.
+//! The push-down curves: axial force over shortening, undamaged and now.
 
 use plotters::element::PathElement;
 use plotters::style::{Color, RGBColor};
@@ -8,7 +8,7 @@ use super::chart::axes;
 use super::page::{self, Drawn, LegendKey, Stroke, colour};
 use super::units::{Unit, significant};
 use super::{FigureError, drawn};
-use crate::assessment::RemainingCapacity;
+use crate::assessment::ResidualCapacity;
 use crate::column::{Capacity, PushDownPoint};
 
 /// Most points of a drawn curve.
@@ -22,12 +22,12 @@ const LABEL_SIZE: (u32, u32) = (280, 90);
 pub struct PushDownCurves<'a> {
     /// One line that describes the column.
     pub title: &'a str,
-    /// The curve of the virgin column.
-    pub virgin: &'a [PushDownPoint],
-    /// The curve of the column as it is; empty if it carries nothing, or if it is virgin.
+    /// The curve of the undamaged column.
+    pub undamaged: &'a [PushDownPoint],
+    /// The curve of the column as it is; empty if it carries nothing, or if it is undamaged.
     pub now: &'a [PushDownPoint],
     /// Capacities, resistances and the carried load.
-    pub remaining: &'a RemainingCapacity,
+    pub remaining: &'a ResidualCapacity,
 }
 
 /// The figure as SVG.
@@ -35,7 +35,7 @@ pub struct PushDownCurves<'a> {
 /// # Errors
 /// No curve has a point, or the plotting library fails.
 pub fn push_down_svg(curves: &PushDownCurves<'_>) -> Result<String, FigureError> {
-    if curves.virgin.is_empty() && curves.now.is_empty() {
+    if curves.undamaged.is_empty() && curves.now.is_empty() {
         return Err(FigureError::NoSamples);
     }
     drawn("push_down", curves.draw())
@@ -50,7 +50,7 @@ struct Level {
 
 impl PushDownCurves<'_> {
     fn draw(&self) -> Drawn<String> {
-        let points = || self.virgin.iter().chain(self.now);
+        let points = || self.undamaged.iter().chain(self.now);
         let largest = |value: fn(&PushDownPoint) -> f64| {
             let finite = points().map(value).filter(|value| value.is_finite());
             finite.fold(0.0, f64::max)
@@ -86,7 +86,7 @@ impl PushDownCurves<'_> {
                 level.stroke.draw(page, line)?;
             }
             let drawn = [
-                (self.virgin, colour::FAINT, &self.remaining.virgin),
+                (self.undamaged, colour::FAINT, &self.remaining.undamaged),
                 (self.now, colour::IMPACT_POINT, &self.remaining.now),
             ];
             let mut last_label: Option<(i32, i32)> = None;
@@ -107,7 +107,7 @@ impl PushDownCurves<'_> {
                     if last_label.is_some_and(|last| {
                         at.0.abs_diff(last.0) < LABEL_SIZE.0 && at.1.abs_diff(last.1) < LABEL_SIZE.1
                     }) {
-                        // A column with little damage has its peak next to that of the virgin one.
+                        // A column with little damage has its peak next to that of the undamaged one.
                         at.0 += LABEL_SIZE.0 as i32;
                     }
                     last_label = Some(at);
@@ -129,9 +129,13 @@ impl PushDownCurves<'_> {
         };
         let remaining = self.remaining;
         [
-            level("load N_Ed", Some(remaining.carried_load), colour::IMPACTOR),
             level(
-                "weak-axis resistance when virgin (EN 1993-1-1)",
+                "applied load N",
+                Some(remaining.carried_load),
+                colour::IMPACTOR,
+            ),
+            level(
+                "weak-axis resistance when undamaged (EN 1993-1-1)",
                 remaining.weak.map(|weak| weak.force),
                 colour::TOP,
             ),
@@ -143,7 +147,7 @@ impl PushDownCurves<'_> {
 
     fn legend(&self, levels: &[Level]) -> Vec<(LegendKey, String)> {
         let curve = |colour, name: &str| (LegendKey::Line(Stroke::solid(colour, 12)), name.into());
-        let mut entries = vec![curve(colour::FAINT, "virgin column")];
+        let mut entries = vec![curve(colour::FAINT, "undamaged column")];
         if !self.now.is_empty() {
             entries.push(curve(colour::IMPACT_POINT, "column as it is"));
         }
@@ -167,13 +171,13 @@ impl PushDownCurves<'_> {
             .reserve
             .map_or("no load".to_owned(), |it| significant(it, 3));
         format!(
-            "push-down virgin {}{}, now {}{}, ratio {}; N_u / N_Ed = {reserve}; bow {}",
-            bound(&remaining.virgin),
-            unit.show(remaining.virgin.force),
+            "push-down undamaged {}{}, now {}{}, ratio {}; N_u / N = {reserve}; bow {}",
+            bound(&remaining.undamaged),
+            unit.show(remaining.undamaged.force),
             bound(&remaining.now),
             unit.show(remaining.now.force),
             significant(remaining.ratio, 3),
-            Unit::length(remaining.virgin.imperfection).show(remaining.virgin.imperfection),
+            Unit::length(remaining.undamaged.imperfection).show(remaining.undamaged.imperfection),
         )
     }
 }

@@ -122,7 +122,7 @@ fn sample(row: &ReferenceRow, summary: &serde_json::Value, exponents: YieldExpon
         impactor_velocity: row["vcdot_m_s"],
         gap: row["v1_m"] - row["vc_m"],
         contact_force: row["contact_force_N"],
-        percussion: if time == 0.0 { row["impulse_Ns"] } else { 0.0 },
+        impact_impulse: if time == 0.0 { row["impulse_Ns"] } else { 0.0 },
         impulse: row["impulse_Ns"],
         kinetic_energy: row["kinetic_energy_J"],
         elastic_energy: row["elastic_energy_J"],
@@ -165,8 +165,8 @@ fn report(samples: &[Sample], summary: &serde_json::Value) -> Report {
             .iter()
             .max_by(|one, other| one.contact_force.total_cmp(&other.contact_force))
             .map(|sample| sample.time),
-        percussions: 1,
-        percussion_impulse: first.impulse,
+        impact_impulses: 1,
+        total_impact_impulse: first.impulse,
         impulse: number("impulse"),
         input_energy: 75_000.0,
         column_kinetic_energy: last.kinetic_energy - impactor,

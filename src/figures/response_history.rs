@@ -21,7 +21,7 @@ pub struct ResponseHistory<'a> {
     pub resistance_axial: f64,
     /// Undeformed lengths of the bars.
     pub lengths: Lengths,
-    /// The compliant vehicle; `None` for a rigid one.
+    /// The deformable vehicle; `None` for a rigid one.
     pub vehicle: Option<Vehicle>,
 }
 
@@ -49,7 +49,7 @@ impl ResponseHistory<'_> {
             .fold(0.0, f64::max)
     }
 
-    /// First contact, last separation, collapse and the severing of a hinge, as far as they have happened.
+    /// First contact, last separation, collapse and the fracturing of a hinge, as far as they have happened.
     pub(super) fn events(&self) -> Vec<(f64, &'static str)> {
         let report = self.report;
         let at_end = |outcome| (report.outcome == outcome).then_some(report.end_time);
@@ -57,7 +57,7 @@ impl ResponseHistory<'_> {
             (report.first_contact_time, "contact"),
             (report.release_time, "separation"),
             (at_end(Outcome::Collapsed), "collapse"),
-            (at_end(Outcome::Severed), "severed"),
+            (at_end(Outcome::Fractured), "fractured"),
         ]
         .into_iter()
         .filter_map(|(time, name)| Some((time?, name)))
@@ -70,7 +70,7 @@ impl ResponseHistory<'_> {
             Outcome::Elastic => "stays elastic",
             Outcome::Plastic => "deforms plastically",
             Outcome::Collapsed => "collapses",
-            Outcome::Severed => "is severed",
+            Outcome::Fractured => "is fractured",
         }
     }
 

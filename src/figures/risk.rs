@@ -15,7 +15,7 @@ use super::probability_rows::{
 };
 use super::units::significant;
 use super::{FigureError, drawn, write_all};
-use crate::study::risk::{Estimate, FragilityCurve, MeasureRisk, RiskResult, SeveritySensitivity};
+use crate::study::risk::{ActionSensitivity, Estimate, FragilityCurve, MeasureRisk, RiskResult};
 
 /// Fewest samples of an interval of speed for which a point is drawn.
 const FEWEST_SAMPLES: u64 = 20;
@@ -75,7 +75,7 @@ pub fn risk_svg(
 
 /// Fragility curves of the whole traffic with the bands of their points.
 fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
-    // A severity that no sample reached has no curve; the figure of the probabilities shows its bound.
+    // An action that no sample reached has no curve; the figure of the probabilities shows its bound.
     let seen = |curve: &FragilityCurve| {
         let mut shares = curve.points.iter().filter_map(|point| point.probability);
         shares.any(|share| share.value > 0.0)
@@ -101,10 +101,10 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
     let legend: Vec<_> = curves
         .iter()
         .map(|curve| {
-            let stroke = Stroke::solid(line_colour(curve.severity), 14);
+            let stroke = Stroke::solid(line_colour(curve.action), 14);
             (
                 LegendKey::Line(stroke),
-                format!("{} or worse", curve.severity),
+                format!("{} or worse", curve.action),
             )
         })
         .collect();
@@ -115,7 +115,7 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
     page::draw(|page| {
         let top = page::heading(
             page,
-            "Fragility: probability of a severity over the speed at the column",
+            "Fragility: probability of an action over the speed at the column",
             [title, &lines],
             &legend,
         )?;
@@ -130,7 +130,7 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
             plot.backend_coord(&(speed.clamp(0.0, x.to), p.clamp(0.0, highest)))
         };
         for curve in &curves {
-            let tone = line_colour(curve.severity);
+            let tone = line_colour(curve.action);
             let points: Vec<(f64, Estimate)> = curve
                 .points
                 .iter()
@@ -161,13 +161,13 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
     })
 }
 
-/// Probability in the period by severity with intervals, and the shares of the classes of vehicles in each.
+/// Probability in the period by action with intervals, and the shares of the classes of vehicles in each.
 fn probabilities(title: &str, result: &RiskResult) -> Drawn<String> {
     let mut rows: Vec<(String, RGBColor, Estimate)> =
         vec![("impact".to_owned(), colour::FAINT, result.impact_in_period)];
-    rows.extend(result.severities.iter().map(|risk| {
-        let name = format!("{} or worse", risk.severity);
-        (name, line_colour(risk.severity), risk.in_period)
+    rows.extend(result.actions.iter().map(|risk| {
+        let name = format!("{} or worse", risk.action);
+        (name, line_colour(risk.action), risk.in_period)
     }));
     let values = rows.iter().flat_map(|(.., it)| [it.value, it.high, it.low]);
     let scale = DecadeScale::of(values.collect::<Vec<_>>().into_iter());
@@ -244,13 +244,13 @@ fn years_in_words(years: f64) -> String {
     }
 }
 
-/// Shares of the classes in the events of each severity, as bars of equal length.
+/// Shares of the classes in the events of each action, as bars of equal length.
 fn contributions(page: &Area<'_>, result: &RiskResult, top: i32) -> Drawn<()> {
     let height = 130;
     let style = page::text_style(SMALL, colour::FAINT, HPos::Left, VPos::Center);
-    for (row, risk) in result.severities.iter().enumerate() {
+    for (row, risk) in result.actions.iter().enumerate() {
         let y = top + height * row as i32 + height / 2;
-        row_name(page, &format!("{} or worse", risk.severity), y)?;
+        row_name(page, &format!("{} or worse", risk.action), y)?;
         let shares: Vec<f64> = result
             .classes
             .iter()
@@ -277,9 +277,9 @@ fn contributions(page: &Area<'_>, result: &RiskResult, top: i32) -> Drawn<()> {
 
 /// The most severe event that was seen, in the lowest and in the highest tenth of every input.
 fn sensitivity(title: &str, result: &RiskResult) -> Drawn<String> {
-    let index = result.telling_severity().unwrap_or(0);
-    let sensitivity: &SeveritySensitivity = &result.sensitivity[index];
-    let mean = result.severities[index].given_departure.value;
+    let index = result.telling_action().unwrap_or(0);
+    let sensitivity: &ActionSensitivity = &result.sensitivity[index];
+    let mean = result.actions[index].given_departure.value;
     let ends = sensitivity
         .inputs
         .iter()
@@ -303,7 +303,7 @@ fn sensitivity(title: &str, result: &RiskResult) -> Drawn<String> {
     let lines = "per vehicle on a course to the column, with intervals; of the classes: the least and the most dangerous one";
     let heading = format!(
         "Which input matters: probability of {} or worse",
-        sensitivity.severity
+        sensitivity.action
     );
     page::draw(|page| {
         let top = page::heading(page, &heading, [title, lines], &legend)? + 60;

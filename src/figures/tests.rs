@@ -227,8 +227,8 @@ fn nothing_happened() -> Report {
         impactor_velocity: 0.0,
         peak_contact_force: 0.0,
         peak_contact_force_time: None,
-        percussions: 0,
-        percussion_impulse: 0.0,
+        impact_impulses: 0,
+        total_impact_impulse: 0.0,
         impulse: 0.0,
         input_energy: 0.0,
         column_kinetic_energy: 0.0,
@@ -278,7 +278,7 @@ fn degenerate_histories_can_be_drawn() {
 }
 
 #[test]
-fn a_collapse_with_many_percussions_can_be_drawn() {
+fn a_collapse_with_many_impact_impulses_can_be_drawn() {
     let samples: Vec<_> = (0..30_000)
         .map(|number| {
             let time = f64::from(number) * 1e-5;
@@ -287,7 +287,7 @@ fn a_collapse_with_many_percussions_can_be_drawn() {
                 v1: time.powi(4),
                 ..Sample::default()
             };
-            sample.percussion = if number % 7 == 0 {
+            sample.impact_impulse = if number % 7 == 0 {
                 1000.0 * (-time * 30.0).exp()
             } else {
                 0.0
@@ -302,7 +302,7 @@ fn a_collapse_with_many_percussions_can_be_drawn() {
         end_time: 0.3,
         first_contact_time: Some(0.0),
         release_time: Some(1e-5),
-        percussions: 4286,
+        impact_impulses: 4286,
         ..nothing_happened()
     };
     draws(&samples, &report);
@@ -312,7 +312,7 @@ fn a_collapse_with_many_percussions_can_be_drawn() {
 /// probability is where its number says.
 #[test]
 fn the_figures_of_a_risk_study() {
-    use crate::assessment::Severity;
+    use crate::assessment::Action;
     use crate::study::Batch;
     use crate::study::risk::{
         Departure, DepartureSampler, Exposure, LimitState, MeasureRisk, RiskResult, RiskStudy,
@@ -321,12 +321,12 @@ fn the_figures_of_a_risk_study() {
 
     struct Speed;
     impl LimitState for Speed {
-        fn severity(&self, departure: &Departure) -> Option<Severity> {
+        fn action(&self, departure: &Departure) -> Option<Action> {
             Some(match departure.velocity * departure.force_factor {
-                v if v > 12.0 => Severity::Prop,
-                v if v > 10.0 => Severity::Restrict,
-                v if v > 6.0 => Severity::Inspect,
-                _ => Severity::None,
+                v if v > 12.0 => Action::Shore,
+                v if v > 10.0 => Action::Restrict,
+                v if v > 6.0 => Action::Inspect,
+                _ => Action::None,
             })
         }
     }
@@ -394,9 +394,9 @@ mod estimates {
             yielded: 1.0,
             collapsed: 0.0,
             capacity_ratio: unknown,
-            severity: Vec::new(),
+            action: Vec::new(),
             vehicle_probabilities: Vec::new(),
-            effective_responses: 100.0,
+            effective_sample_size: 100.0,
             doubtful_sensors: Vec::new(),
         }
     }

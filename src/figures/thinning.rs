@@ -97,7 +97,7 @@ fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
         sample.u1,
         sample.u2,
         sample.contact_force,
-        sample.percussion,
+        sample.impact_impulse,
         sample.kinetic_energy,
         sample.elastic_energy,
         sample.plastic_work,
@@ -172,7 +172,7 @@ mod tests {
                     sample.hinges[2].moment = -4e5;
                 }
                 if number == count / 2 {
-                    sample.percussion = 880.0;
+                    sample.impact_impulse = 880.0;
                 }
                 sample
             })

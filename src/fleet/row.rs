@@ -3,7 +3,7 @@
 
 use crate::column::{End, Outcome, VehicleReport};
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ImpactEvent, RowImpactEvent};
+use crate::messages::column_twin_msgs::{ImpactEvent, RowImpactEvent};
 use crate::messages::std_msgs::Header;
 use crate::parameters::{crushed_name, split_crush};
 use crate::printable::Printable;
@@ -254,7 +254,7 @@ impl LeftOver {
                 return Self::Ends("the column stands and has stopped the vehicle".to_owned());
             }
             (Outcome::Collapsed, _) => "the column has collapsed",
-            (Outcome::Severed, _) => "the column is severed",
+            (Outcome::Fractured, _) => "the column is fractured",
         };
         let velocity = report.impactor_velocity;
         if velocity < STOPPED {
@@ -389,7 +389,7 @@ impl Rows {
             Output::Withdrawn(it) if !it.was_known && it.end != ForecastEnd::NotComputed => {
                 (&it.impact.event_id, Err(&it.reason))
             }
-            Output::Refused(it) => (&it.event_id, Err(&it.refusal.reason)),
+            Output::Rejected(it) => (&it.event_id, Err(&it.rejection.reason)),
             _ => return,
         };
         let is_awaited = |it: &OnItsWay| {

@@ -42,7 +42,7 @@ pub fn make_twins(
     now: Nanos,
 ) -> Result<Vec<Twin>, FleetStartError> {
     let mut twins: Vec<Twin> = Vec::with_capacity(columns.len());
-    // The first virgin column of each kind.
+    // The first undamaged column of each kind.
     let mut first: HashMap<String, usize> = HashMap::new();
     let mut impossible = Vec::new();
     for (index, column) in columns.iter().enumerate() {

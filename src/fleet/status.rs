@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use crate::messages::cdr;
-use crate::messages::column_twin::ColumnStatus;
+use crate::messages::column_twin_msgs::ColumnStatus;
 
 /// Minimum time between two messages about changes.
 pub const STATUS_SPACING: Duration = Duration::from_millis(100);

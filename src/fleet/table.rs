@@ -1,7 +1,7 @@
 //! A fleet as a table that fits a terminal: the worst columns first.
 
-use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
-use crate::messages::words::{phase_word, severity_word};
+use crate::messages::column_twin_msgs::{ColumnStatus, FleetStatus, TwinStatus};
+use crate::messages::words::{action_word, phase_word};
 use crate::printable::Printable;
 
 /// Size of a terminal in characters.
@@ -23,7 +23,7 @@ type Field = (&'static str, usize, fn(&ColumnStatus) -> String);
 const FIELDS: [Field; 7] = [
     ("column", 24, |it| Printable(&it.column_id).to_string()),
     ("phase", 9, |it| phase_word(it.phase).to_owned()),
-    ("severity", 8, |it| severity_word(it.severity).to_owned()),
+    ("action", 8, |it| action_word(it.action).to_owned()),
     ("v1 mm", 9, |it| format!("{:.2}", 1e3 * it.residual_v1)),
     ("reserve", 8, |it| match it.reserve.is_finite() {
         true => format!("{:.2}", it.reserve),
@@ -31,12 +31,12 @@ const FIELDS: [Field; 7] = [
     }),
     ("hits", 7, |it| it.impacts_since_reset.to_string()),
     ("last event, reason", usize::MAX, |it| {
-        let text = match (&it.fault, &it.last_refusal_reason) {
+        let text = match (&it.fault, &it.last_rejection_reason) {
             (fault, _) if !fault.is_empty() => fault,
-            (_, refusal) if !refusal.is_empty() && it.events_refused > 0 => refusal,
+            (_, rejection) if !rejection.is_empty() && it.events_rejected > 0 => rejection,
             // That nothing is to be done needs no reason.
-            _ if it.severity == TwinStatus::SEVERITY_NONE => "",
-            _ => &it.severity_reason,
+            _ if it.action == TwinStatus::ACTION_NONE => "",
+            _ => &it.action_reason,
         };
         let event: String = it.event_id.chars().take(EVENT_CHARS).collect();
         let left_out = if event.len() < it.event_id.len() {
@@ -79,9 +79,9 @@ pub fn table(fleet: &FleetStatus, columns: &[ColumnStatus], size: TableSize) -> 
     };
     // What matters most is left in a narrow terminal.
     let mut lines = vec![cut(&format!(
-        "{columns_total} columns{known}: {} out of service, {} with a severity, {} hit, {lost} lost, {columns_active} active, {ignored} for others",
+        "{columns_total} columns{known}: {} out of service, {} with an action, {} hit, {lost} lost, {columns_active} active, {ignored} for others",
         count(|it| it.is_out_of_service()),
-        count(|it| it.severity != TwinStatus::SEVERITY_NONE),
+        count(|it| it.action != TwinStatus::ACTION_NONE),
         count(|it| it.impacts_since_reset > 0),
     ))];
     let room = size.height.saturating_sub(OTHER_LINES);
@@ -124,25 +124,21 @@ fn is_moving(column: &ColumnStatus) -> bool {
     )
 }
 
-/// How much a column matters: out of service, then by severity, then in motion.
+/// How much a column matters: out of service, then by action, then in motion.
 fn rank(column: &ColumnStatus) -> (bool, u8, bool) {
-    (
-        column.is_out_of_service(),
-        column.severity,
-        is_moving(column),
-    )
+    (column.is_out_of_service(), column.action, is_moving(column))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn column(number: usize, phase: u8, severity: u8) -> ColumnStatus {
+    fn column(number: usize, phase: u8, action: u8) -> ColumnStatus {
         ColumnStatus {
             column_id: format!("c{number:04}"),
             phase,
-            severity,
-            severity_reason: "a long reason ".repeat(20),
+            action,
+            action_reason: "a long reason ".repeat(20),
             ..ColumnStatus::default()
         }
     }
@@ -152,8 +148,8 @@ mod tests {
         let mut columns: Vec<_> = (0..2000)
             .map(|it| column(it, TwinStatus::IDLE, 0))
             .collect();
-        columns[1500] = column(1500, TwinStatus::COLLAPSED, TwinStatus::SEVERITY_EVACUATE);
-        columns[700] = column(700, TwinStatus::IDLE, TwinStatus::SEVERITY_INSPECT);
+        columns[1500] = column(1500, TwinStatus::COLLAPSED, TwinStatus::ACTION_EVACUATE);
+        columns[700] = column(700, TwinStatus::IDLE, TwinStatus::ACTION_INSPECT);
         columns[900] = column(900, TwinStatus::FREE, 0);
         let fleet = FleetStatus {
             columns_total: 2000,
@@ -173,7 +169,7 @@ mod tests {
             },
         );
         assert_eq!(lines.len(), 24);
-        assert!(lines[0].contains("1 out of service, 2 with a severity, 0 hit, 0 lost"));
+        assert!(lines[0].contains("1 out of service, 2 with an action, 0 hit, 0 lost"));
         // In a terminal of 80 characters there is room for the beginning of a reason.
         assert!(
             lines[2].contains("a long reason a long reason"),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::endpoints::{CLOCK, Direction, ENDPOINTS, Endpoint, PARAMETER_EVENTS, ROSOUT};
 use crate::ros::{NameError, Names};
 
-use super::enclave::EnclaveName;
+use super::enclave_name::EnclaveName;
 
 /// What an enclave is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use jiff::Timestamp;
 use crate::ros::MAX_DOMAIN_ID;
 
 use super::access::Access;
-use super::enclave::EnclaveName;
+use super::enclave_name::EnclaveName;
 
 /// DomainRanges that documents are valid for, in the order given.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -3,7 +3,6 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::enclave::EnclaveName;
 use crate::ros::NameError;
 use crate::ros::security::EnclaveNameError;
 
@@ -49,18 +48,18 @@ pub enum KeystoreError {
         "the enclave {0} exists, and its key is not overwritten; to extend its validity: column-twin keystore renew DIR {0}; to \
          replace a key that became known, delete the folder of the enclave first"
     )]
-    Exists(EnclaveName),
+    Exists(String),
     /// The enclave does not exist.
     #[error("there is no enclave {name} in this keystore; it has {known}")]
     NoEnclave {
         /// The enclave.
-        name: EnclaveName,
+        name: String,
         /// Those that there are.
         known: String,
     },
     /// An enclave is named twice.
     #[error("the enclave {0} is named twice; name it once, with one role")]
-    Twice(EnclaveName),
+    Twice(String),
     /// A name of an enclave is invalid.
     #[error(transparent)]
     EnclaveName(#[from] EnclaveNameError),

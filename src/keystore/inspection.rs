@@ -16,13 +16,13 @@ use crate::ros::security::{Enclave, EnclaveFile, SecurityError};
 
 use super::certificates::expiry;
 use super::documents::{DomainRanges, date};
-use super::enclave::EnclaveName;
+use super::enclave_name::EnclaveName;
 use super::error::KeystoreError;
 use super::layout::{
     CERTIFICATE, ENCLAVES, GOVERNANCE, GOVERNANCE_XML, IDENTITY_CA, IDENTITY_CA_KEY, PERMISSIONS,
     PERMISSIONS_CA, PERMISSIONS_CA_KEY, PERMISSIONS_XML, PRIVATE, PUBLIC, enclave_folder,
 };
-use super::store::{read, read_certificate, read_text};
+use super::reading::{read, read_certificate, read_text};
 
 /// A keystore for people.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -9,15 +9,15 @@ use std::path::{Path, PathBuf};
 use openssl::pkey::{HasPublic, PKey, PKeyRef};
 use openssl::x509::X509;
 
-use crate::bounded_file::read_at_most;
-use crate::ros::security::{MAX_ENCLAVE_FILE_BYTES, STRICT_FILES};
+use crate::ros::security::STRICT_FILES;
 
 use super::access::Access;
 use super::certificates::{Authority, expiry, new_key};
 use super::documents::{
     DataProtection, DomainRanges, Validity, date, governance_xml, permissions_xml, with_validity,
 };
-use super::enclave::{EnclaveName, EnclavePlan};
+use super::enclave::EnclavePlan;
+use super::enclave_name::EnclaveName;
 use super::error::KeystoreError;
 use super::inspection::{enclaves_of, governance_domains};
 use super::layout::{
@@ -25,6 +25,7 @@ use super::layout::{
     IDENTITY_CA, IDENTITY_CA_KEY, KEY, PERMISSIONS, PERMISSIONS_CA, PERMISSIONS_CA_KEY,
     PERMISSIONS_XML, PRIVATE, PUBLIC, enclave_folder, links,
 };
+use super::reading::{read, read_certificate, read_text};
 use super::{AUTHORITY_DAYS, BACKDATED_SECS, MAX_DAYS};
 
 /// Common name of the authority.
@@ -88,7 +89,7 @@ pub struct Renewal<'a> {
 }
 
 /// What the file says to a person.
-const STRICT_FILES_TEXT: &[u8] = b"column-twin refuses enclaves of this keystore with a private key that other users can read.\n\
+const STRICT_FILES_TEXT: &[u8] = b"column-twin rejects enclaves of this keystore with a private key that other users can read.\n\
     Remove this file to have a warning instead.\n";
 
 /// Makes a keystore. Its folder appears complete or not at all.
@@ -177,7 +178,7 @@ pub fn add(addition: &Addition<'_>) -> Result<(), KeystoreError> {
         .find(|file| is_there(&target.join(file)))
     {
         return Err(match *taken {
-            KEY | CERTIFICATE => KeystoreError::Exists(enclave.name.clone()),
+            KEY | CERTIFICATE => KeystoreError::Exists(enclave.name.to_string()),
             other => KeystoreError::Occupied(target.join(other)),
         });
     }
@@ -218,7 +219,7 @@ pub fn renew(renewal: &Renewal<'_>) -> Result<Vec<EnclaveName>, KeystoreError> {
     if let Some(unknown) = chosen.iter().find(|name| !known.contains(name)) {
         let known: Vec<_> = known.iter().map(EnclaveName::as_str).collect();
         return Err(KeystoreError::NoEnclave {
-            name: unknown.clone(),
+            name: unknown.to_string(),
             known: known.join(", "),
         });
     }
@@ -513,23 +514,4 @@ fn new_link(path: &Path, to: &Path) -> Result<(), KeystoreError> {
 /// Whether there is anything of this name, also a link that points nowhere.
 fn is_there(path: &Path) -> bool {
     path.symlink_metadata().is_ok()
-}
-
-/// Reads a file.
-pub(super) fn read(path: &Path) -> Result<Vec<u8>, KeystoreError> {
-    read_at_most(path, MAX_ENCLAVE_FILE_BYTES).map_err(KeystoreError::io("read", path))
-}
-
-/// Reads a text.
-pub(super) fn read_text(path: &Path) -> Result<String, KeystoreError> {
-    let text = String::from_utf8(read(path)?);
-    text.map_err(|_| KeystoreError::document(path, "expected UTF-8 text"))
-}
-
-/// Reads a certificate.
-pub(super) fn read_certificate(path: &Path) -> Result<X509, KeystoreError> {
-    let certificate = X509::from_pem(&read(path)?);
-    certificate.map_err(|_| {
-        KeystoreError::document(path, "expected a certificate as PEM text, found none")
-    })
 }

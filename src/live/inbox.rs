@@ -6,7 +6,7 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
-use crate::twin::{Accepted, ColumnSnapshot, Command, ImpactCommand, Refusal, Striking};
+use crate::twin::{Accepted, ColumnSnapshot, Command, ImpactCommand, Rejection, Striking};
 
 /// Maximum number of queued requests to a single twin; more are rejected.
 pub const MAX_COMMANDS: usize = 64;
@@ -20,12 +20,12 @@ pub(super) enum Request {
     /// Execute a command.
     Command {
         command: Command,
-        reply: Reply<Result<Accepted, Refusal>>,
+        reply: Reply<Result<Accepted, Rejection>>,
     },
     /// Whether the column would take this impact now.
     Check {
         command: Box<ImpactCommand>,
-        reply: Reply<Result<Striking, Refusal>>,
+        reply: Reply<Result<Striking, Rejection>>,
     },
     /// Copy the current state of the column.
     Snapshot { reply: Reply<ColumnSnapshot> },

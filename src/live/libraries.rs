@@ -3,7 +3,7 @@
 //!
 //! A kind is a column at rest with its damage and its parameters but for the names. Kinds are prepared one after another, in the
 //! order in which they came, as many as [`MAX_LIBRARIES`] and [`MAX_LIBRARY_BYTES`] allow. A kind beyond these bounds is prepared
-//! when another one has no column any more, or by the thread that estimates, when an impact on one of its columns has been felt: the
+//! when another one has no column any more, or by the thread that estimates, when an impact on one of its columns has been detected: the
 //! estimate then comes some seconds later.
 
 use std::collections::{BTreeMap, HashMap};
@@ -336,7 +336,7 @@ mod tests {
         let libraries = Libraries::default();
         let enter = |name: &str, load: f64| {
             let parameters = parameters(name, load);
-            let column = StandingColumn::virgin(&parameters);
+            let column = StandingColumn::undamaged(&parameters);
             libraries.enter(&parameters, &column).expect("sensors").0
         };
         let (a, b, other) = (enter("a", 1e5), enter("b", 1e5), enter("c", 2e5));
@@ -355,7 +355,7 @@ mod tests {
         let kinds: Vec<Kind> = (0..=MAX_LIBRARIES)
             .map(|number| {
                 let parameters = parameters("a", 1e5 + number as f64);
-                let column = StandingColumn::virgin(&parameters);
+                let column = StandingColumn::undamaged(&parameters);
                 libraries.enter(&parameters, &column).expect("sensors").0
             })
             .collect();

@@ -5,7 +5,7 @@
 //! allocates no memory for a sample and writes no log: outputs go into bounded lock-free queues, and a slow reader loses only its
 //! own samples, which are counted. The forecast is computed in slices between the deadlines. A prediction runs in the thread of the
 //! caller. A separate thread writes the state files. Another one finds ranges of verdicts, and the critical velocities of columns at
-//! rest. If there are sensors, further ones feel impacts with them.
+//! rest. If there are sensors, further ones detect impacts with them.
 
 mod clock;
 mod inbox;

@@ -106,7 +106,7 @@ pub struct OutputQueue {
     pub name: String,
     /// Maximum number of queued states.
     pub states: usize,
-    /// Maximum number of queued forecasts, their withdrawals, reports and parameter changes together; of refusals, status and notices
+    /// Maximum number of queued forecasts, their withdrawals, reports and parameter changes together; of rejections, status and notices
     /// together; and of entries of the journal.
     pub others: usize,
     /// Overflow policy of all of them.
@@ -132,7 +132,7 @@ impl OutputQueue {
 /// Number of channels to one reader.
 const CHANNELS: usize = 4;
 
-/// The channels to one reader, separate so that a flood of states or refusals cannot displace a report.
+/// The channels to one reader, separate so that a flood of states or rejections cannot displace a report.
 #[derive(Debug)]
 pub(super) struct OutputQueues {
     pub name: String,
@@ -189,9 +189,9 @@ impl OutputQueues {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::Calibrated(_)
+            | Output::CorrectDamaged(_)
             | Output::ParametersChanged(_) => results,
-            Output::Status(_) | Output::Refused(_) | Output::Notice(_) | Output::Save(_) => {
+            Output::Status(_) | Output::Rejected(_) | Output::Notice(_) | Output::Save(_) => {
                 messages
             }
             Output::Journal(_) => journal,
@@ -222,6 +222,11 @@ pub trait OutputSource: Send + 'static {
     /// Waits at most `timeout` for the next output, or until it is [woken](Waker::wake).
     fn receive(&mut self, timeout: Duration) -> Option<Output>;
 
+    /// The same with the index of the column that it is about; 0 for a single twin.
+    fn receive_of(&mut self, timeout: Duration) -> Option<(u32, Output)> {
+        self.receive(timeout).map(|output| (0, output))
+    }
+
     /// Ends a wait before its time.
     fn waker(&self) -> Waker {
         Waker::default()
@@ -243,9 +248,13 @@ impl Waker {
 
 impl OutputSource for Receiver {
     fn receive(&mut self, timeout: Duration) -> Option<Output> {
+        self.receive_of(timeout).map(|(_, output)| output)
+    }
+
+    fn receive_of(&mut self, timeout: Duration) -> Option<(u32, Output)> {
         let deadline = Instant::now() + timeout;
         loop {
-            if let Some(output) = self.try_next() {
+            if let Some(output) = self.try_next_of() {
                 return Some(output);
             }
             let rest = deadline.saturating_duration_since(Instant::now());

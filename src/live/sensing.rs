@@ -1,4 +1,4 @@
-//! The threads that feel impacts: each takes the measurements of its columns, and gives the estimates to their twins.
+//! The threads that detect impacts: each takes the measurements of its columns, and gives the estimates to their twins.
 //!
 //! They have a lower priority than everything with deadlines, and stay off the processors of the solver if there are others. They
 //! never wait for a solver but for a copy of a column at rest, and no solver waits for them. A single twin is one column here, which
@@ -21,7 +21,7 @@ use super::real_time::yield_to_others;
 use super::sensing_news::SensingNews;
 use crate::senses::{EstimateRecord, EstimatorError, MAX_EVENTS, Sensing, Work};
 use crate::time::Nanos;
-use crate::twin::{ColumnSnapshot, Condition, Notice, NoticeLevel, Output, Refusal};
+use crate::twin::{ColumnSnapshot, Condition, Notice, NoticeLevel, Output, Rejection};
 
 /// The thread's name.
 pub const SENSING_THREAD: &str = "column_twin/sense"; // the system shows the first 15 characters
@@ -51,19 +51,19 @@ pub const MAX_ESTIMATED_AT_ONCE: usize = 32;
 #[derive(Clone)]
 pub struct Deliver(Arc<TakeEstimate>);
 
-type TakeEstimate = dyn Fn(u32, EstimateRecord) -> Result<(), Refusal> + Send + Sync;
+type TakeEstimate = dyn Fn(u32, EstimateRecord) -> Result<(), Rejection> + Send + Sync;
 
 impl Deliver {
     /// Passes every estimate to `take`.
     pub fn new(
-        take: impl Fn(EstimateRecord) -> Result<(), Refusal> + Send + Sync + 'static,
+        take: impl Fn(EstimateRecord) -> Result<(), Rejection> + Send + Sync + 'static,
     ) -> Self {
         Self::of_fleet(move |_, record| take(record))
     }
 
     /// Passes every estimate of a fleet to `take`, with the index of its column.
     pub(super) fn of_fleet(
-        take: impl Fn(u32, EstimateRecord) -> Result<(), Refusal> + Send + Sync + 'static,
+        take: impl Fn(u32, EstimateRecord) -> Result<(), Rejection> + Send + Sync + 'static,
     ) -> Self {
         Self(Arc::new(take))
     }
@@ -167,7 +167,7 @@ fn allowed(reserved: &[usize]) -> Option<CpuSet> {
 
 /// What the thread knows of a column.
 #[derive(Default)]
-struct Felt {
+struct Detected {
     /// `None` if the column can take no impact, or its sensors cannot be used.
     sensing: Option<Sensing>,
     /// Its kind, if it shares prepared responses.
@@ -186,7 +186,7 @@ struct Felt {
     has_waited: bool,
 }
 
-impl Felt {
+impl Detected {
     fn is_estimating(&self) -> bool {
         self.sensing.as_ref().is_some_and(Sensing::is_estimating)
     }
@@ -206,7 +206,7 @@ struct Loop {
     surroundings: Surroundings,
     stop: Arc<AtomicBool>,
     counters: Arc<Counters>,
-    columns: BTreeMap<u32, Felt>,
+    columns: BTreeMap<u32, Detected>,
     /// Columns that may have changed, in the order in which they are asked for.
     changed: VecDeque<u32>,
     /// Columns for which there may be work, in the order in which it is done.
@@ -261,8 +261,8 @@ impl Loop {
 
     fn take_news(&mut self) {
         while let Some(column) = self.surroundings.news.next_changed() {
-            let felt = self.columns.entry(column).or_default();
-            if !std::mem::replace(&mut felt.has_changed, true) {
+            let detected = self.columns.entry(column).or_default();
+            if !std::mem::replace(&mut detected.has_changed, true) {
                 self.changed.push_back(column);
             }
         }
@@ -293,8 +293,8 @@ impl Loop {
                 serial,
                 batch,
             } = queued;
-            let felt = self.columns.get_mut(&column);
-            let Some(sensing) = felt.and_then(|it| it.sensing.as_mut()) else {
+            let detected = self.columns.get_mut(&column);
+            let Some(sensing) = detected.and_then(|it| it.sensing.as_mut()) else {
                 continue;
             };
             sensing.push(serial, batch);
@@ -306,8 +306,8 @@ impl Loop {
     }
 
     fn let_work(&mut self, column: u32) {
-        if let Some(felt) = self.columns.get_mut(&column)
-            && !std::mem::replace(&mut felt.is_working, true)
+        if let Some(detected) = self.columns.get_mut(&column)
+            && !std::mem::replace(&mut detected.is_working, true)
         {
             self.working.push_back(column);
         }
@@ -319,27 +319,27 @@ impl Loop {
         let Some(column) = self.working.pop_front() else {
             return Slice::Nothing;
         };
-        let Some(felt) = self.columns.get_mut(&column) else {
+        let Some(detected) = self.columns.get_mut(&column) else {
             return Slice::Done;
         };
         let libraries = self.surroundings.libraries.as_deref();
         let mut late = None;
-        let work = match &mut felt.sensing {
+        let work = match &mut detected.sensing {
             None => Work::Idle,
             Some(sensing) => {
                 sensing.note_time(now);
-                let is_new = sensing.has_detected() && !felt.has_begun;
+                let is_new = sensing.has_detected() && !detected.has_begun;
                 if is_new && self.begun >= MAX_ESTIMATED_AT_ONCE {
-                    if !std::mem::replace(&mut felt.has_waited, true) {
+                    if !std::mem::replace(&mut detected.has_waited, true) {
                         self.counters.delayed.fetch_add(1, Ordering::Relaxed);
                     }
                     Work::Idle
                 } else {
                     if is_new {
-                        felt.has_begun = true;
+                        detected.has_begun = true;
                         self.begun += 1;
                     }
-                    match (libraries, felt.kind) {
+                    match (libraries, detected.kind) {
                         (Some(libraries), Some(kind)) if sensing.has_detected() => {
                             step_detected(sensing, libraries, kind, is_new, &mut late)
                         }
@@ -348,25 +348,26 @@ impl Loop {
                 }
             }
         };
-        if !felt.is_estimating() {
+        if !detected.is_estimating() {
             self.estimating.remove(&column);
-            felt.has_waited = false;
-            if std::mem::take(&mut felt.has_begun) {
+            detected.has_waited = false;
+            if std::mem::take(&mut detected.has_begun) {
                 self.begun -= 1;
             }
         }
         // An estimate whose data are there is made without a break; other columns come before what is not urgent.
-        let is_preparing = felt.sensing.as_ref().is_some_and(Sensing::has_detected);
+        let is_preparing = detected.sensing.as_ref().is_some_and(Sensing::has_detected);
         match &work {
             Work::More { is_urgent: true } if !is_preparing => self.working.push_front(column),
-            Work::Idle => felt.is_working = false,
+            Work::Idle => detected.is_working = false,
             _ => self.working.push_back(column),
         }
         match work {
             Work::More { .. } | Work::Idle => {}
             Work::Estimate(record) => self.deliver(column, *record),
             Work::Missed(reason) => {
-                let text = format!("the sensors felt an impact that cannot be estimated: {reason}");
+                let text =
+                    format!("the sensors detected an impact that cannot be estimated: {reason}");
                 self.say(column, NoticeLevel::Error, text);
             }
         }
@@ -378,9 +379,10 @@ impl Loop {
 
     fn deliver(&mut self, column: u32, record: EstimateRecord) {
         let (event_id, update) = (Arc::clone(&record.event_id), record.update);
-        if let Err(refusal) = (self.deliver.0)(column, record) {
+        if let Err(rejection) = (self.deliver.0)(column, record) {
             self.counters.lost.fetch_add(1, Ordering::Relaxed);
-            let text = format!("estimate {update} of {event_id} did not reach the twin: {refusal}");
+            let text =
+                format!("estimate {update} of {event_id} did not reach the twin: {rejection}");
             self.say(column, NoticeLevel::Error, text);
         }
     }
@@ -400,26 +402,26 @@ impl Loop {
     /// Prepares for a column as it is now, unless an impact on it is being estimated; `false` if it has to be asked for again.
     fn follow_column(&mut self, column: u32) -> bool {
         let now = self.surroundings.clock.now();
-        let Some(felt) = self.columns.get_mut(&column) else {
+        let Some(detected) = self.columns.get_mut(&column) else {
             return true;
         };
         // A clock that was set back must not keep the thread from asking.
-        let must_wait = (now..now + ATTEMPT_PERIOD).contains(&(felt.next_attempt - 1));
-        if felt.is_estimating() || must_wait {
+        let must_wait = (now..now + ATTEMPT_PERIOD).contains(&(detected.next_attempt - 1));
+        if detected.is_estimating() || must_wait {
             return false;
         }
-        felt.next_attempt = now + ATTEMPT_PERIOD;
+        detected.next_attempt = now + ATTEMPT_PERIOD;
         // Before it is asked for, so that a change after that is followed, too.
-        felt.has_changed = false;
+        detected.has_changed = false;
         let Some(snapshot) = (self.surroundings.snapshot)(column) else {
-            felt.has_changed = true;
+            detected.has_changed = true;
             return false;
         };
         let standing = match snapshot.standing() {
             Ok(Some(standing)) => standing,
             // Its response is not over. The estimates of other impacts still hold for the column before.
             Ok(None) => {
-                felt.has_changed = true;
+                detected.has_changed = true;
                 return false;
             }
             Err(condition) => {
@@ -432,15 +434,15 @@ impl Loop {
             Some(libraries) => libraries
                 .enter(parameters, &standing)
                 .map(|(kind, library)| {
-                    match &mut felt.sensing {
+                    match &mut detected.sensing {
                         Some(sensing) => sensing.share(library),
                         sensing => *sensing = Some(Sensing::sharing(library)),
                     }
-                    if let Some(before) = felt.kind.replace(kind) {
+                    if let Some(before) = detected.kind.replace(kind) {
                         libraries.leave(before);
                     }
                 }),
-            None => match &mut felt.sensing {
+            None => match &mut detected.sensing {
                 Some(sensing) if sensing.has_sensors_of(parameters) => {
                     sensing.set_column(parameters, standing)
                 }
@@ -449,7 +451,7 @@ impl Loop {
         };
         match followed {
             Ok(()) => {
-                felt.said = None;
+                detected.said = None;
                 self.let_work(column);
             }
             Err(error) => self.give_up(column, NoticeLevel::Error, no_estimator(&error)),
@@ -459,15 +461,16 @@ impl Loop {
 
     /// Does not estimate impacts on a column from now on, and says why, once.
     fn give_up(&mut self, column: u32, level: NoticeLevel, text: String) {
-        let Some(felt) = self.columns.get_mut(&column) else {
+        let Some(detected) = self.columns.get_mut(&column) else {
             return;
         };
-        felt.sensing = None;
-        if let (Some(kind), Some(libraries)) = (felt.kind.take(), &self.surroundings.libraries) {
+        detected.sensing = None;
+        if let (Some(kind), Some(libraries)) = (detected.kind.take(), &self.surroundings.libraries)
+        {
             libraries.leave(kind);
         }
-        if felt.said.as_ref() != Some(&text) {
-            felt.said = Some(text.clone());
+        if detected.said.as_ref() != Some(&text) {
+            detected.said = Some(text.clone());
             self.say(column, level, text);
         }
     }
@@ -503,7 +506,7 @@ fn step_detected(
         if is_new {
             libraries.count_waiting();
             *late = Some(format!(
-                "the sensors have felt an impact whose estimate comes some seconds later: there are more than {MAX_LIBRARIES} \
+                "the sensors have detected an impact whose estimate comes some seconds later: there are more than {MAX_LIBRARIES} \
                  different columns with sensors, or their responses take too much memory, so that nothing was prepared for this one"
             ));
         }
@@ -518,7 +521,7 @@ fn no_estimates(condition: &Condition) -> String {
     let why = match condition {
         Condition::Standing => "stands",
         Condition::Collapsed => "has collapsed",
-        Condition::Severed => "is severed at a hinge or web",
+        Condition::Fractured => "is fractured at a hinge or web",
         Condition::Faulted(fault) => {
             return format!(
                 "impacts are not estimated from the sensors, because the twin cannot continue ({fault}); reset it (~/reset)"
@@ -563,7 +566,7 @@ mod tests {
         Parameters::from_values(values).expect("admissible")
     }
 
-    /// A live twin whose laser feels an impact, and where its estimates arrive.
+    /// A live twin whose laser detects an impact, and where its estimates arrive.
     fn sensing(
         measurements: &Arc<MeasurementQueue>,
     ) -> (super::super::LiveHandle, Receiver<EstimateRecord>) {
@@ -583,7 +586,7 @@ mod tests {
     }
 
     #[test]
-    fn a_felt_impact_is_estimated_and_the_thread_ends_with_the_twin() {
+    fn a_detected_impact_is_estimated_and_the_thread_ends_with_the_twin() {
         let parameters = parameters();
         let properties = parameters.column_properties();
         let impact = Impact::rigid(1500.0, 5.0);
@@ -602,7 +605,7 @@ mod tests {
         }
         let record = estimates.recv_timeout(PATIENCE).expect("an estimate");
         assert_eq!(record.update, 0);
-        assert_eq!(record.column, Some(StandingColumn::virgin(&parameters)));
+        assert_eq!(record.column, Some(StandingColumn::undamaged(&parameters)));
         let contact = record.origin - 1_100_000_000;
         assert!(contact.abs() < 1_000_000, "{contact} ns off");
         let momentum = record.estimate.momentum;

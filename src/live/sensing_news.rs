@@ -1,4 +1,4 @@
-//! What the solvers tell a thread that feels impacts: without a lock, because they have deadlines.
+//! What the solvers tell a thread that detects impacts: without a lock, because they have deadlines.
 
 use std::sync::Arc;
 

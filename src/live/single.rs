@@ -17,7 +17,7 @@ use super::sensing::Deliver;
 use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
-use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, Twin};
+use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Rejection, Twin};
 
 /// The index of the only column.
 const COLUMN: u32 = 0;
@@ -33,7 +33,7 @@ pub struct LiveOptions {
     pub outputs: Vec<OutputQueue>,
     /// The queue of measurements; `None` without sensors.
     pub measurements: Option<Arc<MeasurementQueue>>,
-    /// Takes the estimates of impacts that the sensors have felt; `None`: the twin.
+    /// Takes the estimates of impacts that the sensors have detected; `None`: the twin.
     #[cfg(feature = "study")]
     pub estimates: Option<Deliver>,
 }
@@ -102,7 +102,7 @@ impl LiveHandle {
     ///
     /// # Errors
     /// The queue of commands is full.
-    pub fn submit(&self, command: Command) -> Result<(), Refusal> {
+    pub fn submit(&self, command: Command) -> Result<(), Rejection> {
         self.pool.submit(COLUMN, command)
     }
 
@@ -110,7 +110,7 @@ impl LiveHandle {
     ///
     /// # Errors
     /// The command is rejected, or the solver does not answer in time.
-    pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
+    pub fn execute(&self, command: Command) -> Result<Accepted, Rejection> {
         self.pool.execute(COLUMN, command)
     }
 
@@ -135,7 +135,7 @@ impl LiveHandle {
     ///
     /// # Errors
     /// The solver does not answer in time.
-    pub fn snapshot(&self) -> Result<ColumnSnapshot, Refusal> {
+    pub fn snapshot(&self) -> Result<ColumnSnapshot, Rejection> {
         self.pool.snapshot(COLUMN)
     }
 
@@ -149,9 +149,15 @@ impl LiveHandle {
         column_id: &str,
         vehicle: &str,
         impact: &ImpactSpecification,
-    ) -> Result<Prediction, Refusal> {
+    ) -> Result<Prediction, Rejection> {
         self.snapshot()?
             .predict(column_id, vehicle, impact, &monotonic_nanos)
+    }
+
+    /// The pool of which this is the only column.
+    #[must_use]
+    pub fn into_pool(self) -> FleetHandle {
+        self.pool
     }
 
     /// Statistics since the start.

@@ -3,12 +3,12 @@
 //! The mechanics knows neither header nor column nor event, which are left empty. The conversions allocate nothing.
 
 use crate::column::{
-    self, End, HINGES, HingeSample, HingeState, Impact, ImpactSpecification, Outcome, Phase,
-    Report, Sample,
+    self, End, HingeSample, HingeState, Impact, ImpactSpecification, Outcome, Phase, Report, Sample,
 };
 
-use super::column_twin::{
-    BaseForces, ColumnState, HingeForces, ImpactEvent, ImpactReport, PerMass, PredictImpactRequest,
+use super::column_twin_msgs::{
+    BaseForces, ColumnState, HingeForces, ImpactEvent, ImpactReport, PerHinge, PerMass,
+    PredictImpactRequest,
 };
 
 impl From<&Sample> for ColumnState {
@@ -29,7 +29,7 @@ impl From<&Sample> for ColumnState {
             impactor_velocity: sample.impactor_velocity,
             gap: sample.gap,
             contact_force: sample.contact_force,
-            percussion: sample.percussion,
+            impact_impulse: sample.impact_impulse,
             impulse: sample.impulse,
             kinetic_energy: sample.kinetic_energy,
             elastic_energy: sample.elastic_energy,
@@ -52,7 +52,7 @@ impl From<&Sample> for ColumnState {
 impl From<&Sample> for HingeForces {
     /// Leaves header, column and event empty.
     fn from(sample: &Sample) -> Self {
-        let of = |value: fn(&HingeSample) -> f64| each_hinge(&sample.hinges, value);
+        let of = |value: fn(&HingeSample) -> f64| each(&sample.hinges, value);
         Self {
             moment: of(|hinge| hinge.moment),
             normal_force: of(|hinge| hinge.normal_force),
@@ -61,13 +61,13 @@ impl From<&Sample> for HingeForces {
             plastic_rotation: of(|hinge| hinge.plastic_rotation),
             plastic_elongation: of(|hinge| hinge.plastic_elongation),
             utilisation: of(|hinge| hinge.utilisation),
-            state: each_hinge(&sample.hinges, |hinge| hinge_state_code(hinge.state)),
+            state: each(&sample.hinges, |hinge| hinge_state_code(hinge.state)),
             dynamic_factor: of(|hinge| hinge.dynamic_factor),
-            shear_force: sample.webs.map(|web| web.shear_force),
-            shear_angle: sample.webs.map(|web| web.plastic_angle),
-            shear_utilisation: sample.webs.map(|web| web.utilisation),
-            web_state: sample.webs.map(|web| hinge_state_code(web.state)),
-            web_dynamic_factor: sample.webs.map(|web| web.dynamic_factor),
+            shear_force: each(&sample.webs, |web| web.shear_force),
+            shear_angle: each(&sample.webs, |web| web.plastic_angle),
+            shear_utilisation: each(&sample.webs, |web| web.utilisation),
+            web_state: each(&sample.webs, |web| hinge_state_code(web.state)),
+            web_dynamic_factor: each(&sample.webs, |web| web.dynamic_factor),
             base: BaseForces::from(&sample.base),
             ..Self::default()
         }
@@ -120,12 +120,12 @@ impl From<&Report> for ImpactReport {
             impact_loss: report.impact_loss,
             ledger_residual: report.ledger_residual,
             compute_time: f64::NAN,
-            first_yield_time: each_hinge(&report.hinges, |hinge| or_nan(hinge.first_yield)),
-            max_utilisation: each_hinge(&report.hinges, |hinge| hinge.max_utilisation),
-            plastic_rotation: each_hinge(&report.hinges, |hinge| hinge.plastic_rotation),
-            web_first_yield_time: report.webs.map(|web| or_nan(web.first_yield)),
-            web_max_utilisation: report.webs.map(|web| web.max_utilisation),
-            shear_angle: report.webs.map(|web| web.plastic_angle),
+            first_yield_time: each(&report.hinges, |hinge| or_nan(hinge.first_yield)),
+            max_utilisation: each(&report.hinges, |hinge| hinge.max_utilisation),
+            plastic_rotation: each(&report.hinges, |hinge| hinge.plastic_rotation),
+            web_first_yield_time: each(&report.webs, |web| or_nan(web.first_yield)),
+            web_max_utilisation: each(&report.webs, |web| web.max_utilisation),
+            shear_angle: each(&report.webs, |web| web.plastic_angle),
             base_plateau: base
                 .plateau
                 .as_ref()
@@ -143,14 +143,14 @@ impl From<&Report> for ImpactReport {
             permanent_crush: PerMass::first(&vehicle.permanent_crush, vehicle.masses),
             vehicle_dissipated: PerMass::first(&vehicle.dissipated, vehicle.masses),
             vehicle_velocity: PerMass::first(&vehicle.velocity, vehicle.masses),
-            max_dynamic_factor: report.max_dynamic_factor,
-            virgin_capacity: f64::NAN,
+            max_dynamic_factor: report.max_dynamic_factor.into(),
+            undamaged_capacity: f64::NAN,
             residual_capacity: f64::NAN,
             capacity_ratio: f64::NAN,
             reserve: f64::NAN,
-            severity: Self::SEVERITY_UNKNOWN,
-            range_least: Self::SEVERITY_UNKNOWN,
-            range_most: Self::SEVERITY_UNKNOWN,
+            action: Self::ACTION_UNKNOWN,
+            range_least: Self::ACTION_UNKNOWN,
+            range_most: Self::ACTION_UNKNOWN,
             error_estimate: f64::NAN,
             ..Self::default()
         }
@@ -170,8 +170,12 @@ impl ImpactReport {
     }
 }
 
-fn each_hinge<H, T>(hinges: &[H; HINGES], value: impl Fn(&H) -> T) -> [T; HINGES] {
-    hinges.each_ref().map(value)
+/// A value of each hinge or web.
+fn each<H, T: Copy + Default, const N: usize>(
+    hinges: &[H; N],
+    value: impl Fn(&H) -> T,
+) -> PerHinge<T> {
+    hinges.each_ref().map(value).into()
 }
 
 impl From<&ImpactSpecification> for ImpactEvent {
@@ -239,7 +243,7 @@ pub(crate) fn outcome_code(outcome: Outcome) -> u8 {
         Outcome::Elastic => ImpactReport::ELASTIC,
         Outcome::Plastic => ImpactReport::PLASTIC,
         Outcome::Collapsed => ImpactReport::COLLAPSED,
-        Outcome::Severed => ImpactReport::SEVERED,
+        Outcome::Fractured => ImpactReport::FRACTURED,
     }
 }
 
@@ -248,7 +252,7 @@ pub(crate) fn end_code(end: End) -> u8 {
         End::AtRest => ImpactReport::END_AT_REST,
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
-        End::Severed => ImpactReport::END_SEVERED,
+        End::Fractured => ImpactReport::END_FRACTURED,
         End::NotConverged => ImpactReport::END_NOT_CONVERGED,
     }
 }

@@ -5,12 +5,12 @@
 //! recordings are derived from the files. Each module has the name of its ROS package.
 //!
 //! ```
-//! use column_twin::messages::{Message, cdr, column_twin::ImpactEvent};
+//! use column_twin::messages::{Message, cdr, column_twin_msgs::ImpactEvent};
 //!
 //! let event = ImpactEvent { mass: 1500.0, velocity: 10.0, ..ImpactEvent::default() };
 //! let bytes = cdr::encode(&event)?;
 //! assert_eq!(cdr::decode::<ImpactEvent>(&bytes)?.mass, 1500.0);
-//! assert_eq!(ImpactEvent::INTERFACE.dds_name(), "column_twin::msg::dds_::ImpactEvent_");
+//! assert_eq!(ImpactEvent::INTERFACE.dds_name(), "column_twin_msgs::msg::dds_::ImpactEvent_");
 //! # Ok::<(), cdr::CdrError>(())
 //! ```
 //!
@@ -19,9 +19,10 @@
 mod table;
 
 pub mod builtin_interfaces;
-pub mod column_twin;
-mod column_twin_fleet;
-mod column_twin_services;
+pub mod column_twin_msgs;
+mod column_twin_msgs_fleet;
+mod column_twin_msgs_hinges;
+mod column_twin_msgs_services;
 pub mod diagnostic_msgs;
 pub(crate) mod from_column;
 pub mod geometry_msgs;

@@ -3,8 +3,8 @@
 use ros_interface::{Interface, Message, Part};
 
 use super::{
-    builtin_interfaces, column_twin, diagnostic_msgs, geometry_msgs, rcl_interfaces, rosgraph_msgs,
-    sensor_msgs, service_msgs, std_msgs, std_srvs, visualization_msgs,
+    builtin_interfaces, column_twin_msgs, diagnostic_msgs, geometry_msgs, rcl_interfaces,
+    rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs, visualization_msgs,
 };
 
 /// Connects each struct with its file, and lists all of them, so that no type can be missing from the list.
@@ -22,28 +22,29 @@ macro_rules! interfaces {
 }
 
 interfaces! {
-    column_twin Message AssessmentCriterion = AssessmentCriterion in "msg/AssessmentCriterion.msg";
-    column_twin Message BaseForces = BaseForces in "msg/BaseForces.msg";
-    column_twin Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
-    column_twin Message ColumnState = ColumnState in "msg/ColumnState.msg";
-    column_twin Message ColumnStatus = ColumnStatus in "msg/ColumnStatus.msg";
-    column_twin Message CredibleInterval = CredibleInterval in "msg/CredibleInterval.msg";
-    column_twin Message FleetStatus = FleetStatus in "msg/FleetStatus.msg";
-    column_twin Message HingeForces = HingeForces in "msg/HingeForces.msg";
-    column_twin Message ImpactEstimate = ImpactEstimate in "msg/ImpactEstimate.msg";
-    column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
-    column_twin Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
-    column_twin Message Measurement = Measurement in "msg/Measurement.msg";
-    column_twin Message RowImpactEvent = RowImpactEvent in "msg/RowImpactEvent.msg";
-    column_twin Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
-    column_twin Request Calibrate = CalibrateRequest in "srv/Calibrate.srv";
-    column_twin Response Calibrate = CalibrateResponse in "srv/Calibrate.srv";
-    column_twin Request ConfirmEstimate = ConfirmEstimateRequest in "srv/ConfirmEstimate.srv";
-    column_twin Response ConfirmEstimate = ConfirmEstimateResponse in "srv/ConfirmEstimate.srv";
-    column_twin Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
-    column_twin Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
-    column_twin Request ResetColumn = ResetColumnRequest in "srv/ResetColumn.srv";
-    column_twin Response ResetColumn = ResetColumnResponse in "srv/ResetColumn.srv";
+    column_twin_msgs Message AssessmentCriterion = AssessmentCriterion in "msg/AssessmentCriterion.msg";
+    column_twin_msgs Message BaseForces = BaseForces in "msg/BaseForces.msg";
+    column_twin_msgs Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
+    column_twin_msgs Message ColumnState = ColumnState in "msg/ColumnState.msg";
+    column_twin_msgs Message ColumnStatus = ColumnStatus in "msg/ColumnStatus.msg";
+    column_twin_msgs Message CredibleInterval = CredibleInterval in "msg/CredibleInterval.msg";
+    column_twin_msgs Message FleetStatus = FleetStatus in "msg/FleetStatus.msg";
+    column_twin_msgs Message HingeDescription = HingeDescription in "msg/HingeDescription.msg";
+    column_twin_msgs Message HingeForces = HingeForces in "msg/HingeForces.msg";
+    column_twin_msgs Message ImpactEstimate = ImpactEstimate in "msg/ImpactEstimate.msg";
+    column_twin_msgs Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
+    column_twin_msgs Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
+    column_twin_msgs Message Measurement = Measurement in "msg/Measurement.msg";
+    column_twin_msgs Message RowImpactEvent = RowImpactEvent in "msg/RowImpactEvent.msg";
+    column_twin_msgs Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
+    column_twin_msgs Request CorrectDamage = CorrectDamageRequest in "srv/CorrectDamage.srv";
+    column_twin_msgs Response CorrectDamage = CorrectDamageResponse in "srv/CorrectDamage.srv";
+    column_twin_msgs Request ConfirmEstimate = ConfirmEstimateRequest in "srv/ConfirmEstimate.srv";
+    column_twin_msgs Response ConfirmEstimate = ConfirmEstimateResponse in "srv/ConfirmEstimate.srv";
+    column_twin_msgs Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
+    column_twin_msgs Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
+    column_twin_msgs Request ResetColumn = ResetColumnRequest in "srv/ResetColumn.srv";
+    column_twin_msgs Response ResetColumn = ResetColumnResponse in "srv/ResetColumn.srv";
 
     builtin_interfaces Message Duration = Duration in "msg/deps/builtin_interfaces/Duration.msg";
     builtin_interfaces Message Time = Time in "msg/deps/builtin_interfaces/Time.msg";
@@ -76,7 +77,7 @@ interfaces! {
     visualization_msgs Message UVCoordinate = UVCoordinate in "msg/deps/visualization_msgs/UVCoordinate.msg";
 }
 
-/// The type with this ROS name, for example `column_twin/msg/ColumnState`.
+/// The type with this ROS name, for example `column_twin_msgs/msg/ColumnState`.
 pub fn find(ros_name: &str) -> Option<&'static Interface> {
     ros_interface::find(ros_name, INTERFACES)
 }

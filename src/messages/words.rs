@@ -1,8 +1,8 @@
-//! The words that people see for the numbers of phases and severities in messages. Those that call for somebody are capitals.
+//! The words that people see for the numbers of phases and actions in messages. Those that call for somebody are capitals.
 
 use crate::assessment;
 
-use super::column_twin::{CredibleInterval, ImpactEstimate, TwinStatus};
+use super::column_twin_msgs::{CredibleInterval, ImpactEstimate, TwinStatus};
 
 /// The word for a phase in `ColumnState`, `TwinStatus` and `ColumnStatus`.
 #[must_use]
@@ -15,20 +15,20 @@ pub fn phase_word(phase: u8) -> &'static str {
         TwinStatus::REST => "rest",
         TwinStatus::COLLAPSED => "COLLAPSED",
         TwinStatus::FAULTED => "FAULTED",
-        TwinStatus::SEVERED => "SEVERED",
+        TwinStatus::FRACTURED => "FRACTURED",
         _ => "unknown",
     }
 }
 
-/// The word for a severity in `ImpactReport`, `TwinStatus` and `ColumnStatus`.
+/// The word for an action in `ImpactReport`, `TwinStatus` and `ColumnStatus`.
 #[must_use]
-pub fn severity_word(severity: u8) -> &'static str {
-    match severity {
-        TwinStatus::SEVERITY_NONE => "none",
-        TwinStatus::SEVERITY_INSPECT => "inspect",
-        TwinStatus::SEVERITY_RESTRICT => "RESTRICT",
-        TwinStatus::SEVERITY_PROP => "PROP",
-        TwinStatus::SEVERITY_EVACUATE => "EVACUATE",
+pub fn action_word(action: u8) -> &'static str {
+    match action {
+        TwinStatus::ACTION_NONE => "none",
+        TwinStatus::ACTION_INSPECT => "inspect",
+        TwinStatus::ACTION_RESTRICT => "RESTRICT",
+        TwinStatus::ACTION_SHORE => "SHORE",
+        TwinStatus::ACTION_EVACUATE => "EVACUATE",
         _ => "unknown",
     }
 }
@@ -36,8 +36,8 @@ pub fn severity_word(severity: u8) -> &'static str {
 /// The range of a verdict in a report or a status in words; `None` where it is not known.
 #[must_use]
 pub fn range_in_words(least: u8, most: u8, at_least: bool, decided_by: &str) -> Option<String> {
-    let is_known = ![least, most].contains(&TwinStatus::SEVERITY_UNKNOWN);
-    let [least, most] = [least, most].map(|it| severity_word(it).to_uppercase());
+    let is_known = ![least, most].contains(&TwinStatus::ACTION_UNKNOWN);
+    let [least, most] = [least, most].map(|it| action_word(it).to_uppercase());
     is_known.then(|| assessment::range_in_words(&least, &most, at_least, decided_by))
 }
 
@@ -55,13 +55,13 @@ pub fn mass_in_words(mass: f64) -> String {
 pub fn estimate_line(it: &ImpactEstimate) -> String {
     let last = if it.is_final { "final " } else { "" };
     format!(
-        "{last}estimate of {} by data until {:.0} ms after contact: momentum {}, v1 up to {}, residual {}, severity {} ({})",
+        "{last}estimate of {} by data until {:.0} ms after contact: momentum {}, v1 up to {}, residual {}, action {} ({})",
         it.event_id,
         1e3 * it.data_until,
         in_unit(&it.momentum, 1e-3, "kN s"),
         in_unit(&it.peak_v1, 1e3, "mm"),
         in_unit(&it.residual_v1, 1e3, "mm"),
-        severities_in_words(it),
+        actions_in_words(it),
         decision_word(it.decision)
     )
 }
@@ -85,16 +85,16 @@ pub fn in_unit(interval: &CredibleInterval, factor: f64, unit: &str) -> String {
     format!("{mean:.decimals$} ({low:.decimals$} to {high:.decimals$}) {unit}")
 }
 
-/// The probabilities of the severities, the most probable first; those below half a percent are left out.
+/// The probabilities of the actions, the most probable first; those below half a percent are left out.
 #[must_use]
-pub fn severities_in_words(estimate: &ImpactEstimate) -> String {
+pub fn actions_in_words(estimate: &ImpactEstimate) -> String {
     const LEAST_NAMED: f64 = 0.005;
-    let shares = (0_u8..).zip(estimate.severity_probabilities);
+    let shares = (0_u8..).zip(estimate.action_probabilities);
     let mut named: Vec<_> = shares.filter(|(_, share)| *share >= LEAST_NAMED).collect();
     named.sort_by(|a, b| b.1.total_cmp(&a.1));
     let words = named
         .iter()
-        .map(|(severity, share)| format!("{} {:.0} %", severity_word(*severity), 100.0 * share));
+        .map(|(action, share)| format!("{} {:.0} %", action_word(*action), 100.0 * share));
     words.collect::<Vec<_>>().join(", ")
 }
 
@@ -105,8 +105,8 @@ pub fn decision_word(decision: u8) -> &'static str {
         ImpactEstimate::DECISION_PENDING => "not accepted yet",
         ImpactEstimate::DECISION_ACCEPTED => "accepted",
         ImpactEstimate::DECISION_MERGED => "the twin follows an event for the same impact",
-        ImpactEstimate::DECISION_REJECTED => "rejected",
-        ImpactEstimate::DECISION_REFUSED => "refused: the column cannot take it",
+        ImpactEstimate::DECISION_DECLINED => "declined",
+        ImpactEstimate::DECISION_REJECTED => "rejected: the column cannot take it",
         _ => "unknown",
     }
 }

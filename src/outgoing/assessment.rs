@@ -1,10 +1,10 @@
 //! The outcome of an impact with its assessment as messages.
 
 use crate::assessment::{
-    Assessment, Criterion, ImpactEvaluation, RemainingCapacity, Severity, VerdictRange,
+    Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange,
 };
 use crate::column::Impact;
-use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
+use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;
 use crate::time::seconds;
 use crate::twin::{Assessed, Prediction, ReportOutput, Status};
@@ -63,18 +63,18 @@ impl ImpactReport {
         }
     }
 
-    /// The report with its assessment; without one the severity is unknown.
+    /// The report with its assessment; without one the action is unknown.
     fn assessed(self, assessed: Option<&Assessed>) -> Self {
         let numbers = Numbers::of(assessed);
         let criteria = assessed.map_or(&[][..], |it| &it.assessment.criteria);
         Self {
-            virgin_capacity: numbers.virgin_capacity,
+            undamaged_capacity: numbers.undamaged_capacity,
             residual_capacity: numbers.residual_capacity,
             capacity_ratio: numbers.capacity_ratio,
             reserve: numbers.reserve,
-            severity: numbers.severity,
+            action: numbers.action,
             deciding_criterion: numbers.deciding_criterion.to_owned(),
-            severity_reason: numbers.reason.to_owned(),
+            action_reason: numbers.reason.to_owned(),
             criteria: criteria.iter().map(AssessmentCriterion::from).collect(),
             ..self
         }
@@ -98,9 +98,9 @@ impl TwinStatus {
     pub(super) fn assessed(self, status: &Status) -> Self {
         let numbers = Numbers::of(status.assessed.as_deref());
         let ends = Ends::of(status.range.as_deref());
-        let (severity, deciding_criterion, reason) = match status.is_damage_unknown {
+        let (action, deciding_criterion, reason) = match status.is_damage_unknown {
             false => (
-                numbers.severity,
+                numbers.action,
                 numbers.deciding_criterion,
                 numbers.reason.to_owned(),
             ),
@@ -111,13 +111,13 @@ impl TwinStatus {
             range_most: ends.most,
             range_at_least: ends.at_least,
             range_decided_by: ends.decided_by,
-            virgin_capacity: numbers.virgin_capacity,
+            undamaged_capacity: numbers.undamaged_capacity,
             residual_capacity: numbers.residual_capacity,
             capacity_ratio: numbers.capacity_ratio,
             reserve: numbers.reserve,
-            severity,
+            action,
             deciding_criterion: deciding_criterion.to_owned(),
-            severity_reason: reason,
+            action_reason: reason,
             crush: PerMass::first(&status.vehicle.permanent_crush, status.vehicle.masses),
             error_estimate: status.error_estimate.unwrap_or(f64::NAN),
             ..self
@@ -152,31 +152,31 @@ impl From<&Criterion> for AssessmentCriterion {
             tag: criterion.tag.to_string(),
             evaluated: criterion.value.is_some(),
             exceeded: criterion.exceeded == Some(true),
-            severity: severity_code(criterion.severity),
+            action: action_code(criterion.action),
             decides: criterion.decides,
             statement: criterion.statement.clone(),
         }
     }
 }
 
-/// The code of a severity in `ImpactReport` and `TwinStatus`.
-pub(crate) fn severity_code(severity: Severity) -> u8 {
-    match severity {
-        Severity::None => ImpactReport::SEVERITY_NONE,
-        Severity::Inspect => ImpactReport::SEVERITY_INSPECT,
-        Severity::Restrict => ImpactReport::SEVERITY_RESTRICT,
-        Severity::Prop => ImpactReport::SEVERITY_PROP,
-        Severity::Evacuate => ImpactReport::SEVERITY_EVACUATE,
+/// The code of an action in `ImpactReport` and `TwinStatus`.
+pub(crate) fn action_code(action: Action) -> u8 {
+    match action {
+        Action::None => ImpactReport::ACTION_NONE,
+        Action::Inspect => ImpactReport::ACTION_INSPECT,
+        Action::Restrict => ImpactReport::ACTION_RESTRICT,
+        Action::Shore => ImpactReport::ACTION_SHORE,
+        Action::Evacuate => ImpactReport::ACTION_EVACUATE,
     }
 }
 
 /// What report and status say alike of an assessment.
 struct Numbers<'a> {
-    virgin_capacity: f64,
+    undamaged_capacity: f64,
     residual_capacity: f64,
     capacity_ratio: f64,
     reserve: f64,
-    severity: u8,
+    action: u8,
     deciding_criterion: &'static str,
     reason: &'a str,
 }
@@ -189,47 +189,47 @@ impl<'a> Numbers<'a> {
         }) = assessed
         else {
             return Self {
-                virgin_capacity: f64::NAN,
+                undamaged_capacity: f64::NAN,
                 residual_capacity: f64::NAN,
                 capacity_ratio: f64::NAN,
                 reserve: f64::NAN,
-                severity: ImpactReport::SEVERITY_UNKNOWN,
+                action: ImpactReport::ACTION_UNKNOWN,
                 deciding_criterion: "",
                 reason: "The column cannot be computed, so that it is not assessed.",
             };
         };
-        let RemainingCapacity {
-            virgin,
+        let ResidualCapacity {
+            undamaged,
             now,
             ratio,
             reserve,
             ..
         } = remaining;
         let Assessment {
-            severity,
+            action,
             deciding_criterion,
             reason,
             ..
         } = assessment;
         Self {
-            virgin_capacity: virgin.force,
+            undamaged_capacity: undamaged.force,
             residual_capacity: now.force,
             capacity_ratio: *ratio,
             reserve: reserve.unwrap_or(f64::NAN),
-            severity: severity_code(*severity),
+            action: action_code(*action),
             deciding_criterion,
             reason,
         }
     }
 }
 
-/// Severity, deciding criterion and reason of a column that may have a damage that the twin does not know: at least an
+/// Action, deciding criterion and reason of a column that may have a damage that the twin does not know: at least an
 /// inspection, because the model may be milder than the column is.
 fn with_unknown_damage(numbers: &Numbers<'_>) -> (u8, &'static str, String) {
     let reason = format!("{UNKNOWN_DAMAGE}; {}", numbers.reason);
-    match numbers.severity {
-        TwinStatus::SEVERITY_NONE => (TwinStatus::SEVERITY_INSPECT, "state_file", reason),
-        severity => (severity, numbers.deciding_criterion, reason),
+    match numbers.action {
+        TwinStatus::ACTION_NONE => (TwinStatus::ACTION_INSPECT, "state_file", reason),
+        action => (action, numbers.deciding_criterion, reason),
     }
 }
 
@@ -243,8 +243,8 @@ struct Ends {
 
 impl Ends {
     fn of(range: Option<&VerdictRange>) -> Self {
-        let end = |end: fn(&VerdictRange) -> Severity| {
-            range.map_or(ImpactReport::SEVERITY_UNKNOWN, |it| severity_code(end(it)))
+        let end = |end: fn(&VerdictRange) -> Action| {
+            range.map_or(ImpactReport::ACTION_UNKNOWN, |it| action_code(end(it)))
         };
         Self {
             least: end(|it| it.least),

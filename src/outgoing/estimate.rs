@@ -1,6 +1,6 @@
 //! What the sensors say about an impact as a message.
 
-use crate::messages::column_twin::{CredibleInterval, ImpactEstimate};
+use crate::messages::column_twin_msgs::{CredibleInterval, ImpactEstimate};
 use crate::senses::{self, FEWEST_RESPONSES};
 use crate::twin::{Decision, EstimateOutput};
 
@@ -34,10 +34,10 @@ impl From<&EstimateOutput> for ImpactEstimate {
         let estimate = &record.estimate;
         let contact = estimate.contact_time.mean;
         let vehicles = &estimate.vehicle_probabilities;
-        let severities = estimate.severity.iter();
-        let mut severity_probabilities = [0.0; 5];
-        for (severity, probability) in severities {
-            severity_probabilities[*severity as usize] = *probability;
+        let actions = estimate.action.iter();
+        let mut action_probabilities = [0.0; 5];
+        for (action, probability) in actions {
+            action_probabilities[*action as usize] = *probability;
         }
         Self {
             event_id: record.event_id.to_string(),
@@ -56,9 +56,9 @@ impl From<&EstimateOutput> for ImpactEstimate {
             collapsed: estimate.collapsed,
             vehicles: vehicles.iter().map(|(name, _)| name.clone()).collect(),
             vehicle_probabilities: vehicles.iter().map(|(_, it)| *it).collect(),
-            severity_probabilities,
-            effective_responses: estimate.effective_responses,
-            reliable: estimate.effective_responses >= FEWEST_RESPONSES,
+            action_probabilities,
+            effective_sample_size: estimate.effective_sample_size,
+            reliable: estimate.effective_sample_size >= FEWEST_RESPONSES,
             doubtful_sensors: estimate.doubtful_sensors.clone(),
             decision: decision_code(*decision),
             merged_event_id: merged_event_id.as_deref().unwrap_or_default().to_owned(),
@@ -72,7 +72,7 @@ fn decision_code(decision: Decision) -> u8 {
         Decision::Pending => ImpactEstimate::DECISION_PENDING,
         Decision::Accepted => ImpactEstimate::DECISION_ACCEPTED,
         Decision::Merged => ImpactEstimate::DECISION_MERGED,
+        Decision::Declined => ImpactEstimate::DECISION_DECLINED,
         Decision::Rejected => ImpactEstimate::DECISION_REJECTED,
-        Decision::Refused => ImpactEstimate::DECISION_REFUSED,
     }
 }

@@ -5,6 +5,7 @@
 //! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
 mod assessment;
+mod descriptions;
 mod estimate;
 mod joint_states;
 mod markers;
@@ -17,7 +18,7 @@ use crate::column::MAX_MASSES;
 use crate::endpoints::{self, Endpoint};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 use crate::messages::sensor_msgs::JointState;
@@ -26,11 +27,11 @@ use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
-    Calibration, Journal, Lengths, Output, RangedReport, RefusalCode, ReportOutput, RestingColumn,
-    StateOutput, Status, TwinPhase, WithdrawnForecast,
+    DamageCorrection, Journal, Lengths, Output, RangedReport, RejectionCode, ReportOutput,
+    RestingColumn, StateOutput, Status, TwinPhase, WithdrawnForecast,
 };
 #[cfg(feature = "viewer")]
-pub(crate) use assessment::severity_code;
+pub(crate) use assessment::action_code;
 use joint_states::JointStates;
 use markers::markers;
 pub use tap::{RecordingHealth, RecordingTap};
@@ -288,10 +289,10 @@ impl Outgoing {
                 self.at_rest = Thinning::new(AT_REST_PERIOD);
             }
             Output::Journal(Journal::Command(_) | Journal::Status(_))
-            | Output::Refused(_)
+            | Output::Rejected(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::Calibrated(_)
+            | Output::CorrectDamaged(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
             | Output::Save(_) => {}
@@ -382,8 +383,8 @@ impl Outgoing {
     }
 
     fn status(&self, status: &Status) -> TwinStatus {
-        let calibration = |of: fn(&Calibration) -> f64| {
-            let last = status.last_calibration.as_ref();
+        let correction = |of: fn(&DamageCorrection) -> f64| {
+            let last = status.last_correction.as_ref();
             last.map_or(f64::NAN, of)
         };
         TwinStatus {
@@ -393,27 +394,29 @@ impl Outgoing {
             event_id: status.event_id.to_string(),
             events_accepted: status.counts.events_accepted,
             events_merged: status.counts.events_merged,
-            events_refused: status.counts.events_refused,
+            events_rejected: status.counts.events_rejected,
             parameters_accepted: status.counts.parameters_accepted,
-            parameters_refused: status.counts.parameters_refused,
-            last_refusal_code: status
-                .last_refusal_code
-                .map_or(TwinStatus::REFUSED_NONE, RefusalCode::number),
-            last_refusal_reason: status.last_refusal_reason.to_string(),
-            last_refusal_event_id: status.last_refusal_event_id.to_string(),
+            parameters_rejected: status.counts.parameters_rejected,
+            last_rejection_code: status
+                .last_rejection_code
+                .map_or(TwinStatus::REJECTED_NONE, RejectionCode::number),
+            last_rejection_reason: status.last_rejection_reason.to_string(),
+            last_rejection_event_id: status.last_rejection_event_id.to_string(),
             fault: status.fault.to_string(),
             waiting_estimate: status.waiting_estimate.to_string(),
             impacts_since_reset: status.impacts_since_reset,
-            calibrations_since_reset: status.calibrations_since_reset,
-            calibration_before: calibration(|it| it.before),
-            calibration_measured: calibration(|it| it.measured),
-            calibration_after: calibration(|it| it.after),
+            corrections_since_reset: status.corrections_since_reset,
+            correction_before: correction(|it| it.before),
+            correction_measured: correction(|it| it.measured),
+            correction_after: correction(|it| it.after),
             residual_v1: status.residual_v1,
             residual_u2: status.residual_u2,
             plastic_work_since_reset: status.plastic_work_since_reset,
-            plastic_rotation: status.plastic_rotation,
-            plastic_elongation: status.plastic_elongation,
-            shear_angle: status.shear_angle,
+            hinges: descriptions::hinges(status.lengths),
+            webs: descriptions::webs(status.lengths),
+            plastic_rotation: status.plastic_rotation.into(),
+            plastic_elongation: status.plastic_elongation.into(),
+            shear_angle: status.shear_angle.into(),
             ..TwinStatus::default()
         }
         .assessed(status)
@@ -439,7 +442,7 @@ pub fn phase_code(phase: TwinPhase) -> u8 {
         TwinPhase::Free => TwinStatus::FREE,
         TwinPhase::Rest => TwinStatus::REST,
         TwinPhase::Collapsed => TwinStatus::COLLAPSED,
-        TwinPhase::Severed => TwinStatus::SEVERED,
+        TwinPhase::Fractured => TwinStatus::FRACTURED,
         TwinPhase::Faulted => TwinStatus::FAULTED,
     }
 }
@@ -519,20 +522,20 @@ mod tests {
     }
 
     #[test]
-    fn refusal_codes_are_the_constants_of_the_status() {
+    fn rejection_codes_are_the_constants_of_the_status() {
         use crate::messages::Message as _;
         use re_ros_msg::message_spec::Literal;
         let definition = TwinStatus::INTERFACE.specification().expect("valid");
         let constants: Vec<_> = definition
             .constants
             .into_iter()
-            .filter(|it| it.name.starts_with("REFUSED_") && it.name != "REFUSED_NONE")
+            .filter(|it| it.name.starts_with("REJECTED_") && it.name != "REJECTED_NONE")
             .map(|it| (it.name, it.value))
             .collect();
-        let codes: Vec<_> = RefusalCode::ALL
+        let codes: Vec<_> = RejectionCode::ALL
             .iter()
             .map(|code| {
-                let name = format!("REFUSED_{}", code.name().to_uppercase());
+                let name = format!("REJECTED_{}", code.name().to_uppercase());
                 (name, Literal::UInt(code.number().into()))
             })
             .collect();

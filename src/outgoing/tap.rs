@@ -6,7 +6,7 @@ use crate::endpoints::Endpoint;
 use crate::live::QueueStats;
 use crate::senses::Intake;
 use crate::time::Nanos;
-use crate::twin::{Journal, RefusalCode};
+use crate::twin::{Journal, RejectionCode};
 
 /// Receives a copy of everything that the node receives and sends. Called from the node's threads; must not block.
 ///
@@ -46,7 +46,7 @@ pub trait RecordingTap: Send + Sync + 'static {
         column: Option<&str>,
         endpoint: &Endpoint,
         what: &str,
-        code: Option<RefusalCode>,
+        code: Option<RejectionCode>,
         reason: &str,
     );
 

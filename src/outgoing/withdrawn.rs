@@ -1,14 +1,15 @@
 //! A forecast that no longer holds, or that will never be there, as a message.
 
-use crate::column::WEBS;
-use crate::messages::column_twin::{BaseForces, ImpactReport};
+use crate::column::{HINGES, WEBS};
+use crate::messages::column_twin_msgs::{BaseForces, ImpactReport, PerHinge};
 use crate::twin::{ForecastEnd, WithdrawnForecast};
 
 impl ImpactReport {
     /// A report of the kind WITHDRAWN or NO_FORECAST without the impact: all results are NaN.
     #[must_use]
     pub fn without_results(kind: u8, end: u8, reason: &str) -> Self {
-        let unknown = [f64::NAN; 4];
+        let unknown = PerHinge::from([f64::NAN; HINGES]);
+        let of_webs = PerHinge::from([f64::NAN; WEBS]);
         Self {
             kind,
             outcome: Self::OUTCOME_UNKNOWN,
@@ -28,9 +29,9 @@ impl ImpactReport {
             first_yield_time: unknown,
             max_utilisation: unknown,
             plastic_rotation: unknown,
-            web_first_yield_time: [f64::NAN; WEBS],
-            web_max_utilisation: [f64::NAN; WEBS],
-            shear_angle: [f64::NAN; WEBS],
+            web_first_yield_time: of_webs,
+            web_max_utilisation: of_webs,
+            shear_angle: of_webs,
             base_plateau: BaseForces::UNKNOWN,
             base_peak_shear: BaseForces::UNKNOWN,
             base_peak_shear_time: f64::NAN,
@@ -42,14 +43,14 @@ impl ImpactReport {
             end,
             end_time: f64::NAN,
             max_dynamic_factor: unknown,
-            virgin_capacity: f64::NAN,
+            undamaged_capacity: f64::NAN,
             residual_capacity: f64::NAN,
             capacity_ratio: f64::NAN,
             reserve: f64::NAN,
-            severity: Self::SEVERITY_UNKNOWN,
-            severity_reason: reason.to_owned(),
-            range_least: Self::SEVERITY_UNKNOWN,
-            range_most: Self::SEVERITY_UNKNOWN,
+            action: Self::ACTION_UNKNOWN,
+            action_reason: reason.to_owned(),
+            range_least: Self::ACTION_UNKNOWN,
+            range_most: Self::ACTION_UNKNOWN,
             error_estimate: f64::NAN,
             dt: f64::NAN,
             ..Self::default()

@@ -6,6 +6,7 @@ mod base;
 mod verdict;
 
 use super::catalogue::CatalogueSection;
+use super::inconsistency::Inconsistency;
 use super::ranges::LENGTH_RANGE;
 use super::settings::{
     GeometrySettings, RateLawKind, Settings, ShearModel, SofteningModel, SpringSettings,
@@ -17,14 +18,6 @@ use crate::column::{
     CrushCurve, CrushSpring, ElasticLaw, MAX_BUMPER_SHARE, MAX_IMPERFECTION,
     MAX_TRANSVERSE_ACCELERATION, Vehicle, VehicleError,
 };
-
-/// Parameters that are not compatible.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Inconsistency {
-    /// The parameter that the message is about, then the others that it depends on.
-    pub names: Vec<&'static str>,
-    pub message: String,
-}
 
 /// All inconsistencies of otherwise admissible parameters.
 pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {

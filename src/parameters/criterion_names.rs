@@ -40,7 +40,7 @@ pub const CRITERION_NAMES: &[&str] = &[
     "table_4_1_courtyard_car",
 ];
 
-/// The criteria that decide the severity unless the user chooses others.
+/// The criteria that decide the action unless the user chooses others.
 pub const DEFAULT_CRITERIA: &[&str] = &[
     "collapse",
     "ultimate_rotation",

@@ -3,10 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use super::consistency::{Inconsistency, SPRINGS, inconsistencies};
+use super::consistency::{SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
 use super::hinge_rows::{HARDENING_OF_NAMED, HARDENING_WITH_RATE};
+use super::inconsistency::Inconsistency;
 use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;
 use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_required, with_sensor};
@@ -530,7 +531,7 @@ impl Draft {
         for (name, value) in derived_defaults(&vehicle, steel, &section, rate != "none") {
             self.set_default(name, value);
         }
-        // A compliant vehicle has a mass of its own.
+        // A deformable vehicle has a mass of its own.
         if vehicle != RIGID {
             self.set_default("impact.mass", 0.0.into());
         }

@@ -17,7 +17,7 @@ use super::given::{self, Assignment, Content};
 use super::node_name::{NodeName, namespace_fault, with_slashes};
 use super::overrides::{Override, given_in_text};
 use super::yaml::Location;
-use super::{Parameters, Source};
+use super::{Parameter, Parameters, Source};
 
 /// Maximum number of columns of one fleet.
 pub const MAX_COLUMNS: usize = 2_000;
@@ -119,6 +119,32 @@ impl FleetColumns {
             }
         }
         reader.finish()
+    }
+
+    /// Whether parameter files name several columns and not this node: each of their sections without a wildcard is empty or has a
+    /// parameter of a column. A file with parameters of other nodes has sections without any.
+    #[must_use]
+    pub fn are_named_in<'a>(node: &NodeName, files: impl IntoIterator<Item = &'a Path>) -> bool {
+        let reader = Reader::new(node);
+        let is_of_column = |it: &Assignment| {
+            let is_known = it.name.starts_with("sensors.") || Parameter::named(&it.name).is_some();
+            is_known && !is_of_the_fleet(&it.name)
+        };
+        let mut names = HashSet::new();
+        for path in files {
+            for section in file::read_sections(path, node).0 {
+                if is_wildcard(&section.name) {
+                    continue;
+                }
+                let given = &section.assignments;
+                let is_column = given.is_empty() || given.iter().any(is_of_column);
+                if !is_column || reader.is_for_all(&section) {
+                    return false;
+                }
+                names.insert(reader.column_of(&section.name).to_owned());
+            }
+        }
+        names.len() > 1
     }
 }
 

@@ -34,6 +34,7 @@ mod fleet;
 mod fleet_selection;
 mod given;
 mod hinge_rows;
+mod inconsistency;
 mod lookup;
 mod node_name;
 mod overrides;
@@ -41,9 +42,11 @@ mod parameter;
 mod processors;
 mod ranges;
 mod reference;
+mod section;
 mod senders;
 mod sensors;
 mod settings;
+mod settings_values;
 mod shear;
 mod spelling;
 mod steel;
@@ -76,6 +79,7 @@ pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parame
 pub use processors::{MAX_PROCESSOR, processors};
 pub use ranges::MAX_SELECTED_COLUMNS;
 pub use reference::markdown;
+pub use section::ColumnSection;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
@@ -106,6 +110,7 @@ use crate::column::{
 use crate::sensors::Sensor;
 use draft::Draft;
 use given::Assignment;
+use section::{dimensions_of, or_else, or_of_name, section_of};
 use steel::{CEB_STRENGTH_PER_LOG_RATE, rate_factor_cap};
 use table::MAX_RATE_FACTOR;
 
@@ -127,23 +132,6 @@ pub enum Source {
     Override(Override),
     /// One value that a program gives, by its name.
     Value(String, Value),
-}
-
-/// The column's section: named, given by numbers, or named with some properties overridden.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ColumnSection {
-    /// Name in the catalogue.
-    pub name: Option<&'static str>,
-    /// `A` \[m²\].
-    pub area: f64,
-    /// `I` \[m⁴\], about the axis of bending.
-    pub second_moment: f64,
-    /// `m_l` \[kg/m\].
-    pub mass_per_length: f64,
-    /// `h` \[m\] in the plane of bending; 0 if it is not known.
-    pub height: f64,
-    /// `W_pl` \[m³\] of a named section.
-    pub plastic_modulus: Option<f64>,
 }
 
 /// The column's steel.
@@ -652,38 +640,6 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
         ..Impact::rigid(given.mass, given.velocity)
     };
     Ok(specification.complete(&defaults, vehicle, settings.vehicle.bumper_height)?)
-}
-
-/// The section as given, with the properties that its name gives.
-fn section_of(given: &SectionSettings) -> ColumnSection {
-    let named = CatalogueSection::named(&given.name);
-    let computed = named.map(CatalogueSection::properties);
-    ColumnSection {
-        name: named.map(|section| section.name.as_str()),
-        area: or_of_name(given.area, computed.map(|it| it.area)),
-        second_moment: or_of_name(given.second_moment, computed.map(|it| it.second_moment)),
-        mass_per_length: or_of_name(given.mass_per_length, computed.map(|it| it.mass_per_length)),
-        height: or_of_name(given.height, named.map(|it| it.dimensions.depth)),
-        plastic_modulus: computed.map(|it| it.plastic_modulus),
-    }
-}
-
-/// Dimensions of a named section whose properties are not overridden.
-fn dimensions_of(given: &SectionSettings) -> Option<RolledSection> {
-    let as_named = given.area == 0.0 && given.second_moment == 0.0;
-    CatalogueSection::named(&given.name)
-        .filter(|_| as_named)
-        .map(|section| section.dimensions)
-}
-
-/// The given number, or else that of the named section or grade.
-fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
-    or_else(number, of_name.unwrap_or(0.0))
-}
-
-/// The given number, or else the one that takes the place of 0.
-fn or_else(number: f64, otherwise: f64) -> f64 {
-    if number > 0.0 { number } else { otherwise }
 }
 
 fn support_of(kind: SupportKind, stiffness: f64) -> Support {

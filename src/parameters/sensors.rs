@@ -1,10 +1,10 @@
 //! The parameters that exist once for each sensor in `sensors.names`, and the sensors that they describe.
 
-use super::consistency::Inconsistency;
+use super::inconsistency::Inconsistency;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::section::{or_else, section_of};
 use super::settings::{SensorAxis, SensorMessage, SensorSettings, Settings};
 use super::value::{Kind, Value, readable};
-use super::{or_else, section_of};
 use crate::sensors::{Quantity, Sensor};
 
 /// The parameters of each sensor, which continue [`PARAMETERS`](super::PARAMETERS): each exists once for every element of
@@ -125,7 +125,7 @@ pub const SENSOR_PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("measurement"),
         admissible: Admissible::Choice(&["measurement", "imu", "accel_stamped"]),
         applies: Applies::Restart,
-        meaning: "type of its messages: column_twin/msg/Measurement with a batch of samples, or one sample in the linear acceleration \
+        meaning: "type of its messages: column_twin_msgs/msg/Measurement with a batch of samples, or one sample in the linear acceleration \
                   of sensor_msgs/msg/Imu or of geometry_msgs/msg/AccelStamped",
     },
     Parameter {

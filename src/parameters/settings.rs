@@ -3,14 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value as Json};
 
-use super::base::FRICTION;
-use super::parameter::Parameter;
-use super::sensors::{SENSOR_PARAMETERS, field};
-use super::table::PARAMETERS;
-use super::value::{Kind, Value};
-use super::vehicles::impact_point_of;
 use crate::column::{ElasticLaw, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
@@ -209,7 +202,7 @@ groups! {
     DampingSettings { ratio: f64 }
     /// Duration of a response.
     ResponseSettings { duration: f64 }
-    /// Remaining axial capacity.
+    /// Residual axial capacity.
     CapacitySettings {
         imperfection: f64,
         // Absent in recordings and states of programs that take the buckling lengths from the supports.
@@ -377,7 +370,7 @@ words! {
     }
     /// Type of the messages of a sensor.
     SensorMessage {
-        /// `column_twin/msg/Measurement`.
+        /// `column_twin_msgs/msg/Measurement`.
         Measurement,
         /// `sensor_msgs/msg/Imu`.
         Imu,
@@ -408,57 +401,6 @@ words! {
     }
 }
 
-impl Default for BaseSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        Self {
-            connection: BaseConnection::None,
-            plate_thickness: 0.0,
-            plate_length: 0.0,
-            plate_width: 0.0,
-            anchor_count: 0,
-            anchor_diameter: 0.0,
-            anchor_grade: "none".to_owned(),
-            anchor_distance: 0.0,
-            concrete: "none".to_owned(),
-            friction: FRICTION,
-        }
-    }
-}
-
-impl Settings {
-    /// From one checked value per entry of the table, in its order, without the parameters of each sensor.
-    ///
-    /// # Errors
-    /// Table and struct differ, which a test rules out, or a value was not checked.
-    pub(super) fn from_values(values: &[Value]) -> Result<Self, serde_json::Error> {
-        let mut tree = Map::new();
-        for (parameter, value) in PARAMETERS.iter().zip(values) {
-            insert(&mut tree, parameter.name, serde_json::to_value(value)?);
-        }
-        serde_json::from_value(Json::Object(tree))
-    }
-
-    /// One value per entry of the table, in its order; numbers that are not finite become NaN.
-    pub(super) fn values(&self) -> Vec<Value> {
-        let tree = serde_json::to_value(self).expect("settings are numbers, words and strings");
-        let value = |parameter: &Parameter| {
-            let parts = parameter.name.split('.');
-            value_of_json(parts.fold(&tree, |node, part| &node[part]), parameter)
-        };
-        PARAMETERS.iter().map(value).collect()
-    }
-}
-
-impl Settings {
-    /// Whether the impact point is where the vehicle strikes: the column is given by its height, and no other place is given. A
-    /// given place that is the vehicle's own counts as not given.
-    pub(super) fn impact_point_follows_vehicle(&self) -> bool {
-        let geometry = &self.geometry;
-        geometry.height > 0.0 && impact_point_of(&self.vehicle.name) == geometry.length_below
-    }
-}
-
 impl LoadBasis {
     /// Which load it is, as part of a sentence.
     #[must_use]
@@ -484,151 +426,6 @@ impl SensorMessage {
             Self::Measurement => "measurement",
             Self::Imu => "imu",
             Self::AccelStamped => "accel_stamped",
-        }
-    }
-}
-
-impl SensorSettings {
-    /// From one checked value per entry of [`SENSOR_PARAMETERS`], in its order.
-    ///
-    /// # Errors
-    /// As of [`Settings::from_values`].
-    pub(super) fn from_values(values: &[Value]) -> Result<Self, serde_json::Error> {
-        let mut members = Map::new();
-        for (row, value) in SENSOR_PARAMETERS.iter().zip(values) {
-            insert(&mut members, field(row), serde_json::to_value(value)?);
-        }
-        serde_json::from_value(Json::Object(members))
-    }
-
-    /// One value per entry of [`SENSOR_PARAMETERS`], in its order; numbers that are not finite become NaN.
-    pub(super) fn values(&self) -> Vec<Value> {
-        let tree = serde_json::to_value(self).expect("settings are numbers, words and strings");
-        let rows = SENSOR_PARAMETERS.iter();
-        rows.map(|row| value_of_json(&tree[field(row)], row))
-            .collect()
-    }
-}
-
-fn value_of_json(json: &Json, parameter: &Parameter) -> Value {
-    let number = |json: &Json| json.as_f64().unwrap_or(f64::NAN);
-    let text = |json: &Json| json.as_str().unwrap_or_default().to_owned();
-    let elements = || json.as_array().into_iter().flatten();
-    match parameter.kind() {
-        Kind::Bool => Value::Bool(json.as_bool().unwrap_or_default()),
-        Kind::Integer => Value::Integer(json.as_i64().unwrap_or(i64::MAX)),
-        Kind::Double => Value::Double(number(json)),
-        Kind::String => Value::String(text(json)),
-        Kind::DoubleArray => Value::DoubleArray(elements().map(number).collect()),
-        Kind::StringArray => Value::StringArray(elements().map(text).collect()),
-    }
-}
-
-/// Inserts a value under a name whose groups are separated by dots.
-fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
-    let Some((group, rest)) = name.split_once('.') else {
-        tree.insert(name.to_owned(), value);
-        return;
-    };
-    let group = tree
-        .entry(group)
-        .or_insert_with(|| Json::Object(Map::new()));
-    if let Json::Object(members) = group {
-        insert(members, rest, value);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::parameter::Admissible;
-    use super::*;
-
-    fn defaults() -> Vec<Value> {
-        PARAMETERS.iter().map(Parameter::default_value).collect()
-    }
-
-    fn collect_names(node: &Json, path: &str, names: &mut Vec<String>) {
-        match node {
-            Json::Object(members) => {
-                for (name, member) in members {
-                    let dot = if path.is_empty() { "" } else { "." };
-                    collect_names(member, &format!("{path}{dot}{name}"), names);
-                }
-            }
-            _ => names.push(path.to_owned()),
-        }
-    }
-
-    #[test]
-    fn the_struct_has_the_names_of_the_table() {
-        let mut settings = Settings::from_values(&defaults()).expect("table and struct agree");
-        assert_eq!(settings.values(), defaults());
-        let of_sensor: Vec<_> = SENSOR_PARAMETERS
-            .iter()
-            .map(Parameter::default_value)
-            .collect();
-        let sensor = SensorSettings::from_values(&of_sensor).expect("rows and struct agree");
-        assert_eq!(sensor.values(), of_sensor);
-        settings.sensors.names = vec!["<name>".to_owned()];
-        settings.sensors.each.insert("<name>".to_owned(), sensor);
-        let mut names = Vec::new();
-        collect_names(
-            &serde_json::to_value(&settings).expect("serializes"),
-            "",
-            &mut names,
-        );
-        let mut expected: Vec<_> = PARAMETERS
-            .iter()
-            .chain(SENSOR_PARAMETERS)
-            .map(|parameter| parameter.name.to_owned())
-            .collect();
-        names.sort();
-        expected.sort();
-        assert_eq!(names, expected);
-    }
-
-    /// Recordings and states of programs that know no sensors are read, and read what is written without sensors.
-    #[test]
-    fn without_sensors_nothing_is_written_of_them() {
-        let settings = Settings::from_values(&defaults()).expect("table and struct agree");
-        let json = serde_json::to_value(&settings).expect("serializes");
-        assert_eq!(json.get("sensors"), None);
-        assert_eq!(
-            serde_json::from_value::<Settings>(json).expect("reads"),
-            settings
-        );
-    }
-
-    #[test]
-    fn the_struct_has_every_word_of_the_table() {
-        for (index, parameter) in PARAMETERS.iter().enumerate() {
-            let Admissible::Choice(words) = parameter.admissible else {
-                continue;
-            };
-            for word in words {
-                let mut values = defaults();
-                values[index] = Value::from(*word);
-                let settings = Settings::from_values(&values).expect(word);
-                assert_eq!(settings.values()[index], Value::from(*word));
-            }
-        }
-    }
-
-    /// The largest and smallest integers of the table fit the fields' types.
-    #[test]
-    fn the_struct_holds_every_integer_of_the_table() {
-        for (index, parameter) in PARAMETERS.iter().enumerate() {
-            let Admissible::Integer { min, max } = parameter.admissible else {
-                continue;
-            };
-            for number in [min, max] {
-                let mut values = defaults();
-                values[index] = Value::Integer(number);
-                assert_eq!(
-                    Settings::from_values(&values).expect("fits").values(),
-                    values
-                );
-            }
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The shear of the web of a column, from its section and its parameters.
 
+use super::Parameters;
 use super::catalogue::CatalogueSection;
+use super::section::or_of_name;
 use super::settings::ShearModel;
-use super::{Parameters, or_of_name};
 use crate::column::{RolledSection, ShearProperties};
 
 /// Why the web of a column does not yield in shear.

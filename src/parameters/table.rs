@@ -517,8 +517,8 @@ pub const PARAMETERS: &[Parameter] = &[
             open: "the vehicle's own mass; not for a rigid one",
         },
         applies: Applies::AtOnce,
-        meaning: "m_c: total mass of the vehicle; of a compliant one, all masses and the springs between them scale with it. If it is not \
-                  given and vehicle.name is that of a compliant vehicle, it is 0",
+        meaning: "m_c: total mass of the vehicle; of a deformable one, all masses and the springs between them scale with it. If it is not \
+                  given and vehicle.name is that of a deformable vehicle, it is 0",
     },
     Parameter {
         name: "impact.velocity",
@@ -691,7 +691,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 100.0,
         },
         applies: Applies::AtOnce,
-        meaning: "factor of the forces and of the unloading stiffness of every compliant vehicle's front, for its scatter: lognormal, coefficient of \
+        meaning: "factor of the forces and of the unloading stiffness of every deformable vehicle's front, for its scatter: lognormal, coefficient of \
                   variation 20 % for cars (JCSS 2.18), 40 % for lorries (assumed)",
     },
     Parameter {
@@ -773,7 +773,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("confirmation"),
         admissible: Admissible::Choice(&["never", "confirmation", "automatic"]),
         applies: Applies::AtOnce,
-        meaning: "when an impact that the sensors have felt becomes an impact of the twin. never: it is only published; confirmation: \
+        meaning: "when an impact that the sensors have detected becomes an impact of the twin. never: it is only published; confirmation: \
                   when ~/confirm_estimate accepts it; automatic: as soon as its estimate is sure enough, at the latest with the final one",
     },
     Parameter {
@@ -1012,8 +1012,8 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::AfterResponse,
-        meaning: "theta_u: plastic rotation at which a hinge is torn, of hinges 1a and 1b together: the response ends there, and the column \
-                  is severed (Lignos 2019)",
+        meaning: "theta_u: plastic rotation at which a hinge is fractured, of hinges 1a and 1b together: the response ends there, and the column \
+                  is fractured (Lignos 2019)",
     },
     Parameter {
         name: "assessment.ultimate_shear_angle",
@@ -1025,7 +1025,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::AfterResponse,
-        meaning: "plastic shear angle at which the web of a bar is fractured: the response ends there, and the column is severed (ASCE/SEI 41-17, links that yield in shear; recalled). `assessment.ultimate_rotation: 0` lifts this limit, too",
+        meaning: "plastic shear angle at which the web of a bar is fractured: the response ends there, and the column is fractured (ASCE/SEI 41-17, links that yield in shear; recalled). `assessment.ultimate_rotation: 0` lifts this limit, too",
     },
     Parameter {
         name: "assessment.criteria",
@@ -1037,7 +1037,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max_len: CRITERION_NAMES.len(),
         },
         applies: Applies::AtOnce,
-        meaning: "criteria that decide the severity; all others are shown only. `collapse` always decides",
+        meaning: "criteria that decide the action; all others are shown only. `collapse` always decides",
     },
     Parameter {
         name: "assessment.range_velocity",

@@ -236,7 +236,7 @@ static VEHICLES: LazyLock<Vec<CatalogueVehicle>> = LazyLock::new(|| {
     file.vehicles
 });
 
-/// Every compliant vehicle known by name, lightest class first.
+/// Every deformable vehicle known by name, lightest class first.
 #[must_use]
 pub fn vehicle_catalogue() -> &'static [CatalogueVehicle] {
     &VEHICLES
@@ -507,7 +507,7 @@ mod tests {
     fn a_name_may_end_with_an_earlier_crush() {
         let parameters = Parameters::default();
         let vehicle = |name: &str| parameters.vehicle_named(name);
-        let new = vehicle("lorry_8t").expect("known").expect("compliant");
+        let new = vehicle("lorry_8t").expect("known").expect("deformable");
         let left = vehicle(&crushed_name("lorry_8t", &[0.8, 0.05])).expect("known");
         assert_eq!(left, Some(new.crushed(&[0.8, 0.05]).expect("possible")));
         assert_eq!(vehicle("Lorry 8t @ 0.8, 0.05"), Ok(left));
@@ -597,7 +597,7 @@ mod tests {
 
     /// Largest force of the front up to a crush of 0.3 m \[N\].
     fn early_force(vehicle: Option<Vehicle>) -> f64 {
-        let vehicle = vehicle.expect("compliant");
+        let vehicle = vehicle.expect("deformable");
         vehicle.springs()[0].envelope.largest_force_up_to(0.3)
     }
 

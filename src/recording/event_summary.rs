@@ -6,7 +6,7 @@ use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
 use serde::Serialize;
 
 use crate::column::{End, Outcome};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::messages::from_column::{end_code, outcome_code};
 
 /// Maximum number of events in a summary.
@@ -26,7 +26,7 @@ pub struct EventSummary {
     /// Speed over the ground \[m/s\].
     pub velocity: Option<f64>,
     /// Why the twin rejected the event.
-    pub refused: Option<String>,
+    pub rejected: Option<String>,
     /// Forecast of the peak displacement of the impact point \[m\].
     pub forecast_max_v1: Option<f64>,
     /// Peak displacement of the impact point \[m\].
@@ -49,7 +49,7 @@ impl EventSummary {
     /// What there is to say of an event without an outcome.
     #[must_use]
     pub fn without_outcome(&self) -> String {
-        match (&self.refused, &self.no_outcome) {
+        match (&self.rejected, &self.no_outcome) {
             (Some(reason), _) => format!("rejected: {reason}"),
             (None, Some(reason)) => format!("no report of its own: {reason}"),
             (None, None) => "no report in this recording".to_owned(),
@@ -91,9 +91,9 @@ type Handler = fn(&mut Events, &Decoded);
 
 fn handler(type_name: &str) -> Option<Handler> {
     match type_name {
-        "column_twin/msg/ImpactEvent" => Some(Events::announced),
-        "column_twin/msg/ImpactReport" => Some(Events::reported),
-        "column_twin/msg/TwinStatus" => Some(Events::status),
+        "column_twin_msgs/msg/ImpactEvent" => Some(Events::announced),
+        "column_twin_msgs/msg/ImpactReport" => Some(Events::reported),
+        "column_twin_msgs/msg/TwinStatus" => Some(Events::status),
         _ => None,
     }
 }
@@ -141,7 +141,7 @@ impl Events {
             return;
         };
         // The event was accepted; the rejection was that of a repetition.
-        event.refused = None;
+        event.rejected = None;
         let kind = number(message, "kind");
         if kind == Some(f64::from(ImpactReport::FORECAST)) {
             event.forecast_max_v1 = number(message, "max_v1");
@@ -160,25 +160,25 @@ impl Events {
         } else if kind == Some(f64::from(ImpactReport::WITHDRAWN))
             || kind == Some(f64::from(ImpactReport::NO_FORECAST))
         {
-            let reason = text(message, "severity_reason").to_owned();
+            let reason = text(message, "action_reason").to_owned();
             match number(message, "end") == Some(f64::from(ImpactReport::END_REJECTED)) {
-                true => event.refused = Some(reason),
+                true => event.rejected = Some(reason),
                 false => event.no_outcome = event.outcome.is_none().then_some(reason),
             }
         }
     }
 
     fn status(&mut self, message: &Decoded) {
-        let refused = text(message, "last_refusal_event_id");
-        if refused.is_empty() {
+        let rejected = text(message, "last_rejection_event_id");
+        if rejected.is_empty() {
             return;
         }
-        let reason = text(message, "last_refusal_reason").to_owned();
-        if let Some(event) = self.of(text(message, "column_id"), refused) {
+        let reason = text(message, "last_rejection_reason").to_owned();
+        if let Some(event) = self.of(text(message, "column_id"), rejected) {
             let accepted = event.forecast_max_v1.is_some()
                 || event.outcome.is_some()
                 || event.no_outcome.is_some();
-            event.refused = (!accepted).then_some(reason);
+            event.rejected = (!accepted).then_some(reason);
         }
     }
 }
@@ -211,7 +211,7 @@ fn outcome(code: f64) -> Option<Outcome> {
         Outcome::Elastic,
         Outcome::Plastic,
         Outcome::Collapsed,
-        Outcome::Severed,
+        Outcome::Fractured,
     ];
     all.into_iter()
         .find(|it| f64::from(outcome_code(*it)) == code)
@@ -222,7 +222,7 @@ fn end(code: f64) -> Option<End> {
         End::AtRest,
         End::DurationReached,
         End::Collapsed,
-        End::Severed,
+        End::Fractured,
         End::NotConverged,
     ];
     all.into_iter().find(|it| f64::from(end_code(*it)) == code)
@@ -242,11 +242,11 @@ mod tests {
         Decoded::Fields(numbers.chain(texts).collect())
     }
 
-    fn refusal(id: &str) -> Decoded {
-        let reason = ("last_refusal_reason", "it was there before");
+    fn rejection(id: &str) -> Decoded {
+        let reason = ("last_rejection_reason", "it was there before");
         message(
             &[],
-            &[("column_id", "c"), ("last_refusal_event_id", id), reason],
+            &[("column_id", "c"), ("last_rejection_event_id", id), reason],
         )
     }
 
@@ -258,20 +258,20 @@ mod tests {
             message(&[("kind", f64::from(kind)), value], &names)
         };
         let mut events = Events::default();
-        events.status(&refusal("refused"));
-        events.status(&refusal("first"));
+        events.status(&rejection("rejected"));
+        events.status(&rejection("first"));
         events.reported(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
         let outcome = ("outcome", f64::from(ImpactReport::PLASTIC));
         events.reported(&report("then", ImpactReport::RESULT, outcome));
-        events.status(&refusal("then"));
-        let refused: Vec<_> = events
+        events.status(&rejection("then"));
+        let rejected: Vec<_> = events
             .list
             .iter()
-            .map(|it| (it.event_id.as_str(), it.refused.is_some()))
+            .map(|it| (it.event_id.as_str(), it.rejected.is_some()))
             .collect();
         assert_eq!(
-            refused,
-            [("refused", true), ("first", false), ("then", false)]
+            rejected,
+            [("rejected", true), ("first", false), ("then", false)]
         );
     }
 
@@ -284,21 +284,21 @@ mod tests {
         let texts = [
             ("column_id", "c"),
             ("event_id", "e"),
-            ("severity_reason", reason),
+            ("action_reason", reason),
         ];
         let mut events = Events::default();
         events.reported(&message(&numbers, &texts));
         events.list.remove(0)
     }
 
-    /// A severed column had no report.
+    /// A fractured column had no report.
     #[test]
     fn every_outcome_is_known() {
         for (code, outcome) in [
             (ImpactReport::ELASTIC, Outcome::Elastic),
             (ImpactReport::PLASTIC, Outcome::Plastic),
             (ImpactReport::COLLAPSED, Outcome::Collapsed),
-            (ImpactReport::SEVERED, Outcome::Severed),
+            (ImpactReport::FRACTURED, Outcome::Fractured),
         ] {
             let event = reported(ImpactReport::RESULT, code, ImpactReport::END_AT_REST, "");
             assert_eq!((event.outcome, event.no_outcome), (Some(outcome), None));

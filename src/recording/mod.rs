@@ -1,5 +1,6 @@
 //! The crate `rosbag2_mcap` with the names, message definitions and parameters of this program.
 
+mod earlier;
 mod event_summary;
 mod instant;
 mod seal_finding;
@@ -12,6 +13,7 @@ pub use rosbag2_mcap::*;
 use crate::endpoints::{JOURNAL, Qos};
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
+pub use earlier::{check_version, is_of_earlier_version, open};
 pub use event_summary::{EventSummary, summarise_events};
 pub use instant::instant;
 pub use seal_finding::{SealFinding, public_key};

@@ -1,16 +1,16 @@
-//! What the impact has left of the column: its remaining capacity, judged by the criteria.
+//! What the impact has left of the column: its residual capacity, judged by the criteria.
 
 use super::reported_impact::ReportedImpact;
 use crate::assessment::{
-    ActionRange, Assessment, AssessmentInput, ConnectedBase, Criterion, RemainingCapacity, assess,
+    ActionRange, Assessment, AssessmentInput, ConnectedBase, Criterion, ResidualCapacity, assess,
     imperfection,
 };
 use crate::column::{Outcome, PerBar, PushDownPoint, State, push_down};
 
-/// Remaining capacity and assessment after one impact.
+/// Residual capacity and assessment after one impact.
 #[derive(Debug, Clone)]
 pub(super) struct Assessed {
-    pub remaining: RemainingCapacity,
+    pub remaining: ResidualCapacity,
     pub assessment: Assessment,
     /// Between which actions the verdict lies, or why that was not computed.
     pub range: Result<ActionRange, &'static str>,
@@ -20,9 +20,9 @@ pub(super) struct Assessed {
     pub front_force: Option<f64>,
     /// The connection of the base, given or assumed.
     pub base: Option<ConnectedBase>,
-    /// Push-down curve of the virgin column.
-    pub virgin: Vec<PushDownPoint>,
-    /// Push-down curve of the column as it is; empty if it is virgin or carries nothing.
+    /// Push-down curve of the undamaged column.
+    pub undamaged: Vec<PushDownPoint>,
+    /// Push-down curve of the column as it is; empty if it is undamaged or carries nothing.
     pub now: Vec<PushDownPoint>,
 }
 
@@ -41,7 +41,7 @@ impl Assessed {
             }
         };
         let (parameters, model) = (&impact.parameters, &impact.model);
-        let remaining = RemainingCapacity::compute(parameters, model, state)
+        let remaining = ResidualCapacity::compute(parameters, model, state)
             .map_err(|error| error.to_string())?;
         let bow = imperfection(parameters);
         let curve = |state: &State| {
@@ -50,12 +50,12 @@ impl Assessed {
                 .map(|_| curve)
                 .map_err(|error| error.to_string())
         };
-        let virgin_state = State::at_rest(model);
+        let undamaged_state = State::at_rest(model);
         let now = match state {
-            Some(state) if state.plastic != virgin_state.plastic => curve(state)?,
+            Some(state) if state.plastic != undamaged_state.plastic => curve(state)?,
             _ => Vec::new(),
         };
-        let virgin = curve(&virgin_state)?;
+        let undamaged = curve(&undamaged_state)?;
         let input = AssessmentInput::of_response(
             parameters,
             model,
@@ -71,7 +71,7 @@ impl Assessed {
             plateau: input.plateau,
             front_force: input.impact.and_then(|impact| impact.front_force),
             base: input.base,
-            virgin,
+            undamaged,
             now,
         })
     }

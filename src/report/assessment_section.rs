@@ -1,4 +1,4 @@
-//! The remaining capacity as a table.
+//! The residual capacity as a table.
 
 use maud::{Markup, html};
 
@@ -8,7 +8,7 @@ use super::words::short;
 use crate::column::{BucklingResistance, Capacity, CapacityEnd};
 use crate::figures::units::{Unit, significant};
 
-/// The remaining capacity, virgin against now.
+/// The residual capacity, undamaged against now.
 pub(super) fn capacity(assessed: &Assessed) -> Markup {
     let remaining = &assessed.remaining;
     let force = |si: f64| Unit::force(si).show(si);
@@ -19,11 +19,11 @@ pub(super) fn capacity(assessed: &Assessed) -> Markup {
     html! {
         table.facts {
             tbody {
-                (fact("Push-down of the virgin column", capacity_in_words(&remaining.virgin)))
+                (fact("Push-down of the undamaged column", capacity_in_words(&remaining.undamaged)))
                 (fact("Push-down of the column as it is", capacity_in_words(&remaining.now)))
-                (fact("Ratio, damage index", format!("{} of the virgin column; D = {}", significant(remaining.ratio, 3), significant(remaining.damage, 3))))
+                (fact("Ratio, damage index", format!("{} of the undamaged column; D = {}", significant(remaining.ratio, 3), significant(remaining.damage, 3))))
                 (fact("N_u", format!("{}: this ratio times the resistance about the strong axis", force(remaining.axial_capacity))))
-                (fact("Reserve, N_u / N_Ed", remaining.reserve.map_or("none: no compressive load".to_owned(), |it| significant(it, 3))))
+                (fact("Reserve, N_u / N", remaining.reserve.map_or("none: no compressive load".to_owned(), |it| significant(it, 3))))
                 (fact("Buckling resistance, strong axis", resistance(&remaining.strong)))
                 (fact("Buckling resistance, weak axis", remaining.weak.as_ref().map_or(
                     "not known: the dimensions of the section are not given".to_owned(), resistance)))
@@ -35,7 +35,7 @@ pub(super) fn capacity(assessed: &Assessed) -> Markup {
         }
         p.note {
             "The push-down finds the largest static force in the plane of the impact, with the plastic deformation as it is and a \
-             bow of " (Unit::length(remaining.virgin.imperfection).show(remaining.virgin.imperfection))
+             bow of " (Unit::length(remaining.undamaged.imperfection).show(remaining.undamaged.imperfection))
             ". It is too stiff for slender columns, so that its ratio alone counts, times the buckling resistance of the code. The \
              model is plane: about the weak axis the same ratio is assumed to be left [A]."
         }

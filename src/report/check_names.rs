@@ -23,16 +23,16 @@ const NAMES: &[CheckName] = &[
     named(
         "collapse",
         "Stability during the hit",
-        "the column collapses or tears during the hit and carries nothing",
+        "the column collapses or fractures during the hit and carries nothing",
     ),
     named(
         "ultimate_rotation",
-        "Plastic rotation: section tears",
+        "Plastic rotation: section fractures",
         "the section is bent so far that it tears",
     ),
     named(
         "ultimate_shear_angle",
-        "Plastic shear of the web: web tears",
+        "Plastic shear of the web: web fractures",
         "the web is sheared so far that it tears",
     ),
     named(

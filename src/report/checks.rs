@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::assessed::Assessed;
 use super::check_names::check_name;
 use super::words::part_of;
-use crate::assessment::{Criterion, Severity, UNIT_OF_BOW};
+use crate::assessment::{Action, Criterion, UNIT_OF_BOW};
 use crate::figures::units::significant;
 use crate::parameters::Provenance;
 
@@ -82,14 +82,14 @@ fn ordered(assessed: &Assessed, decides: bool) -> Vec<&Criterion> {
         Some(false) => 2,
     };
     all.sort_by(|one, other| {
-        let severity = || other.severity.cmp(&one.severity);
+        let action = || other.action.cmp(&one.action);
         let used = || {
             let [one, other] = [one, other].map(|it| utilisation(it).unwrap_or(0.0));
             other.total_cmp(&one)
         };
         rank(one).cmp(&rank(other)).then_with(|| match rank(one) {
             2 => used(),
-            _ => severity(),
+            _ => action(),
         })
     });
     all
@@ -97,7 +97,7 @@ fn ordered(assessed: &Assessed, decides: bool) -> Vec<&Criterion> {
 
 fn table(assessed: &Assessed, rows: &[&Criterion]) -> Markup {
     let deciding = assessed.assessment.deciding_criterion;
-    let is_none = assessed.assessment.severity == Severity::None;
+    let is_none = assessed.assessment.action == Action::None;
     let reasons = reasons(rows);
     let note = |it: &Criterion| reasons.iter().position(|reason| *reason == it.statement);
     html! {
@@ -119,7 +119,7 @@ fn table(assessed: &Assessed, rows: &[&Criterion]) -> Markup {
                         td.number { (utilisation_in_words(criterion)) }
                         td {
                             @match (criterion.exceeded, note(criterion)) {
-                                (Some(true), _) => { strong { (criterion.severity.name().to_uppercase()) } }
+                                (Some(true), _) => { strong { (criterion.action.name().to_uppercase()) } }
                                 (Some(false), _) => { "met" }
                                 (None, Some(index)) => { "not evaluated " sup { (index + 1) } }
                                 (None, None) => { "not evaluated" }

@@ -6,9 +6,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::assessed::Assessed;
 use super::details::ReportDetails;
+use super::detected_section;
 #[cfg(feature = "record")]
 use super::facts::fact;
-use super::felt_section;
 use super::impact_section;
 use super::limits_section;
 use super::pages;
@@ -25,7 +25,7 @@ use crate::parameters::{DefaultValue, Parameter, Parameters, Value};
 /// Where the impacts of a report come from.
 #[derive(Debug, Clone)]
 pub enum Origin {
-    /// They were simulated on a virgin column.
+    /// They were simulated on an undamaged column.
     Simulation,
     /// They were recorded.
     #[cfg(feature = "record")]
@@ -48,7 +48,7 @@ impl Origin {
         match self {
             Self::Simulation => fact(
                 "Origin",
-                "simulation of an impact on a virgin column; nothing was measured",
+                "simulation of an impact on an undamaged column; nothing was measured",
             ),
             #[cfg(feature = "record")]
             Self::Recording(recorded) => recording_section::facts(recorded),
@@ -97,11 +97,11 @@ impl ReportDocument {
             Some(column) => format!("Impact report: column {column}"),
             None => "Impact report".to_owned(),
         };
-        let felt = self.felt()?;
+        let detected = self.detected()?;
         let body = html! {
             (self.cover())
             @for body in &bodies { (body) }
-            (felt)
+            (detected)
             @for annex in &annexes { (annex) }
             @if bodies.is_empty() { (limits_section::markup()) }
             (self.provenance())
@@ -140,12 +140,14 @@ impl ReportDocument {
         }
     }
 
-    /// What the sensors have felt.
-    fn felt(&self) -> Result<Markup, FigureError> {
+    /// What the sensors have detected.
+    fn detected(&self) -> Result<Markup, FigureError> {
         match &self.origin {
             Origin::Simulation => Ok(html! {}),
             #[cfg(feature = "record")]
-            Origin::Recording(recorded) => felt_section::markup(&recorded.felt, &self.impacts),
+            Origin::Recording(recorded) => {
+                detected_section::markup(&recorded.detected, &self.impacts)
+            }
         }
     }
 

@@ -53,7 +53,7 @@ impl From<&Report> for EnergyBalance {
                 _ => add(&format!("crush of spring {}", index + 1), *dissipated),
             }
         }
-        add("lost in percussions", report.impact_loss);
+        add("lost in impact impulses", report.impact_loss);
         add("damping", report.damping_work);
         add("kinetic energy of the column", report.column_kinetic_energy);
         add(

@@ -47,7 +47,7 @@ impl EstimateDocument<'_> {
             section.impact id="impact" {
                 (estimate_section::verdict(&estimates))
                 h1 { (title) }
-                p.note { "The column is assumed to be virgin before the impact." }
+                p.note { "The column is assumed to be undamaged before the impact." }
                 (estimate_section::content(&estimates))
             }
             (self.figures(&drawings))
@@ -69,7 +69,7 @@ impl EstimateDocument<'_> {
                 h2 { "Measured and predicted" }
                 p {
                     "The same readings have weighed the predictions: a band shows how well the responses explain what was \
-                     measured, not what they foresee."
+                     measured, not what they predict."
                 }
                 @for (index, (name, svg)) in drawings.iter().enumerate() {
                     @let caption = match name.strip_prefix("sensor_") {

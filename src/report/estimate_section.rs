@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::verdict::{action, class_of};
+use super::verdict::{class_of, instruction};
 use super::words::capitalised;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::figures::TimedEstimate;
 use crate::figures::units::{Unit, significant};
 use crate::senses::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
@@ -31,7 +31,7 @@ fn history(estimates: &[TimedEstimate<'_>]) -> Markup {
             caption { "Means with 90 % intervals, by the data up to each time after contact." }
             thead { tr {
                 th.number { "data until" } th.number { "momentum" } th.number { "peak v₁" } th.number { "residual v₁" }
-                th { "severity" }
+                th { "action" }
             } }
             tbody {
                 @for TimedEstimate { since_contact, estimate } in estimates {
@@ -40,8 +40,8 @@ fn history(estimates: &[TimedEstimate<'_>]) -> Markup {
                         td.number { (cell(&estimate.momentum, 1e-3, "kN s")) }
                         td.number { (cell(&estimate.peak_v1, 1e3, "mm")) }
                         td.number { (cell(&estimate.residual_v1, 1e3, "mm")) }
-                        td { @if let Some((severity, share)) = likeliest(estimate) {
-                            (severity.to_string()) " " (percent(*share))
+                        td { @if let Some((action, share)) = likeliest(estimate) {
+                            (action.to_string()) " " (percent(*share))
                         } }
                     }
                 }
@@ -50,30 +50,30 @@ fn history(estimates: &[TimedEstimate<'_>]) -> Markup {
     }
 }
 
-fn likeliest(estimate: &ImpactEstimate) -> Option<&(Severity, f64)> {
-    estimate.severity.iter().max_by(|a, b| a.1.total_cmp(&b.1))
+fn likeliest(estimate: &ImpactEstimate) -> Option<&(Action, f64)> {
+    estimate.action.iter().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The box with the most probable severity by the last estimate, and the probability of a more severe one.
+/// The box with the most probable action by the last estimate, and the probability of a more severe one.
 pub(super) fn verdict(estimates: &[TimedEstimate<'_>]) -> Markup {
     let Some(TimedEstimate { estimate, .. }) = estimates.last() else {
         return html! {};
     };
-    let Some((severity, share)) = likeliest(estimate) else {
+    let Some((action, share)) = likeliest(estimate) else {
         return html! {};
     };
-    let worse = estimate.severity.iter().filter(|(it, _)| it > severity);
+    let worse = estimate.action.iter().filter(|(it, _)| it > action);
     let worse: f64 = worse.map(|(_, share)| share).sum();
     html! {
-        div.verdict.(class_of(*severity)) {
+        div.verdict.(class_of(*action)) {
             p.headline {
-                (capitalised(&severity.to_string())) " with a probability of " (percent(*share))
+                (capitalised(&action.to_string())) " with a probability of " (percent(*share))
                 "; more severe with " (percent(worse))
             }
-            p { strong { (action(*severity)) } }
+            p { strong { (instruction(*action)) } }
             p {
                 "From the readings of the sensors: the column has yielded with a probability of " (percent(estimate.yielded))
-                ", and collapses or is torn with " (percent(estimate.collapsed)) "."
+                ", and collapses or is fractured with " (percent(estimate.collapsed)) "."
             }
         }
     }
@@ -81,9 +81,9 @@ pub(super) fn verdict(estimates: &[TimedEstimate<'_>]) -> Markup {
 
 fn reservations(estimate: &ImpactEstimate) -> Markup {
     html! {
-        @if estimate.effective_responses < FEWEST_RESPONSES {
+        @if estimate.effective_sample_size < FEWEST_RESPONSES {
             p.fault {
-                "The estimate rests on " (significant(estimate.effective_responses, 2)) " effective responses; its intervals \
+                "The effective sample size of the estimate is " (significant(estimate.effective_sample_size, 2)) "; its intervals \
                  are unreliable."
             }
         }
@@ -106,7 +106,7 @@ fn numbers(estimate: &ImpactEstimate) -> Markup {
         ("Largest v₁", &estimate.peak_v1, 1e3, "mm"),
         ("v₁ that remains", &estimate.residual_v1, 1e3, "mm"),
         (
-            "Remaining capacity over that of the virgin column",
+            "Residual capacity over that of the undamaged column",
             &estimate.capacity_ratio,
             100.0,
             "%",
@@ -131,14 +131,14 @@ fn numbers(estimate: &ImpactEstimate) -> Markup {
 }
 
 fn probabilities(estimate: &ImpactEstimate) -> Markup {
-    let severities = estimate.severity.iter();
+    let actions = estimate.action.iter();
     let vehicles = estimate.vehicle_probabilities.iter();
     html! {
         h3 { "Probabilities" }
         table.compact {
             tbody {
-                @for (severity, share) in severities {
-                    tr { th scope="row" { "Severity: " (severity.to_string()) } td.number { (percent(*share)) } }
+                @for (action, share) in actions {
+                    tr { th scope="row" { "Action: " (action.to_string()) } td.number { (percent(*share)) } }
                 }
                 @for (vehicle, share) in vehicles.filter(|(_, share)| *share >= LEAST_NAMED) {
                     tr { th scope="row" { "Vehicle: " (vehicle) } td.number { (percent(*share)) } }

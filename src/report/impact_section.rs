@@ -32,7 +32,7 @@ pub(super) fn annex(
     if let Ok(assessed) = assessed {
         let curves = PushDownCurves {
             title: &impact.title,
-            virgin: &assessed.virgin,
+            undamaged: &assessed.undamaged,
             now: &assessed.now,
             remaining: &assessed.remaining,
         };
@@ -249,11 +249,11 @@ fn vehicle_sources(name: &str) -> Option<String> {
 
 fn capacity(assessed: &Result<Assessed, String>, figures: &mut Figures) -> Markup {
     html! {
-        h3 { "Remaining axial capacity" }
+        h3 { "Residual axial capacity" }
         @match assessed {
             Ok(assessed) => {
                 (assessment_section::capacity(assessed))
-                (figures.markup("push_down", "Axial force over the shortening of the column, virgin and as it is."))
+                (figures.markup("push_down", "Axial force over the shortening of the column, undamaged and as it is."))
             }
             Err(reason) => { p.note { "Not computed: " (reason) "." } }
         }
@@ -326,13 +326,13 @@ pub(super) fn result_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
         ),
         row("last separation", none(), none(), when(report.release_time)),
         row(
-            "peak contact force, without percussions",
+            "peak contact force, without impact impulses",
             force.show(report.peak_contact_force),
             none(),
             when(report.peak_contact_force_time),
         ),
         row(
-            "impulse, including percussions",
+            "impulse, including impact impulses",
             format!("{} N s", significant(report.impulse, 4)),
             none(),
             none(),

@@ -138,9 +138,9 @@ fn impact_point(impact: &ReportedImpact) -> Place {
             ),
         ),
         (Outcome::Plastic, None) => (Urgency::Exceeded, "yielded; measure the bow".to_owned()),
-        (Outcome::Collapsed | Outcome::Severed, _) => (
+        (Outcome::Collapsed | Outcome::Fractured, _) => (
             Urgency::Exceeded,
-            "collapsed or torn: look from a safe distance".to_owned(),
+            "collapsed or fractured: look from a safe distance".to_owned(),
         ),
     };
     Place {
@@ -184,7 +184,9 @@ fn web(impact: &ReportedImpact, assessed: Option<&Assessed>) -> Place {
 fn above(impact: &ReportedImpact) -> Option<Place> {
     let report = &impact.report;
     let reason = match report.outcome {
-        Outcome::Collapsed | Outcome::Severed => "the column gives no support any more".to_owned(),
+        Outcome::Collapsed | Outcome::Fractured => {
+            "the column gives no support any more".to_owned()
+        }
         Outcome::Elastic => return None,
         Outcome::Plastic => {
             // A straight column is shortened by its load already.

@@ -16,15 +16,15 @@ mod check_names;
 mod checks;
 mod course;
 mod details;
+mod detected_impact;
+#[cfg(feature = "record")]
+mod detected_section;
 mod document;
 mod energy_balance;
 mod estimate_document;
 mod estimate_section;
 #[cfg(feature = "record")]
 mod facts;
-mod felt_impact;
-#[cfg(feature = "record")]
-mod felt_section;
 mod impact_section;
 mod inspection;
 mod limits;
@@ -46,11 +46,11 @@ mod words;
 
 pub use course::Struck;
 pub use details::{MAX_DETAIL_CHARS, ReportDetails, ReportDetailsError};
+#[cfg(feature = "record")]
+pub use detected_impact::{DetectedDecision, DetectedImpact};
 pub use document::{Origin, ReportDocument, parameters_path};
 pub use energy_balance::{EnergyBalance, EnergyEntry};
 pub use estimate_document::EstimateDocument;
-#[cfg(feature = "record")]
-pub use felt_impact::{FeltDecision, FeltImpact};
 #[cfg(test)]
 pub(crate) use limits::{FIBRE_AGREEMENT, FibreAgreement};
 #[cfg(feature = "record")]

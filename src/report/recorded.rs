@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use super::course::Struck;
 use super::details::ReportDetails;
+use super::detected_impact::DetectedImpact;
 use super::document::{Origin, ReportDocument};
-use super::felt_impact::FeltImpact;
 use super::reported_impact::ReportedImpact;
 use super::words;
 use crate::column::{Impact, ImpactSpecification, Model, Sample, State};
@@ -53,8 +53,8 @@ pub struct ReportedRecording {
     pub without_section: usize,
     /// How fast each vehicle may hit the column next, at the end of the recording; `None` if it is not known there.
     pub critical_velocities: Option<Arc<[VehicleLimits]>>,
-    /// The last impacts that the sensors have felt, at most [`MAX_SECTIONS`], each with its estimates in their order.
-    pub felt: Vec<FeltImpact>,
+    /// The last impacts that the sensors have detected, at most [`MAX_SECTIONS`], each with its estimates in their order.
+    pub detected: Vec<DetectedImpact>,
 }
 
 /// A file of a recording.
@@ -88,7 +88,7 @@ pub enum RecordedReportError {
     },
     /// It is not a recording of this program, or nothing happened in it.
     #[error(
-        "{} contains no impact: expected messages of type column_twin/msg/ImpactEvent or column_twin/msg/ImpactReport, found \
+        "{} contains no impact: expected messages of type column_twin_msgs/msg/ImpactEvent or column_twin_msgs/msg/ImpactReport, found \
          the topics {topics}; give a recording of column-twin run or of column-twin simulate --record", path.display()
     )]
     NoImpact {
@@ -122,7 +122,7 @@ impl ReportDocument {
         column_id: Option<&str>,
         event_id: Option<&str>,
     ) -> Result<Self, RecordedReportError> {
-        let reader = Reader::open(path)?;
+        let reader = recording::open(path)?;
         let mut gathered = Gathered {
             wanted: event_id.map(str::to_owned),
             ..Gathered::default()
@@ -148,7 +148,7 @@ impl ReportDocument {
             events.retain(|event| event.column_id == column_id);
         }
         add_commands(&mut events, &gathered.commands);
-        check_events(path, &reader, &events, &gathered.felt, event_id)?;
+        check_events(path, &reader, &events, &gathered.detected, event_id)?;
         let whole = reader.wholeness();
         let reports = gathered.finished.len();
         let impacts: Vec<_> = gathered
@@ -172,7 +172,7 @@ impl ReportDocument {
             events,
             without_section: gathered.without_section + reports - impacts.len(),
             critical_velocities: gathered.critical_velocities,
-            felt: gathered.felt.into(),
+            detected: gathered.detected.into(),
         };
         Ok(Self {
             origin: Origin::Recording(Box::new(recorded)),
@@ -188,12 +188,12 @@ fn add_commands(events: &mut Vec<EventSummary>, commands: &[(ImpactCommand, Opti
     for (place, event) in events.iter().enumerate() {
         places.insert(event.event_id.clone(), place);
     }
-    for (command, refusal) in commands {
+    for (command, rejection) in commands {
         let place = *places.entry(command.event_id.clone()).or_insert_with(|| {
             events.push(EventSummary {
                 event_id: command.event_id.clone(),
                 column_id: command.column_id.clone(),
-                refused: refusal.clone(),
+                rejected: rejection.clone(),
                 ..EventSummary::default()
             });
             events.len() - 1
@@ -210,11 +210,11 @@ fn check_events(
     path: &Path,
     reader: &Reader,
     events: &[EventSummary],
-    felt: &VecDeque<FeltImpact>,
+    detected: &VecDeque<DetectedImpact>,
     wanted: Option<&str>,
 ) -> Result<(), RecordedReportError> {
     const MAX_NAMED: usize = 20;
-    if events.is_empty() && felt.is_empty() {
+    if events.is_empty() && detected.is_empty() {
         let topics: Vec<_> = reader.topics().iter().map(|topic| &*topic.name).collect();
         return Err(RecordedReportError::NoImpact {
             path: path.to_path_buf(),
@@ -227,8 +227,8 @@ fn check_events(
     let Some(wanted) = wanted else {
         return Ok(());
     };
-    let is_felt = felt.iter().any(|it| it.event_id() == Some(wanted));
-    if is_felt || events.iter().any(|event| event.event_id == wanted) {
+    let is_detected = detected.iter().any(|it| it.event_id() == Some(wanted));
+    if is_detected || events.iter().any(|event| event.event_id == wanted) {
         return Ok(());
     }
     let known: Vec<_> = events.iter().map(|event| event.event_id.as_str()).collect();
@@ -298,7 +298,7 @@ struct Gathered {
     finished: VecDeque<Finished>,
     without_section: usize,
     critical_velocities: Option<Arc<[VehicleLimits]>>,
-    felt: VecDeque<FeltImpact>,
+    detected: VecDeque<DetectedImpact>,
     /// Who has decided about an estimate last.
     decided_by: Option<Arc<str>>,
 }
@@ -318,19 +318,19 @@ impl Gathered {
             Observed::Recomputed(Output::State(state)) => self.state(state),
             Observed::Recomputed(Output::Report(output)) => self.report(output),
             Observed::Recomputed(Output::Estimate(output)) => {
-                let mut felt = self.felt.iter_mut().rev();
+                let mut detected = self.detected.iter_mut().rev();
                 let event_id = Some(&*output.record.event_id);
-                if let Some(felt) = felt.find(|it| it.event_id() == event_id) {
-                    felt.decide(output, &mut self.decided_by);
+                if let Some(detected) = detected.find(|it| it.event_id() == event_id) {
+                    detected.decide(output, &mut self.decided_by);
                 }
             }
             Observed::Compared {
                 event_id,
                 comparisons,
             } => {
-                let last = self.felt.back_mut();
-                if let Some(felt) = last.filter(|it| it.event_id() == Some(event_id)) {
-                    felt.comparisons = comparisons.to_vec();
+                let last = self.detected.back_mut();
+                if let Some(detected) = last.filter(|it| it.event_id() == Some(event_id)) {
+                    detected.comparisons = comparisons.to_vec();
                 }
             }
             Observed::Entry(_) | Observed::Recomputed(_) => {}
@@ -339,14 +339,14 @@ impl Gathered {
 
     fn command(&mut self, record: &CommandRecord) {
         if let Command::Impact(command) = &record.command {
-            let refusal = record.refusal.as_ref().map(ToString::to_string);
-            self.commands.push((command.clone(), refusal));
+            let rejection = record.rejection.as_ref().map(ToString::to_string);
+            self.commands.push((command.clone(), rejection));
         }
-        if record.refusal.is_some() {
+        if record.rejection.is_some() {
             return;
         }
         match &record.command {
-            Command::Estimate(estimate) => self.feel(estimate),
+            Command::Estimate(estimate) => self.detect(estimate),
             Command::DecideEstimate(decision) => {
                 self.decided_by = Some(Arc::clone(&decision.source));
             }
@@ -380,7 +380,7 @@ impl Gathered {
             // What has led to an impact is not a change of the column at rest.
             other if is_at_rest && record.impact.is_none() => {
                 if let Some(twin) = &mut self.at_rest {
-                    // Without effect if it is refused, and it was accepted when it was recorded.
+                    // Without effect if it is rejected, and it was accepted when it was recorded.
                     let _ = twin.handle(other.clone(), record.now, &mut Vec::new());
                 }
             }
@@ -392,7 +392,7 @@ impl Gathered {
     fn accepted_estimate(&self, record: &CommandRecord) -> Option<Arc<EstimateRecord>> {
         match &record.command {
             Command::Estimate(estimate) => Some(Arc::clone(estimate)),
-            Command::DecideEstimate(_) => self.felt.back()?.estimates.last().cloned(),
+            Command::DecideEstimate(_) => self.detected.back()?.estimates.last().cloned(),
             _ => None,
         }
     }
@@ -444,22 +444,26 @@ impl Gathered {
         self.announced.insert(event_id, announced);
     }
 
-    /// Takes an estimate: another one of the last impact that was felt, or the first one of the next.
-    fn feel(&mut self, record: &Arc<EstimateRecord>) {
+    /// Takes an estimate: another one of the last impact that was detected, or the first one of the next.
+    fn detect(&mut self, record: &Arc<EstimateRecord>) {
         let is_other = |wanted: &str| *wanted != *record.event_id;
         if self.wanted.as_deref().is_some_and(is_other) {
             return;
         }
         let event_id = Some(&*record.event_id);
-        match self.felt.back_mut().filter(|it| it.event_id() == event_id) {
-            Some(felt) => {
-                felt.estimates.push(Arc::clone(record));
-                felt.comparisons.clear();
+        match self
+            .detected
+            .back_mut()
+            .filter(|it| it.event_id() == event_id)
+        {
+            Some(detected) => {
+                detected.estimates.push(Arc::clone(record));
+                detected.comparisons.clear();
             }
             None => {
                 let parameters = self.at_rest.as_ref();
                 let sensors = parameters.map(|twin| twin.parameters().sensors());
-                self.felt.push_back(FeltImpact {
+                self.detected.push_back(DetectedImpact {
                     estimates: vec![Arc::clone(record)],
                     decisions: Vec::new(),
                     sensors: sensors.unwrap_or_default(),
@@ -467,8 +471,8 @@ impl Gathered {
                 });
             }
         }
-        if self.felt.len() > MAX_SECTIONS {
-            self.felt.pop_front();
+        if self.detected.len() > MAX_SECTIONS {
+            self.detected.pop_front();
         }
     }
 

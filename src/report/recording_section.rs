@@ -87,7 +87,7 @@ fn critical_velocities(vehicles: &[VehicleLimits]) -> Markup {
         section id="critical-velocities" {
             h2 { "How fast a vehicle may hit the column next" }
             p {
-                "The speed from which on one more impact leads to a severity, on the column with the damage that it has at the end of "
+                "The speed from which on one more impact leads to an action, on the column with the damage that it has at the end of "
                 "this recording. A speed limit needs a margin for the uncertainty of the model and of the vehicle."
             }
             table.events {
@@ -120,7 +120,7 @@ fn without_outcome<'r>(
         .max();
     let events = recorded.events.iter();
     events
-        .filter(|event| event.refused.is_none() && event.outcome.is_none())
+        .filter(|event| event.rejected.is_none() && event.outcome.is_none())
         .filter(|event| {
             last.zip(event.stamp)
                 .is_some_and(|(last, stamp)| stamp > last)
@@ -226,9 +226,9 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
 /// Rows about the origin of the recording.
 pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
     html! {
-        (fact("Origin", match recorded.felt.is_empty() {
+        (fact("Origin", match recorded.detected.is_empty() {
             true => "recording of a twin; the twin computes, and nothing was measured on the column",
-            false => "recording of a twin, which computes; its sensors have felt impacts",
+            false => "recording of a twin, which computes; its sensors have detected impacts",
         }))
         (fact("Recording", recorded.path.display().to_string()))
         (fact("Written by", &recorded.written_by))

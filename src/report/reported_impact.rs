@@ -41,7 +41,7 @@ pub struct ReportedImpact {
 }
 
 impl ReportedImpact {
-    /// The impact that `parameters` describe on a virgin column.
+    /// The impact that `parameters` describe on an undamaged column.
     ///
     /// # Errors
     /// The column or the impact is impossible, or a step does not converge.

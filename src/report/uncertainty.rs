@@ -63,7 +63,7 @@ fn range_table(range: &ActionRange) -> Markup {
                 td { (outcome_in_words(it.report.outcome)) }
                 td.number { (max) }
                 td.number { (residual) }
-                td { (it.severity.name()) }
+                td { (it.action.name()) }
             }
         }
     };
@@ -75,7 +75,7 @@ fn range_table(range: &ActionRange) -> Markup {
             }
             thead { tr {
                 th { "what is not known exactly" } th { "instead" } th { "outcome" }
-                th.number { "largest" } th.number { "residual" } th { "severity" }
+                th.number { "largest" } th.number { "residual" } th { "action" }
             } }
             tbody { @for variation in &range.variations { (row(variation)) } }
         }
@@ -142,7 +142,7 @@ fn band_table(range: &ActionRange) -> Markup {
                 (row("largest displacement of the impact point", &|report| length.show(report.max_v1)))
                 (row("residual displacement of the impact point", &residual))
                 (row("largest plastic rotation", &rotation))
-                (row("peak contact force, without percussions", &|report| force.show(report.peak_contact_force)))
+                (row("peak contact force, without impact impulses", &|report| force.show(report.peak_contact_force)))
                 @if weakest.outcome != strongest.outcome {
                     tr {
                         th scope="row" { "outcome" }

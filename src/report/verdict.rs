@@ -7,7 +7,7 @@ use super::check_names::check_name;
 use super::checks::{limit_in_words, value_in_words};
 use super::reported_impact::ReportedImpact;
 use super::words::{capitalised, part_of};
-use crate::assessment::{ActionRange, Assessment, Criterion, Severity, Utilisation};
+use crate::assessment::{Action, ActionRange, Assessment, Criterion, Utilisation};
 use crate::column::{End, Outcome};
 use crate::figures::units::Unit;
 use crate::shape::WEB_PLACES;
@@ -16,7 +16,7 @@ use crate::shape::WEB_PLACES;
 pub(super) struct Verdict {
     /// Class of the style.
     class: &'static str,
-    /// The severity and what has to be done, in the imperative.
+    /// The action and what has to be done, in the imperative.
     headline: String,
     /// Why, in plain words.
     cause: String,
@@ -69,8 +69,8 @@ impl Verdict {
         Self {
             class: match assessment.at_least {
                 // The calm colours would say that no more can be the matter.
-                true if assessment.severity < Severity::Restrict => class_of(Severity::Restrict),
-                _ => class_of(assessment.severity),
+                true if assessment.action < Action::Restrict => class_of(Action::Restrict),
+                _ => class_of(assessment.action),
             },
             headline: headline(assessment),
             cause: cause(impact, assessment, assessed.deciding()),
@@ -109,30 +109,30 @@ impl Verdict {
 }
 
 /// What has to be done, in the imperative.
-fn order(severity: Severity) -> &'static str {
-    match severity {
-        Severity::None => "no action follows from these checks.",
-        Severity::Inspect => "have an engineer examine the column.",
-        Severity::Restrict => "keep people and additional loads away from the column.",
-        Severity::Prop => "take the load off the column at once.",
-        Severity::Evacuate => "clear the part of the building that the column carries.",
+fn order(action: Action) -> &'static str {
+    match action {
+        Action::None => "no action follows from these checks.",
+        Action::Inspect => "have an engineer examine the column.",
+        Action::Restrict => "keep people and additional loads away from the column.",
+        Action::Shore => "take the load off the column at once.",
+        Action::Evacuate => "clear the part of the building that the column carries.",
     }
 }
 
 fn headline(assessment: &Assessment) -> String {
-    let severity = assessment.severity.name().to_uppercase();
+    let action = assessment.action.name().to_uppercase();
     let at_least = if assessment.at_least { "AT LEAST " } else { "" };
-    format!("{at_least}{severity}: {}", order(assessment.severity))
+    format!("{at_least}{action}: {}", order(assessment.action))
 }
 
 fn cause(impact: &ReportedImpact, assessment: &Assessment, deciding: Option<&Criterion>) -> String {
-    match (assessment.severity, deciding) {
-        (Severity::None, _) | (_, None) => {
+    match (assessment.action, deciding) {
+        (Action::None, _) | (_, None) => {
             "No limit of the checks that decide is exceeded.".to_owned()
         }
         (_, Some(criterion)) if criterion.name == "collapse" => match impact.report.outcome {
-            Outcome::Severed => {
-                "Cause: the column tears during the hit and carries nothing.".to_owned()
+            Outcome::Fractured => {
+                "Cause: the column fractures during the hit and carries nothing.".to_owned()
             }
             _ => "Cause: the column collapses during the hit and carries nothing.".to_owned(),
         },
@@ -145,7 +145,7 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
     let assessment = &assessed.assessment;
     let mut text = String::new();
     match assessed.deciding() {
-        Some(criterion) if assessment.severity > Severity::None && criterion.name != "collapse" => {
+        Some(criterion) if assessment.action > Action::None && criterion.name != "collapse" => {
             if let (Some(value), Some(limit)) =
                 (value_in_words(criterion), limit_in_words(criterion))
             {
@@ -153,7 +153,7 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
                 text = format!("{name}: {value}; limit {limit}. ");
             }
         }
-        Some(_) if assessment.severity == Severity::None => {
+        Some(_) if assessment.action == Action::None => {
             let utilisation = Utilisation::of_report(&impact.report);
             text = format!("Largest utilisation of the column: {utilisation}. ");
         }
@@ -185,12 +185,12 @@ fn outcome(impact: &ReportedImpact) -> String {
         (Outcome::Collapsed, _) => {
             format!("It loses its shape or its equilibrium {end} after the event.")
         }
-        (Outcome::Severed, _) => match impact.fractured_web() {
+        (Outcome::Fractured, _) => match impact.fractured_web() {
             Some(web) => format!(
                 "The web {} fractures in shear {end} after the event.",
                 WEB_PLACES[web]
             ),
-            None => format!("A hinge tears {end} after the event."),
+            None => format!("A hinge fractures {end} after the event."),
         },
     }
 }
@@ -200,7 +200,7 @@ fn missing(assessment: &Assessment) -> String {
     let mut names: Vec<&str> = Vec::new();
     for it in &assessment.not_evaluated {
         let name = check_name(it.criterion).name;
-        if it.severity > assessment.severity && !names.contains(&name) {
+        if it.action > assessment.action && !names.contains(&name) {
             names.push(name);
         }
     }
@@ -212,33 +212,33 @@ fn missing(assessment: &Assessment) -> String {
 
 /// Whether people may stay, and under which condition.
 fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
-    let severity = assessment.severity;
-    let (answer, condition) = match severity {
-        Severity::None | Severity::Inspect if assessment.at_least => (
+    let action = assessment.action;
+    let (answer, condition) = match action {
+        Action::None | Action::Inspect if assessment.at_least => (
             "Not answered by these checks.",
             "Keep people away from the column until an engineer has made the checks that are missing.",
         ),
-        Severity::None => ("Yes.", "No check gives a reason to keep people away."),
-        Severity::Inspect => (
+        Action::None => ("Yes.", "No check gives a reason to keep people away."),
+        Action::Inspect => (
             "Yes.",
             "Bring no additional load onto the part that the column carries until an engineer has examined it.",
         ),
-        Severity::Restrict => (
+        Action::Restrict => (
             "Not near the column.",
             "Keep people and additional loads away from it and from what it carries until an engineer has examined it.",
         ),
-        Severity::Prop => (
+        Action::Shore => (
             "Not where the column carries the building.",
             "Only those stay who take the load off it, under the direction of an engineer.",
         ),
-        Severity::Evacuate => (
+        Action::Evacuate => (
             "No.",
             "Everybody leaves the part of the building that the column carries, and nobody goes back before an engineer allows it.",
         ),
     };
     let mut condition = condition.to_owned();
     if let Some(range) =
-        range.filter(|it| it.ends.most > severity && it.ends.most >= Severity::Restrict)
+        range.filter(|it| it.ends.most > action && it.ends.most >= Action::Restrict)
     {
         let causes: Vec<_> = range
             .ends
@@ -255,17 +255,17 @@ fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
     [answer.to_owned(), condition]
 }
 
-/// The style of the box of a severity.
-pub(super) fn class_of(severity: Severity) -> &'static str {
-    match severity {
-        Severity::None => "calm",
-        Severity::Inspect => "notice",
-        Severity::Restrict => "warning",
-        Severity::Prop | Severity::Evacuate => "alarm",
+/// The style of the box of an action.
+pub(super) fn class_of(action: Action) -> &'static str {
+    match action {
+        Action::None => "calm",
+        Action::Inspect => "notice",
+        Action::Restrict => "warning",
+        Action::Shore | Action::Evacuate => "alarm",
     }
 }
 
 /// What has to be done, for the box of an estimate.
-pub(super) fn action(severity: Severity) -> String {
-    capitalised(order(severity))
+pub(super) fn instruction(action: Action) -> String {
+    capitalised(order(action))
 }

@@ -11,7 +11,7 @@ pub fn outcome_in_words(outcome: Outcome) -> &'static str {
         Outcome::Elastic => "elastic: no hinge has yielded",
         Outcome::Plastic => "plastic: hinges or webs have yielded",
         Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
-        Outcome::Severed => "SEVERED: a hinge or web passed its ultimate deformation and is torn",
+        Outcome::Fractured => "FRACTURED: a hinge or web passed its ultimate deformation",
     }
 }
 
@@ -22,7 +22,7 @@ pub fn end_in_words(end: End) -> &'static str {
         End::AtRest => "at rest",
         End::DurationReached => "stopped at response.duration, not at rest",
         End::Collapsed => "collapsed",
-        End::Severed => "severed",
+        End::Fractured => "fractured",
         End::NotConverged => "stopped where the equations did not converge",
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::assessment::{
-    Assessment, Criterion, MissingData, PARTIAL_FACTOR, RemainingCapacity, Severity,
+    Action, Assessment, Criterion, MissingData, PARTIAL_FACTOR, ResidualCapacity,
 };
 use crate::column::CapacityEnd;
 use crate::parameters::LoadBasis;
@@ -12,8 +12,8 @@ use crate::parameters::LoadBasis;
 #[derive(Debug, Serialize)]
 pub struct CapacityFields<'a> {
     state: &'a str,
-    virgin_capacity_n: f64,
-    virgin_end: CapacityEnd,
+    undamaged_capacity_n: f64,
+    undamaged_end: CapacityEnd,
     residual_capacity_n: f64,
     residual_end: CapacityEnd,
     lower_bound: bool,
@@ -26,12 +26,12 @@ pub struct CapacityFields<'a> {
     axial_capacity_n: f64,
     reserve: Option<f64>,
     imperfection_m: f64,
-    v1_at_virgin_capacity_m: f64,
+    v1_at_undamaged_capacity_m: f64,
     v1_at_residual_capacity_m: f64,
     strong_axis_resistance_n: f64,
     weak_axis_resistance_n: Option<f64>,
     remaining_resistance_n: Option<f64>,
-    severity: Severity,
+    action: Action,
     at_least: bool,
     deciding_criterion: &'a str,
     reason: &'a str,
@@ -42,14 +42,14 @@ pub struct CapacityFields<'a> {
 impl<'a> CapacityFields<'a> {
     /// The fields of these results; `state` tells what has happened to the column.
     #[must_use]
-    pub fn of(state: &'a str, remaining: &RemainingCapacity, assessment: &'a Assessment) -> Self {
+    pub fn of(state: &'a str, remaining: &ResidualCapacity, assessment: &'a Assessment) -> Self {
         Self {
             state,
-            virgin_capacity_n: remaining.virgin.force,
-            virgin_end: remaining.virgin.end,
+            undamaged_capacity_n: remaining.undamaged.force,
+            undamaged_end: remaining.undamaged.end,
             residual_capacity_n: remaining.now.force,
             residual_end: remaining.now.end,
-            lower_bound: remaining.now.is_lower_bound() || remaining.virgin.is_lower_bound(),
+            lower_bound: remaining.now.is_lower_bound() || remaining.undamaged.is_lower_bound(),
             capacity_ratio: remaining.ratio,
             damage: remaining.damage,
             carried_load_n: remaining.carried_load,
@@ -58,13 +58,13 @@ impl<'a> CapacityFields<'a> {
             gamma_m: PARTIAL_FACTOR,
             axial_capacity_n: remaining.axial_capacity,
             reserve: remaining.reserve,
-            imperfection_m: remaining.virgin.imperfection,
-            v1_at_virgin_capacity_m: remaining.virgin.v1,
+            imperfection_m: remaining.undamaged.imperfection,
+            v1_at_undamaged_capacity_m: remaining.undamaged.v1,
             v1_at_residual_capacity_m: remaining.now.v1,
             strong_axis_resistance_n: remaining.strong.force,
             weak_axis_resistance_n: remaining.weak.map(|weak| weak.force),
             remaining_resistance_n: remaining.resistance,
-            severity: assessment.severity,
+            action: assessment.action,
             at_least: assessment.at_least,
             deciding_criterion: assessment.deciding_criterion,
             reason: &assessment.reason,

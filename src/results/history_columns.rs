@@ -32,7 +32,7 @@ const COLUMNS: [Column; 24] = [
     ("Na_N", |sample| sample.hinges[0].normal_force),
     ("Nb_N", |sample| sample.hinges[1].normal_force),
     ("contact_force_N", |sample| sample.contact_force),
-    ("percussion_Ns", |sample| sample.percussion),
+    ("impact_impulse_Ns", |sample| sample.impact_impulse),
     ("impulse_Ns", |sample| sample.impulse),
     ("kinetic_energy_J", |sample| sample.kinetic_energy),
     ("elastic_energy_J", |sample| sample.elastic_energy),
@@ -83,7 +83,7 @@ const BASE_COLUMNS: [BaseColumn; 3] = [
     ("base_normal_force_N", |base| base.normal_force),
 ];
 
-/// Columns of every spring of a compliant vehicle and of the mass behind it, numbered from the front: text before the
+/// Columns of every spring of a deformable vehicle and of the mass behind it, numbered from the front: text before the
 /// number, unit, and values.
 const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
     ("crush", "m", |vehicle| vehicle.crush),
@@ -93,7 +93,7 @@ const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
     ("vehicle_velocity", "m_s", |vehicle| vehicle.velocity),
 ];
 
-/// The columns of a history: of column and impactor, of every hinge and web, of the base, and of a compliant vehicle. Their names carry the unit
+/// The columns of a history: of column and impactor, of every hinge and web, of the base, and of a deformable vehicle. Their names carry the unit
 /// and are a stable interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HistoryColumns {

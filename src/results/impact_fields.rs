@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::assessment::{
-    ActionRange, Assumption, Criterion, ImpactEvaluation, MissingData, PARTIAL_FACTOR, Severity,
+    Action, ActionRange, Assumption, Criterion, ImpactEvaluation, MissingData, PARTIAL_FACTOR,
     Variation,
 };
 use crate::column::{
@@ -21,14 +21,14 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
         Outcome::Elastic => "elastic",
         Outcome::Plastic => "plastic",
         Outcome::Collapsed => "collapsed",
-        Outcome::Severed => "severed",
+        Outcome::Fractured => "fractured",
     }
 }
 
 /// The outcome of one impact for programs, in SI units; the names are a stable interface. A value that does not exist is null.
 #[derive(Debug, Serialize)]
 pub struct ImpactFields<'a> {
-    severity: Option<Severity>,
+    action: Option<Action>,
     at_least: Option<bool>,
     deciding_criterion: Option<&'static str>,
     reason: Option<&'a str>,
@@ -46,8 +46,8 @@ pub struct ImpactFields<'a> {
     impactor_velocity_m_s: f64,
     peak_contact_force_n: f64,
     peak_contact_force_time_s: Option<f64>,
-    percussions: u32,
-    percussion_impulse_n_s: f64,
+    impact_impulses: u32,
+    impact_impulse_n_s: f64,
     impulse_n_s: f64,
     input_energy_j: f64,
     load_work_j: f64,
@@ -72,7 +72,7 @@ pub struct ImpactFields<'a> {
     plateau_force_n: f64,
     front_force_n: Option<f64>,
     dynamic_factor_max: [f64; HINGES],
-    virgin_capacity_n: Option<f64>,
+    undamaged_capacity_n: Option<f64>,
     residual_capacity_n: Option<f64>,
     capacity_ratio: Option<f64>,
     carried_load_n: Option<f64>,
@@ -105,8 +105,8 @@ struct WebFields {
 /// Between which actions the verdict lies.
 #[derive(Debug, Serialize)]
 struct RangeFields<'a> {
-    least: Severity,
-    most: Severity,
+    least: Action,
+    most: Action,
     at_least: bool,
     decided_by: &'a [Assumption],
     variations: Vec<VariationFields<'a>>,
@@ -120,7 +120,7 @@ struct VariationFields<'a> {
     outcome: Outcome,
     max_v1_m: f64,
     residual_v1_m: Option<f64>,
-    severity: Severity,
+    action: Action,
 }
 
 /// The reactions of the base: means over 1 ms, except for the plateau.
@@ -165,7 +165,7 @@ impl<'a> ImpactFields<'a> {
         let remaining = evaluation.remaining.as_ref();
         let vehicle = &report.vehicle;
         Self {
-            severity: assessment.map(|it| it.severity),
+            action: assessment.map(|it| it.action),
             at_least: assessment.map(|it| it.at_least),
             deciding_criterion: assessment.map(|it| it.deciding_criterion),
             reason: assessment.map(|it| it.reason.as_str()),
@@ -183,8 +183,8 @@ impl<'a> ImpactFields<'a> {
             impactor_velocity_m_s: report.impactor_velocity,
             peak_contact_force_n: report.peak_contact_force,
             peak_contact_force_time_s: report.peak_contact_force_time,
-            percussions: report.percussions,
-            percussion_impulse_n_s: report.percussion_impulse,
+            impact_impulses: report.impact_impulses,
+            impact_impulse_n_s: report.total_impact_impulse,
             impulse_n_s: report.impulse,
             input_energy_j: report.input_energy,
             load_work_j: report.load_work,
@@ -217,7 +217,7 @@ impl<'a> ImpactFields<'a> {
             plateau_force_n: evaluation.plateau,
             front_force_n: evaluation.front_force,
             dynamic_factor_max: report.max_dynamic_factor,
-            virgin_capacity_n: remaining.map(|it| it.virgin.force),
+            undamaged_capacity_n: remaining.map(|it| it.undamaged.force),
             residual_capacity_n: remaining.map(|it| it.now.force),
             capacity_ratio: remaining.map(|it| it.ratio),
             carried_load_n: remaining.map(|it| it.carried_load),
@@ -252,7 +252,7 @@ impl<'a> From<&'a ActionRange> for RangeFields<'a> {
             outcome: it.report.outcome,
             max_v1_m: it.report.max_v1,
             residual_v1_m: it.report.residual_v1,
-            severity: it.severity,
+            action: it.action,
         };
         let not_varied = range.not_varied.iter();
         Self {

@@ -37,7 +37,7 @@ pub struct RosArguments {
     pub without_effect: Vec<String>,
 }
 
-/// Minimum severity of log messages.
+/// Minimum action of log messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogLevel {
     /// `debug`

@@ -10,7 +10,7 @@ use ros2_client::Subscription;
 
 use crate::column::ImpactSpecification;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnStatus, FleetStatus, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::std_msgs::Header;
@@ -84,7 +84,7 @@ pub enum ImpactOutcome {
     /// It was accepted, but there is no forecast for this reason.
     NoForecast(String),
     /// It was rejected for this reason.
-    Refused(String),
+    Rejected(String),
 }
 
 /// What is shown of a twin or a fleet.
@@ -264,8 +264,8 @@ pub fn follow_impact(
                 (Seen::Report(report), _) if report.event_id == sent.event_id => {
                     Relation::Last(Ok(()))
                 }
-                (_, Some(ImpactOutcome::Refused(reason))) => {
-                    Relation::Last(Err(ClientError::Refused(reason)))
+                (_, Some(ImpactOutcome::Rejected(reason))) => {
+                    Relation::Last(Err(ClientError::Rejected(reason)))
                 }
                 (Seen::Status(status), _) if status.phase == TwinStatus::FAULTED => {
                     Relation::Last(Err(ClientError::Faulted(status.fault.clone())))
@@ -285,7 +285,7 @@ struct Sent<'a> {
     /// The column that it is for, if its twin is known: every other twin on the topic rejects the event, which is no answer.
     column_id: Option<&'a str>,
     /// Number of rejections before the event; `None` if unknown.
-    refused_before: Option<u64>,
+    rejected_before: Option<u64>,
     ago: Duration,
 }
 
@@ -328,7 +328,7 @@ fn converse<T>(
         };
         search.wait_for("a twin", &endpoints, say)?;
         // The counter distinguishes a rejection of this event from one of an earlier event with the same identifier.
-        let mut refused_before = None;
+        let mut rejected_before = None;
         let mut columns = BTreeSet::new();
         let (mut twins, mut changed) = (0, Instant::now());
         wait_until(signals, STATUS_WAIT, |until| {
@@ -341,9 +341,9 @@ fn converse<T>(
                 }
                 Some(Seen::Status(status)) => {
                     if options.column_id.as_ref() == Some(&status.column_id) {
-                        refused_before = Some(status.events_refused);
+                        rejected_before = Some(status.events_rejected);
                     } else {
-                        refused_before.get_or_insert(status.events_refused);
+                        rejected_before.get_or_insert(status.events_rejected);
                     }
                     columns.insert(status.column_id);
                 }
@@ -400,7 +400,7 @@ fn converse<T>(
             let sent = Sent {
                 event_id: &event_id,
                 column_id: is_known.then_some(&*column_id),
-                refused_before,
+                rejected_before,
                 ago: begun.elapsed(),
             };
             match hear(&word, &sent) {
@@ -432,18 +432,20 @@ fn answer(seen: &Seen, sent: &Sent<'_>) -> Option<ImpactOutcome> {
     match seen {
         Seen::Forecast(report) if report.event_id == sent.event_id => Some(match report.kind {
             ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN => {
-                ImpactOutcome::NoForecast(report.severity_reason.clone())
+                ImpactOutcome::NoForecast(report.action_reason.clone())
             }
             _ => ImpactOutcome::Forecast(Box::new(report.clone())),
         }),
         Seen::Status(status)
-            if status.last_refusal_event_id == sent.event_id
+            if status.last_rejection_event_id == sent.event_id
                 && is_addressee(&status.column_id)
                 && sent
-                    .refused_before
-                    .is_none_or(|before| status.events_refused > before) =>
+                    .rejected_before
+                    .is_none_or(|before| status.events_rejected > before) =>
         {
-            Some(ImpactOutcome::Refused(status.last_refusal_reason.clone()))
+            Some(ImpactOutcome::Rejected(
+                status.last_rejection_reason.clone(),
+            ))
         }
         _ => None,
     }
@@ -462,11 +464,11 @@ fn what_strikes(event: &ImpactEvent) -> String {
 
 /// A status with a rejection.
 #[cfg(test)]
-pub(super) fn refused(event_id: &str, count: u64) -> Seen {
+pub(super) fn rejected(event_id: &str, count: u64) -> Seen {
     Seen::Status(TwinStatus {
-        last_refusal_event_id: event_id.to_owned(),
-        last_refusal_reason: "too fast".to_owned(),
-        events_refused: count,
+        last_rejection_event_id: event_id.to_owned(),
+        last_rejection_reason: "too fast".to_owned(),
+        events_rejected: count,
         ..TwinStatus::default()
     })
 }
@@ -477,10 +479,10 @@ mod tests {
 
     #[test]
     fn an_answer_belongs_to_this_event() {
-        let sent = |event_id, refused_before| Sent {
+        let sent = |event_id, rejected_before| Sent {
             event_id,
             column_id: None,
-            refused_before,
+            rejected_before,
             ago: Duration::ZERO,
         };
         let forecast = Seen::Forecast(ImpactReport {
@@ -495,24 +497,24 @@ mod tests {
         let none = Seen::Forecast(ImpactReport {
             event_id: "a".to_owned(),
             kind: ImpactReport::NO_FORECAST,
-            severity_reason: "superseded".to_owned(),
+            action_reason: "superseded".to_owned(),
             ..ImpactReport::default()
         });
         assert_eq!(
             answer(&none, &sent("a", None)),
             Some(ImpactOutcome::NoForecast("superseded".to_owned()))
         );
-        assert!(answer(&refused("a", 3), &sent("a", Some(3))).is_none());
+        assert!(answer(&rejected("a", 3), &sent("a", Some(3))).is_none());
         assert_eq!(
-            answer(&refused("a", 4), &sent("a", Some(3))),
-            Some(ImpactOutcome::Refused("too fast".to_owned()))
+            answer(&rejected("a", 4), &sent("a", Some(3))),
+            Some(ImpactOutcome::Rejected("too fast".to_owned()))
         );
         // A twin of another column on the same topic rejects the event.
         let for_a3 = Sent {
             column_id: Some("a3"),
             ..sent("a", Some(3))
         };
-        assert!(answer(&refused("a", 4), &for_a3).is_none());
+        assert!(answer(&rejected("a", 4), &for_a3).is_none());
     }
 
     #[test]

@@ -59,9 +59,9 @@ pub enum ClientError {
     },
     /// The twin rejected the event.
     #[error("the twin rejected the event: {0}")]
-    Refused(String),
+    Rejected(String),
     /// The twin is faulted.
-    #[error("the twin is faulted: {0}; call ~/reset to restore the virgin column")]
+    #[error("the twin is faulted: {0}; call ~/reset to restore the undamaged column")]
     Faulted(String),
     /// The readings last too long.
     #[error(

@@ -1,104 +1,74 @@
 //! `/diagnostics`: the twin, its solver, its queues, its recording, its sensors and the node, for people and aggregators.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::incoming::nanos;
 use crate::live::QueueStats;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
 use super::clock_watch::ClockWatch;
-use super::given_up::GivenUp;
-use super::lines::severity_word;
-use super::live_twin::Health;
-use super::lost_peers::LostPeers;
-use super::measurements::SensorInputs;
+use super::counters::NodeCounters;
+use super::lines::action_word;
+use super::live_columns::Health;
 use super::security::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
 use crate::messages::words::range_in_words;
 
-/// Losses of the node itself since the start.
-#[derive(Debug, Default)]
-pub(super) struct NodeCounters {
-    /// Unreadable messages and requests.
-    pub unreadable: AtomicU64,
-    /// Events and sets of parameters that arrived faster than they could be taken, or were sent while the network was interrupted.
-    pub missed: AtomicU64,
-    /// Messages that could not be written, or not in time for a slow reader.
-    pub unpublished: AtomicU64,
-    /// Messages for columns that are not in this fleet.
-    pub ignored: AtomicU64,
-    /// Events of vehicles that hit several columns, which were rejected.
-    pub rejected_rows: AtomicU64,
-    /// Log messages dropped because their queue was full.
-    pub unlogged: AtomicU64,
-    /// Peers that fell silent, and what was published meanwhile.
-    pub lost_peers: Arc<LostPeers>,
-    /// Messages that were given up because they are too long.
-    pub given_up: Arc<GivenUp>,
-    /// The simulated clock; `None` with the system's.
-    pub clock: Option<ClockWatch>,
-    /// The senders, if the parameters limit them.
-    pub senders: Option<Arc<Senders>>,
-    /// The sensors, if the parameters declare any.
-    pub sensors: Option<Arc<SensorInputs>>,
-}
-
-impl NodeCounters {
-    /// Messages and requests of senders that are not allowed, or too fast.
-    pub fn rejected_senders(&self) -> u64 {
-        let senders = self.senders.as_ref();
-        senders.map_or(0, |it| it.not_allowed() + it.too_fast())
-    }
-
-    pub fn count(counter: &AtomicU64) {
-        counter.fetch_add(1, Ordering::Relaxed);
-    }
-}
-
 /// What the statuses of a node are made of.
 pub(super) struct Observed<'a> {
-    pub twin: &'a TwinStatus,
-    /// Parameters that wait for the end of the response.
-    pub waiting: &'a [String],
+    /// The twin or the fleet.
+    pub first: DiagnosticStatus,
+    /// What the node is about.
+    pub hardware_id: &'a str,
     pub health: &'a Health,
+    /// The topics of the single columns of a fleet.
+    pub topics: Option<DiagnosticStatus>,
     /// `None` without a recording.
     pub recording: Option<&'a RecordingHealth>,
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
+    /// `None` without sensors.
+    pub sensors: Option<DiagnosticStatus>,
+    /// The columns of a fleet that need somebody.
+    pub of_columns: Vec<DiagnosticStatus>,
     pub counters: &'a NodeCounters,
 }
 
 /// All statuses of a node.
 pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) -> DiagnosticArray {
     let Observed {
-        twin,
-        waiting,
+        first,
+        hardware_id,
         health,
+        topics,
         recording,
         security,
+        sensors,
+        of_columns,
         counters,
     } = observed;
     let mut status = vec![
-        twin_status(twin, waiting),
+        first,
         solver_status(health),
         queue_status(&health.queues),
         node_status(counters),
     ];
+    status.extend(topics);
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
-    let sensors = counters.sensors.as_ref();
-    status.extend(sensors.map(|it| sensors_status(it.status(nanos(header.stamp)))));
+    status.extend(sensors);
+    for one in &mut status {
+        hardware_id.clone_into(&mut one.hardware_id);
+    }
+    status.extend(of_columns);
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
-        one.hardware_id.clone_from(&twin.column_id);
     }
     DiagnosticArray { header, status }
 }
@@ -112,28 +82,29 @@ pub(super) fn same_state(one: &DiagnosticArray, other: &DiagnosticArray) -> bool
     state(one) == state(other)
 }
 
-fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
+/// The status of a single twin; `waiting` are the parameters that wait for the end of the response.
+pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
     let (level, message) = match twin.phase {
         TwinStatus::FAULTED => (DiagnosticStatus::ERROR, format!("faulted: {}", twin.fault)),
         TwinStatus::COLLAPSED => (
             DiagnosticStatus::ERROR,
             "the column has collapsed; call ~/reset to start with a new one".to_owned(),
         ),
-        TwinStatus::SEVERED => (
+        TwinStatus::FRACTURED => (
             DiagnosticStatus::ERROR,
-            "a hinge or web of the column is severed; call ~/reset to start with a new one"
+            "a hinge or web of the column is fractured; call ~/reset to start with a new one"
                 .to_owned(),
         ),
         TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),
         _ => (DiagnosticStatus::OK, "response in progress".to_owned()),
     };
-    let (level, message) = match severity_level(twin) {
+    let (level, message) = match action_level(twin) {
         DiagnosticStatus::OK => (level, message),
-        of_severity => {
-            let severity = severity_word(twin.severity);
-            let reason = &twin.severity_reason;
-            let message = format!("{message}; severity {severity}: {reason}");
-            (level.max(of_severity), message)
+        of_action => {
+            let action = action_word(twin.action);
+            let reason = &twin.action_reason;
+            let message = format!("{message}; action {action}: {reason}");
+            (level.max(of_action), message)
         }
     };
     let values = [
@@ -141,7 +112,7 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
         ("event_id", twin.event_id.clone()),
         ("events accepted", twin.events_accepted.to_string()),
         ("events merged", twin.events_merged.to_string()),
-        ("events rejected", twin.events_refused.to_string()),
+        ("events rejected", twin.events_rejected.to_string()),
         (
             "impact that waits for ~/confirm_estimate",
             twin.waiting_estimate.clone(),
@@ -152,22 +123,22 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
         ),
         (
             "parameter changes rejected",
-            twin.parameters_refused.to_string(),
+            twin.parameters_rejected.to_string(),
         ),
         (
             "parameters that wait for the end of the response",
             waiting.join(", "),
         ),
-        ("last rejection", twin.last_refusal_reason.clone()),
+        ("last rejection", twin.last_rejection_reason.clone()),
         ("impacts since reset", twin.impacts_since_reset.to_string()),
         ("residual v1 [m]", twin.residual_v1.to_string()),
         (
             "plastic work since reset [J]",
             twin.plastic_work_since_reset.to_string(),
         ),
-        ("severity", severity_word(twin.severity).to_owned()),
+        ("action", action_word(twin.action).to_owned()),
         ("deciding criterion", twin.deciding_criterion.clone()),
-        ("severity reason", twin.severity_reason.clone()),
+        ("action reason", twin.action_reason.clone()),
         (
             "range of the verdict",
             range_in_words(
@@ -178,7 +149,10 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
             )
             .unwrap_or_else(|| "not known".to_owned()),
         ),
-        ("virgin capacity [N]", twin.virgin_capacity.to_string()),
+        (
+            "undamaged capacity [N]",
+            twin.undamaged_capacity.to_string(),
+        ),
         ("residual capacity [N]", twin.residual_capacity.to_string()),
         ("reserve", twin.reserve.to_string()),
     ];
@@ -190,16 +164,16 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
     )
 }
 
-/// WARN to inspect or restrict, ERROR to prop or evacuate, or if the column could not be assessed.
-fn severity_level(twin: &TwinStatus) -> u8 {
-    match twin.severity {
-        TwinStatus::SEVERITY_NONE => DiagnosticStatus::OK,
-        TwinStatus::SEVERITY_INSPECT | TwinStatus::SEVERITY_RESTRICT => DiagnosticStatus::WARN,
+/// WARN to inspect or restrict, ERROR to shore or evacuate, or if the column could not be assessed.
+fn action_level(twin: &TwinStatus) -> u8 {
+    match twin.action {
+        TwinStatus::ACTION_NONE => DiagnosticStatus::OK,
+        TwinStatus::ACTION_INSPECT | TwinStatus::ACTION_RESTRICT => DiagnosticStatus::WARN,
         _ => DiagnosticStatus::ERROR,
     }
 }
 
-pub(super) fn solver_status(health: &Health) -> DiagnosticStatus {
+fn solver_status(health: &Health) -> DiagnosticStatus {
     let (level, message) = match (health.overruns, health.hints.first()) {
         _ if health.has_panicked => (
             DiagnosticStatus::ERROR,
@@ -232,7 +206,7 @@ pub(super) fn solver_status(health: &Health) -> DiagnosticStatus {
     entry("solver", level, message, values)
 }
 
-pub(super) fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
+fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
     let losing: Vec<_> = queues
         .iter()
         .filter(|it| it.dropped > 0)
@@ -266,7 +240,7 @@ fn queue_entry(queue: &QueueStats) -> (String, String) {
 }
 
 /// A recording is evidence, so every loss is an error.
-pub(super) fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
+fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     let lost = recording.lost;
     let (level, message) = match (&recording.problem, lost) {
         (Some(problem), _) => (
@@ -287,7 +261,7 @@ pub(super) fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus 
     entry("recording", level, message, values)
 }
 
-pub(super) fn security_status(security: SecurityHealth) -> DiagnosticStatus {
+fn security_status(security: SecurityHealth) -> DiagnosticStatus {
     entry(
         "security",
         security.level,
@@ -296,7 +270,7 @@ pub(super) fn security_status(security: SecurityHealth) -> DiagnosticStatus {
     )
 }
 
-pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
+fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
     let peers = &counters.lost_peers;
     let losses = [
@@ -324,7 +298,7 @@ pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     entry("ros", level, message.to_owned(), values)
 }
 
-pub(super) fn senders_status(senders: &Senders) -> DiagnosticStatus {
+fn senders_status(senders: &Senders) -> DiagnosticStatus {
     let counts = [senders.not_allowed(), senders.too_fast()];
     let (level, message) = match counts {
         [0, 0] => (DiagnosticStatus::OK, "none rejected"),
@@ -343,7 +317,8 @@ pub(super) fn senders_status(senders: &Senders) -> DiagnosticStatus {
     entry("senders", level, message.to_owned(), values)
 }
 
-fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
+/// The status of the sensors of a single twin.
+pub(super) fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
     let SensorStatus {
         level,
         message,
@@ -352,7 +327,7 @@ fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
     entry("sensors", level, message, values)
 }
 
-pub(super) fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
+fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
     let count = ("messages on /clock".to_owned(), clock.count().to_string());
     let (level, message) = match (clock.problem(Instant::now()), clock.count()) {
         (Some(problem), _) => (DiagnosticStatus::WARN, problem),
@@ -370,7 +345,7 @@ pub(super) fn phase_name(phase: u8) -> &'static str {
         TwinStatus::FREE => "FREE",
         TwinStatus::REST => "REST",
         TwinStatus::COLLAPSED => "COLLAPSED",
-        TwinStatus::SEVERED => "SEVERED",
+        TwinStatus::FRACTURED => "FRACTURED",
         TwinStatus::FAULTED => "FAULTED",
         _ => "unknown",
     }
@@ -402,19 +377,23 @@ mod tests {
     use super::*;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
-        let array = diagnostics(
-            Header::default(),
-            "column_twin",
-            Observed {
-                twin,
-                waiting: &[],
-                health,
-                recording: None,
-                security: None,
-                counters,
-            },
-        );
+        let array = array(twin, health, counters);
         array.status.iter().map(|it| it.level).collect()
+    }
+
+    fn array(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> DiagnosticArray {
+        let observed = Observed {
+            first: twin_status(twin, &[]),
+            hardware_id: "",
+            health,
+            topics: None,
+            recording: None,
+            security: None,
+            sensors: None,
+            of_columns: Vec::new(),
+            counters,
+        };
+        diagnostics(Header::default(), "column_twin", observed)
     }
 
     #[test]
@@ -471,7 +450,7 @@ mod tests {
         for phase in [
             TwinStatus::COLLAPSED,
             TwinStatus::FAULTED,
-            TwinStatus::SEVERED,
+            TwinStatus::FRACTURED,
         ] {
             let twin = TwinStatus {
                 phase,
@@ -485,18 +464,18 @@ mod tests {
     }
 
     #[test]
-    fn the_severity_is_the_level_of_the_twin_with_its_reason() {
-        for (severity, level) in [
-            (TwinStatus::SEVERITY_NONE, DiagnosticStatus::OK),
-            (TwinStatus::SEVERITY_INSPECT, DiagnosticStatus::WARN),
-            (TwinStatus::SEVERITY_RESTRICT, DiagnosticStatus::WARN),
-            (TwinStatus::SEVERITY_PROP, DiagnosticStatus::ERROR),
-            (TwinStatus::SEVERITY_EVACUATE, DiagnosticStatus::ERROR),
-            (TwinStatus::SEVERITY_UNKNOWN, DiagnosticStatus::ERROR),
+    fn the_action_is_the_level_of_the_twin_with_its_reason() {
+        for (action, level) in [
+            (TwinStatus::ACTION_NONE, DiagnosticStatus::OK),
+            (TwinStatus::ACTION_INSPECT, DiagnosticStatus::WARN),
+            (TwinStatus::ACTION_RESTRICT, DiagnosticStatus::WARN),
+            (TwinStatus::ACTION_SHORE, DiagnosticStatus::ERROR),
+            (TwinStatus::ACTION_EVACUATE, DiagnosticStatus::ERROR),
+            (TwinStatus::ACTION_UNKNOWN, DiagnosticStatus::ERROR),
         ] {
             let twin = TwinStatus {
-                severity,
-                severity_reason: "a hinge has turned too far".to_owned(),
+                action,
+                action_reason: "a hinge has turned too far".to_owned(),
                 ..TwinStatus::default()
             };
             let status = twin_status(&twin, &[]);
@@ -533,19 +512,7 @@ mod tests {
                 events_accepted: accepted,
                 ..TwinStatus::default()
             };
-            let counters = NodeCounters::default();
-            diagnostics(
-                Header::default(),
-                "n",
-                Observed {
-                    twin: &twin,
-                    waiting: &[],
-                    health: &Health::default(),
-                    recording: None,
-                    security: None,
-                    counters: &counters,
-                },
-            )
+            array(&twin, &Health::default(), &NodeCounters::default())
         };
         assert!(same_state(&of(1), &of(2)));
         assert_ne!(of(1), of(2));

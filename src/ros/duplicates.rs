@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::pin::pin;
+use std::sync::Arc;
 
 use futures::StreamExt;
 use futures::channel::mpsc::{UnboundedReceiver, unbounded};
@@ -13,8 +14,9 @@ use rustdds::{
     Topic, TopicDescription,
 };
 
+use super::live_columns::LiveColumns;
 use super::qos;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 
 /// What a node compares with its peers.
 pub(super) struct Duplicates {
@@ -23,8 +25,8 @@ pub(super) struct Duplicates {
     pub node: String,
     /// The topic on which the node publishes its status.
     pub status: Topic,
-    /// Column of the node's twin.
-    pub column_id: String,
+    /// The columns of the node.
+    pub columns: Arc<LiveColumns>,
 }
 
 impl Duplicates {
@@ -83,11 +85,12 @@ impl Duplicates {
                     Either::Right((Some(Ok(status)), _)) => {
                         unknown.remove(&status.writer_guid);
                         let is_other = status.writer_guid.prefix != self.participant.guid().prefix;
-                        if is_other && status.sample.column_id == self.column_id {
+                        let column_id = &status.sample.column_id;
+                        let is_own = self.columns.face().index_of(column_id).is_some();
+                        if is_other && is_own {
                             tracing::warn!(
-                                "another twin of the column {:?} is running on the same topics; stop one of the two, or \
-                                 start one with another column_id or in another namespace (-r __ns:=...)",
-                                self.column_id
+                                "another twin of the column {column_id:?} is running on the same topics; stop one of the two, or \
+                                 start one with another column_id or in another namespace (-r __ns:=...)"
                             );
                             return Ok(());
                         }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::messages::column_twin::{ColumnStatus, FleetStatus};
+use crate::messages::column_twin_msgs::{ColumnStatus, FleetStatus};
 use crate::parameters::MAX_COLUMNS;
 
 /// The columns of fleets, from their statuses.

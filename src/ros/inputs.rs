@@ -1,267 +1,168 @@
 //! The inputs over DDS: impact events, parameters, the clock, and service requests.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
-use std::time::Instant;
 
-use futures::{StreamExt, join, pin_mut};
+use futures::{StreamExt, join};
 use ros2_client::rcl_interfaces as rcl;
 use ros2_client::{Gid, MessageInfo, Server, Subscription};
 
 use crate::incoming::{column_command, impact_command, nanos};
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::cdr;
-use crate::messages::column_twin::{
-    CalibrateRequest, CalibrateResponse, ColumnParameters, ConfirmEstimateRequest,
-    ConfirmEstimateResponse, ImpactEvent, ImpactReport, PredictImpactRequest,
-    PredictImpactResponse,
+use crate::messages::column_twin_msgs::{
+    ColumnParameters, ConfirmEstimateRequest, ConfirmEstimateResponse, CorrectDamageRequest,
+    CorrectDamageResponse, ImpactEvent, ImpactReport, PredictImpactRequest, PredictImpactResponse,
+    ResetColumnRequest, ResetColumnResponse, RowImpactEvent,
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use crate::messages::words::mass_in_words;
-use crate::outgoing::RecordingTap;
-use crate::parameters::Parameters;
-use crate::twin::{Accepted, Command, Refusal};
+use crate::printable::Printable;
+use crate::twin::{Accepted, Command, Rejection};
 
-use super::diagnostics::NodeCounters;
+use super::counters::NodeCounters;
+use super::fleet::RowImpacts;
 use super::guid_prefix::GuidPrefix;
-use super::live_twin::LiveTwin;
-use super::measurements::{MeasurementSubscriptions, SensorInputs};
-use super::missed::Missed;
+use super::live_columns::LiveColumns;
+use super::measurements::{MeasurementSubscriptions, SensedColumns};
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
+use super::receiving::{Receiving, each, named};
 use super::requests;
-use super::senders::{Rejected, Senders};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}
+impl ros2_client::Message for ResetColumnRequest {}
+impl ros2_client::Message for ResetColumnResponse {}
 impl ros2_client::Message for PredictImpactRequest {}
 impl ros2_client::Message for PredictImpactResponse {}
+
+/// How a rejected set of parameters is called in the recording and in the log.
+const SET_OF_PARAMETERS: &str = "a set of parameters";
 
 /// The subscriptions that must be handled without delay.
 pub(super) struct Subscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
     measurements: Option<MeasurementSubscriptions>,
-    senders: Arc<Senders>,
-    recording: Option<Arc<dyn RecordingTap>>,
+    receiving: Receiving,
 }
 
 impl Subscriptions {
     /// Subscribes to events, to the topics of the sensors if there are any and, under `use_sim_time`, to the clock.
     pub fn new(
         node: &mut Node,
-        parameters: &Parameters,
-        senders: Arc<Senders>,
-        sensors: Option<Arc<SensorInputs>>,
-        recording: Option<Arc<dyn RecordingTap>>,
+        sensed: Option<Arc<SensedColumns>>,
+        receiving: Receiving,
     ) -> Result<Self, NodeError> {
-        let simulated = parameters.settings().use_sim_time;
-        let measurements = sensors.map(|inputs| {
-            let (senders, recording) = (Arc::clone(&senders), recording.clone());
-            MeasurementSubscriptions::new(node, parameters, inputs, senders, recording)
-        });
+        let simulated = receiving.columns.node_parameters().settings().use_sim_time;
+        let measurements =
+            sensed.map(|sensed| MeasurementSubscriptions::new(node, sensed, receiving.clone()));
         Ok(Self {
             measurements: measurements.transpose()?,
             events: node.subscription(&qos::IMPACT_EVENT)?,
             clock: simulated
                 .then(|| node.subscription(&qos::CLOCK))
                 .transpose()?,
-            senders,
-            recording,
+            receiving,
         })
     }
 
     /// Handles messages until the task is stopped.
-    pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
-        let events = each(
-            &self.events,
-            &qos::IMPACT_EVENT,
-            &counters,
-            |event: ImpactEvent, info| {
-                let sender = info.publisher_gid();
-                if let Err(rejected) = self.senders.admit(sender, Instant::now()) {
-                    let id = event.event_id.chars().take(MAX_NAMED_CHARS);
-                    let what = id.collect::<String>();
-                    return tell(&self.recording, None, &qos::IMPACT_EVENT, &what, &rejected);
-                }
-                record(
-                    &self.recording,
-                    None,
-                    &qos::IMPACT_EVENT,
-                    &event,
-                    Some(&info),
-                );
-                let event_id = event.event_id.clone();
-                tracing::debug!(
-                    "received impact event {event_id:?} of {}: {}, {} m/s, gap {} m, {:.6} s old",
-                    GuidPrefix::from(sender),
-                    mass_in_words(event.mass),
-                    event.velocity,
-                    event.gap,
-                    1e-9 * (twin.now().saturating_sub(nanos(event.header.stamp))) as f64,
-                );
-                if let Err(refusal) = twin.submit(impact_command(event)) {
-                    tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
-                    if let Some(recording) = &self.recording {
-                        recording.rejected(
-                            None,
-                            &qos::IMPACT_EVENT,
-                            &event_id,
-                            Some(refusal.code),
-                            &refusal.reason,
-                        );
+    pub async fn run(self) {
+        let receiving = &self.receiving;
+        let Receiving {
+            columns, counters, ..
+        } = receiving;
+        let take_event = |event: ImpactEvent, info| impact_event(receiving, event, &info);
+        let events = each(Some(&self.events), &qos::IMPACT_EVENT, counters, take_event);
+        let clock = each(
+            self.clock.as_ref(),
+            &qos::CLOCK,
+            counters,
+            |message: Clock, _| match message.clock.to_nanos() {
+                Some(now) => {
+                    if let Some(clock) = &counters.clock {
+                        clock.received();
                     }
+                    columns.set_clock(now);
                 }
+                None => NodeCounters::count(&counters.unreadable),
             },
         );
-        let clock = follow_clock(self.clock.as_ref(), &counters, |now| twin.set_clock(now));
         let measurements = async {
             if let Some(measurements) = self.measurements {
-                measurements.run(|| twin.now(), &counters).await;
+                measurements.run().await;
             }
         };
         join!(events, clock, measurements);
     }
 }
 
-/// Passes the simulated time to `set`, if the node follows it, and notes that there is a clock.
-pub(super) async fn follow_clock(
-    clock: Option<&Subscription<Clock>>,
-    counters: &NodeCounters,
-    set: impl Fn(i64),
-) {
-    let Some(clock) = clock else { return };
-    let handle = |message: Clock, _| match message.clock.to_nanos() {
-        Some(now) => {
-            if let Some(clock) = &counters.clock {
-                clock.received();
-            }
-            set(now);
-        }
-        None => NodeCounters::count(&counters.unreadable),
-    };
-    each(clock, &qos::CLOCK, counters, handle).await;
-}
-
-/// As [`each_on`] of an endpoint.
-pub(super) async fn each<M: serde::de::DeserializeOwned + 'static>(
-    subscription: &Subscription<M>,
-    endpoint: &Endpoint,
-    counters: &NodeCounters,
-    handle: impl FnMut(M, MessageInfo),
-) {
-    let is_reliable = endpoint.qos.reliable;
-    each_on(subscription, endpoint.name, is_reliable, counters, handle).await;
-}
-
-/// Passes every message to `handle`. Messages that cannot be read, or were lost before on a reliable topic, are counted and logged.
-pub(super) async fn each_on<M: serde::de::DeserializeOwned + 'static>(
-    subscription: &Subscription<M>,
-    name: &str,
-    is_reliable: bool,
-    counters: &NodeCounters,
-    mut handle: impl FnMut(M, MessageInfo),
-) {
-    let messages = subscription.async_stream();
-    pin_mut!(messages);
-    let mut missed = Missed::default();
-    while let Some(message) = messages.next().await {
-        match message {
-            Ok((message, info)) => {
-                let lost = missed.before(&info);
-                if lost > 0 && is_reliable {
-                    counters.missed.fetch_add(lost, Ordering::Relaxed);
-                    tracing::error!(
-                        "{lost} messages on {name} were lost: they arrived faster than they could be handled, were too long, or were \
-                         sent while the network was interrupted"
-                    );
-                }
-                handle(message, info);
-            }
-            Err(error) => {
-                missed.unreadable();
-                NodeCounters::count(&counters.unreadable);
-                tracing::warn!(
-                    "a message on {name} cannot be read: {error}; check the message type of its sender"
-                );
-            }
-        }
-    }
-}
-
-/// Most characters of an identifier that a log names before it was checked.
-pub(super) const MAX_NAMED_CHARS: usize = 64;
-
-/// Logs and records that a message of a sender was rejected; `column` is as in [`RecordingTap`].
-pub(super) fn tell(
-    recording: &Option<Arc<dyn RecordingTap>>,
-    column: Option<&str>,
-    endpoint: &Endpoint,
-    what: &str,
-    rejected: &Rejected,
-) {
-    let Rejected { refusal, is_told } = rejected;
-    if !is_told {
-        return;
-    }
-    tracing::warn!("{what:?} on {} was rejected: {refusal}", endpoint.name);
-    if let Some(recording) = recording {
-        recording.rejected(column, endpoint, what, Some(refusal.code), &refusal.reason);
-    }
-}
-
-/// Records a received message in the encoding of this program; `column` is as in [`RecordingTap`], and `info` is absent for a
-/// message that the node has derived from another one.
-pub(super) fn record<M: crate::messages::Message>(
-    recording: &Option<Arc<dyn RecordingTap>>,
-    column: Option<&str>,
-    endpoint: &Endpoint,
-    message: &M,
-    info: Option<&MessageInfo>,
-) {
-    let Some(recording) = recording else {
+fn impact_event(receiving: &Receiving, event: ImpactEvent, info: &MessageInfo) {
+    let endpoint = &qos::IMPACT_EVENT;
+    let Some(column) = receiving.addressed(endpoint, &event.column_id) else {
         return;
     };
-    match cdr::encode(message) {
-        Ok(bytes) => {
-            let stamp = info.and_then(MessageInfo::source_timestamp);
-            let source = stamp.map(|it| it.to_nanos());
-            recording.received(column, endpoint, bytes, source);
-        }
-        Err(error) => recording.rejected(column, endpoint, "a message", None, &error.to_string()),
+    let (sender, what) = (info.publisher_gid(), named(&event.event_id));
+    if receiving
+        .admit(sender, Some(column), endpoint, &what)
+        .is_err()
+    {
+        return;
+    }
+    receiving.record(column, endpoint, &event, Some(info));
+    let event_id = event.event_id.clone();
+    let for_column = receiving.face().words("for", column);
+    tracing::debug!(
+        "received impact event {event_id:?}{for_column} of {}: {}, {} m/s, gap {} m, {:.6} s old",
+        GuidPrefix::from(sender),
+        mass_in_words(event.mass),
+        event.velocity,
+        event.gap,
+        1e-9 * (receiving
+            .columns
+            .now()
+            .saturating_sub(nanos(event.header.stamp))) as f64,
+    );
+    if let Err(rejection) = receiving.columns.submit(column, impact_command(event)) {
+        tracing::warn!("impact event {event_id:?}{for_column} was rejected: {rejection}");
+        receiving.not_taken(Some(column), endpoint, &event_id, &rejection);
     }
 }
 
 /// The services and parameter messages, which may take longer and have a separate thread.
 pub(super) struct Services {
+    /// Vehicles that hit several columns of a fleet.
+    rows: Option<(Subscription<RowImpactEvent>, Arc<RowImpacts>)>,
     column_parameters: Subscription<ColumnParameters>,
-    reset: Server<TriggerRequest, TriggerResponse>,
+    /// Of a single twin.
+    reset: Option<Server<TriggerRequest, TriggerResponse>>,
+    /// Of a fleet.
+    reset_column: Option<Server<ResetColumnRequest, ResetColumnResponse>>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
     confirm_estimate: Server<ConfirmEstimateRequest, ConfirmEstimateResponse>,
-    calibrate: Server<CalibrateRequest, CalibrateResponse>,
+    correct_damage: Server<CorrectDamageRequest, CorrectDamageResponse>,
     parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
-    senders: Arc<Senders>,
-    recording: Option<Arc<dyn RecordingTap>>,
+    receiving: Receiving,
 }
 
 /// The servers behind `ros2 param`.
-pub(super) struct ParameterServers {
-    pub get: Server<rcl::GetParametersRequest, rcl::GetParametersResponse>,
-    pub types: Server<rcl::GetParameterTypesRequest, rcl::GetParameterTypesResponse>,
-    pub list: Server<rcl::ListParametersRequest, rcl::ListParametersResponse>,
-    pub describe: Server<rcl::DescribeParametersRequest, rcl::DescribeParametersResponse>,
-    pub set: Server<rcl::SetParametersRequest, rcl::SetParametersResponse>,
-    pub set_atomically: Server<rcl::SetParametersRequest, rcl::SetParametersAtomicallyResponse>,
+struct ParameterServers {
+    get: Server<rcl::GetParametersRequest, rcl::GetParametersResponse>,
+    types: Server<rcl::GetParameterTypesRequest, rcl::GetParameterTypesResponse>,
+    list: Server<rcl::ListParametersRequest, rcl::ListParametersResponse>,
+    describe: Server<rcl::DescribeParametersRequest, rcl::DescribeParametersResponse>,
+    set: Server<rcl::SetParametersRequest, rcl::SetParametersResponse>,
+    set_atomically: Server<rcl::SetParametersRequest, rcl::SetParametersAtomicallyResponse>,
 }
 
 impl ParameterServers {
-    pub fn new(node: &mut Node) -> Result<Self, NodeError> {
+    fn new(node: &mut Node) -> Result<Self, NodeError> {
         Ok(Self {
             get: node.server(&qos::GET_PARAMETERS)?,
             types: node.server(&qos::GET_PARAMETER_TYPES)?,
@@ -273,180 +174,195 @@ impl ParameterServers {
     }
 }
 
-impl Services {
-    /// Offers all services.
-    pub fn new(
-        node: &mut Node,
-        parameters: &Parameters,
-        senders: Arc<Senders>,
-        recording: Option<Arc<dyn RecordingTap>>,
-    ) -> Result<Self, NodeError> {
-        Ok(Self {
-            senders,
-            column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
-            reset: node.server(&qos::RESET)?,
-            predict: node.server(&qos::PREDICT)?,
-            confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
-            calibrate: node.server(&qos::CALIBRATE)?,
-            parameters: ParameterServers::new(node)?,
-            descriptions: parameters
-                .settings()
-                .start_type_description_service
-                .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
-                .transpose()?,
-            recording,
-        })
-    }
-
+impl ParameterServers {
     /// Answers requests until the task is stopped.
-    pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
-        let ParameterServers {
+    async fn run(&self, receiving: &Receiving) {
+        let (columns, counters) = (&*receiving.columns, &*receiving.counters);
+        let admit = |sender, endpoint| receiving.admit(sender, None, endpoint, "a request");
+        let Self {
             get,
             types,
             list,
             describe,
             set,
             set_atomically,
-        } = self.parameters;
-        let recording = self.recording;
-        let descriptions = self.descriptions;
-        let describe_types = async {
-            if let Some(server) = &descriptions {
-                let describe = |request| type_descriptions::describe(&request);
-                answer(&qos::GET_TYPE_DESCRIPTION, server, &counters, describe).await;
-            }
-        };
-        let (twin, counters) = (&*twin, &*counters);
-        let admit = |gid: Gid, endpoint: &Endpoint, what: &str| {
-            let admitted = self.senders.admit(gid, Instant::now());
-            admitted.map_err(|rejected| {
-                tell(&recording, None, endpoint, what, &rejected);
-                rejected.refusal
-            })
-        };
+        } = self;
         join!(
-            each(
-                &self.column_parameters,
-                &qos::COLUMN_PARAMETERS,
+            answer(&qos::GET_PARAMETERS, Some(get), counters, |request| {
+                parameters::get(columns, &request)
+            }),
+            answer(
+                &qos::GET_PARAMETER_TYPES,
+                Some(types),
                 counters,
-                |message, info| {
-                    let sender = info.publisher_gid();
-                    if admit(sender, &qos::COLUMN_PARAMETERS, "a set of parameters").is_err() {
-                        return;
-                    }
-                    record(
-                        &recording,
-                        None,
-                        &qos::COLUMN_PARAMETERS,
-                        &message,
-                        Some(&info),
-                    );
-                    tracing::debug!(
-                        "received a set of parameters of {}",
-                        GuidPrefix::from(sender)
-                    );
-                    let Err(refusal) = set_column(twin, &message) else {
-                        return;
-                    };
-                    if let Some(recording) = &recording
-                        && !refusal.code.is_from_twin()
-                    {
-                        recording.rejected(
-                            None,
-                            &qos::COLUMN_PARAMETERS,
-                            "a set of parameters",
-                            Some(refusal.code),
-                            &refusal.reason,
-                        );
+                |request| { parameters::types(columns, &request) }
+            ),
+            answer(&qos::LIST_PARAMETERS, Some(list), counters, |request| {
+                parameters::list(columns, &request)
+            }),
+            answer(
+                &qos::DESCRIBE_PARAMETERS,
+                Some(describe),
+                counters,
+                |request| { parameters::describe(columns, &request) }
+            ),
+            answer_from(
+                &qos::SET_PARAMETERS,
+                Some(set),
+                counters,
+                |sender, request| {
+                    match admit(sender, &qos::SET_PARAMETERS) {
+                        Ok(()) => parameters::set(columns, &request),
+                        Err(rejection) => parameters::set_rejected(&request, &rejection),
                     }
                 }
             ),
-            answer_from(&qos::RESET, &self.reset, counters, |sender, _| {
-                match admit(sender, &qos::RESET, "a reset") {
-                    Ok(()) => reset(twin),
-                    Err(refusal) => TriggerResponse {
-                        success: false,
-                        message: refusal.tagged(),
+            answer_from(
+                &qos::SET_PARAMETERS_ATOMICALLY,
+                Some(set_atomically),
+                counters,
+                |sender, request| {
+                    match admit(sender, &qos::SET_PARAMETERS_ATOMICALLY) {
+                        Ok(()) => parameters::set_atomically(columns, request),
+                        Err(rejection) => parameters::set_rejected_atomically(&rejection),
+                    }
+                }
+            ),
+        );
+    }
+}
+
+impl Services {
+    /// Offers all services; `rows` are those of a fleet.
+    pub fn new(
+        node: &mut Node,
+        rows: Option<Arc<RowImpacts>>,
+        receiving: Receiving,
+    ) -> Result<Self, NodeError> {
+        let settings = receiving.columns.node_parameters().settings();
+        let is_fleet = receiving.face().is_fleet();
+        let describes = settings.start_type_description_service;
+        let rows = rows.map(|rows| {
+            let events = node.subscription(&qos::ROW_IMPACT_EVENT)?;
+            Ok::<_, NodeError>((events, rows))
+        });
+        Ok(Self {
+            rows: rows.transpose()?,
+            column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
+            reset: (!is_fleet).then(|| node.server(&qos::RESET)).transpose()?,
+            reset_column: is_fleet
+                .then(|| node.server(&qos::RESET_COLUMN))
+                .transpose()?,
+            predict: node.server(&qos::PREDICT)?,
+            confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
+            correct_damage: node.server(&qos::CORRECT_DAMAGE)?,
+            parameters: ParameterServers::new(node)?,
+            descriptions: describes
+                .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
+                .transpose()?,
+            receiving,
+        })
+    }
+
+    /// Answers requests until the task is stopped.
+    pub async fn run(self) {
+        let receiving = &self.receiving;
+        let columns = &*receiving.columns;
+        let counters = &*receiving.counters;
+        // Of a request about a column: which one.
+        let column_of = |sender, column_id: &str, endpoint, what| {
+            let face = receiving.face();
+            receiving.admit(sender, face.index_of(column_id), endpoint, what)?;
+            face.requested(column_id)
+        };
+        let execute = |column: Result<u32, Rejection>, command| columns.execute(column?, command);
+        let rows = async {
+            if let Some((events, rows)) = &self.rows {
+                let take = |message, info: MessageInfo| row_event(receiving, rows, message, &info);
+                each(Some(events), &qos::ROW_IMPACT_EVENT, counters, take).await;
+            }
+        };
+        join!(
+            rows,
+            each(
+                Some(&self.column_parameters),
+                &qos::COLUMN_PARAMETERS,
+                counters,
+                |message, info| set_column(receiving, &message, &info),
+            ),
+            answer_from(&qos::RESET, self.reset.as_ref(), counters, |sender, _| {
+                let admitted = receiving.admit(sender, None, &qos::RESET, "a reset");
+                let outcome = execute(admitted.map(|()| 0), reset_by(&qos::RESET));
+                TriggerResponse {
+                    success: outcome.is_ok(),
+                    message: match outcome {
+                        Ok(_) => "the column is undamaged".to_owned(),
+                        Err(rejection) => rejection.tagged(),
                     },
                 }
             }),
-            answer(&qos::PREDICT, &self.predict, counters, |request| predicted(
-                twin, &request
-            )),
+            answer_from(
+                &qos::RESET_COLUMN,
+                self.reset_column.as_ref(),
+                counters,
+                |sender, request| {
+                    let endpoint = &qos::RESET_COLUMN;
+                    let column = column_of(sender, &request.column_id, endpoint, "a reset");
+                    match execute(column, reset_by(endpoint)) {
+                        Ok(_) => ResetColumnResponse {
+                            success: true,
+                            ..ResetColumnResponse::default()
+                        },
+                        Err(Rejection { code, reason }) => ResetColumnResponse {
+                            success: false,
+                            rejection_code: code.number(),
+                            message: reason.to_string(),
+                        },
+                    }
+                }
+            ),
+            answer(&qos::PREDICT, Some(&self.predict), counters, |request| {
+                predicted(columns, &request)
+            }),
             answer_from(
                 &qos::CONFIRM_ESTIMATE,
-                &self.confirm_estimate,
+                Some(&self.confirm_estimate),
                 counters,
                 |sender, request| {
-                    match admit(
-                        sender,
-                        &qos::CONFIRM_ESTIMATE,
-                        "a decision about an estimate",
-                    ) {
-                        Ok(()) => {
-                            let own = requests::check_column(twin.column_id(), &request.column_id);
-                            requests::confirm_estimate(request, |command| {
-                                own.and_then(|()| twin.execute(command))
-                            })
-                        }
-                        Err(refusal) => requests::not_decided(&refusal),
-                    }
+                    let (endpoint, what) = (&qos::CONFIRM_ESTIMATE, "a decision about an estimate");
+                    let column = column_of(sender, &request.column_id, endpoint, what);
+                    requests::confirm_estimate(request, |command| execute(column, command))
                 }
             ),
             answer_from(
-                &qos::CALIBRATE,
-                &self.calibrate,
+                &qos::CORRECT_DAMAGE,
+                Some(&self.correct_damage),
                 counters,
                 |sender, request| {
-                    match admit(sender, &qos::CALIBRATE, "a calibration") {
-                        Ok(()) => {
-                            let own = requests::check_column(twin.column_id(), &request.column_id);
-                            requests::calibrate(&request, |command| {
-                                own.and_then(|()| twin.execute(command))
-                            })
-                        }
-                        Err(refusal) => requests::not_calibrated(&refusal),
+                    let (endpoint, what) = (&qos::CORRECT_DAMAGE, "a correction of the damage");
+                    match column_of(sender, &request.column_id, endpoint, what) {
+                        Ok(it) => requests::correct_damage(&request, |command| {
+                            columns.execute(it, command)
+                        }),
+                        Err(rejection) => requests::not_corrected(&rejection),
                     }
                 }
             ),
-            answer(&qos::GET_PARAMETERS, &get, counters, |request| {
-                parameters::get(&twin.parameters(), &request)
-            }),
-            answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
-                parameters::types(&twin.parameters(), &request)
-            }),
-            answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
-                parameters::list(&twin.parameters(), &request)
-            }),
-            answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
-                parameters::describe(&twin.parameters(), &request)
-            }),
-            answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
-                match admit(sender, &qos::SET_PARAMETERS, "a request") {
-                    Ok(()) => parameters::set(twin, request),
-                    Err(refusal) => parameters::set_rejected(&request, &refusal),
-                }
-            }),
-            answer_from(
-                &qos::SET_PARAMETERS_ATOMICALLY,
-                &set_atomically,
+            self.parameters.run(receiving),
+            answer(
+                &qos::GET_TYPE_DESCRIPTION,
+                self.descriptions.as_ref(),
                 counters,
-                |sender, request| {
-                    match admit(sender, &qos::SET_PARAMETERS_ATOMICALLY, "a request") {
-                        Ok(()) => parameters::set_atomically(twin, request),
-                        Err(refusal) => parameters::set_rejected_atomically(&refusal),
-                    }
-                }
+                |request| type_descriptions::describe(&request),
             ),
-            describe_types,
         );
     }
 }
 
 /// Answers every request with the result of `reply`.
-pub(super) async fn answer<Request, Response>(
+async fn answer<Request, Response>(
     endpoint: &Endpoint,
-    server: &Server<Request, Response>,
+    server: Option<&Server<Request, Response>>,
     counters: &NodeCounters,
     mut reply: impl FnMut(Request) -> Response,
 ) where
@@ -456,16 +372,17 @@ pub(super) async fn answer<Request, Response>(
     answer_from(endpoint, server, counters, |_, request| reply(request)).await;
 }
 
-/// Answers every request with the result of `reply`, which is given the sender too.
-pub(super) async fn answer_from<Request, Response>(
+/// Answers every request with the result of `reply`, which is given the sender too; returns at once if there is no such server.
+async fn answer_from<Request, Response>(
     endpoint: &Endpoint,
-    server: &Server<Request, Response>,
+    server: Option<&Server<Request, Response>>,
     counters: &NodeCounters,
     mut reply: impl FnMut(Gid, Request) -> Response,
 ) where
     Request: ros2_client::Message + Clone + 'static,
     Response: ros2_client::Message + 'static,
 {
+    let Some(server) = server else { return };
     let mut requests = server.receive_request_stream();
     while let Some(request) = requests.next().await {
         match request {
@@ -494,59 +411,102 @@ pub(super) async fn answer_from<Request, Response>(
     }
 }
 
-fn reset(twin: &LiveTwin) -> TriggerResponse {
-    let outcome = twin.execute(Command::Reset {
-        source: "service ~/reset".into(),
-    });
-    TriggerResponse {
-        success: outcome.is_ok(),
-        message: match outcome {
-            Ok(_) => "the column is virgin".to_owned(),
-            Err(refusal) => refusal.tagged(),
-        },
+fn row_event(
+    receiving: &Receiving,
+    rows: &RowImpacts,
+    message: RowImpactEvent,
+    info: &MessageInfo,
+) {
+    let endpoint = &qos::ROW_IMPACT_EVENT;
+    // Columns that are elsewhere are those of another fleet on this topic.
+    let ids = &message.column_ids;
+    let is_own = |it: &String| receiving.face().index_of(it).is_some();
+    if !ids.is_empty() && !ids.iter().any(is_own) {
+        receiving.addressed(endpoint, &ids[0]);
+        return;
+    }
+    let id = Printable(&named(&message.event_id)).to_string();
+    if receiving
+        .admit(info.publisher_gid(), None, endpoint, &id)
+        .is_err()
+    {
+        return;
+    }
+    match rows.take_event(message) {
+        Ok(()) => tracing::info!("row impact event \"{id}\" accepted"),
+        Err(reasons) => {
+            NodeCounters::count(&receiving.counters.rejected_rows);
+            tracing::warn!(
+                "row impact event \"{id}\" was rejected, no column is hit by it: {reasons}"
+            );
+        }
     }
 }
 
-fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactResponse {
-    let parameters = twin.parameters();
-    let settings = parameters.settings();
-    match twin.predict(&request.column_id, &request.vehicle, &request.into()) {
-        Ok(prediction) => PredictImpactResponse {
+fn reset_by(endpoint: &Endpoint) -> Command {
+    let source = format!("service {}", endpoint.name).into();
+    Command::Reset { source }
+}
+
+fn predicted(columns: &LiveColumns, request: &PredictImpactRequest) -> PredictImpactResponse {
+    let face = columns.face();
+    let prediction = face.requested(&request.column_id).and_then(|column| {
+        let prediction = columns.predict(column, &request.vehicle, &request.into())?;
+        Ok((column, prediction))
+    });
+    match prediction {
+        Ok((column, prediction)) => PredictImpactResponse {
             success: true,
             report: ImpactReport {
                 header: Header {
-                    stamp: Time::from_nanos(twin.now()).unwrap_or_default(),
-                    frame_id: settings.frame_id.clone(),
+                    stamp: Time::from_nanos(columns.now()).unwrap_or_default(),
+                    frame_id: columns.parameters(column).settings().frame_id.clone(),
                 },
-                column_id: settings.column_id.clone(),
+                column_id: face.id(column).to_owned(),
                 event_id: request.event_id.clone(),
                 ..ImpactReport::from(&prediction)
             },
             ..PredictImpactResponse::default()
         },
-        Err(Refusal { code, reason }) => PredictImpactResponse {
+        Err(Rejection { code, reason }) => PredictImpactResponse {
             success: false,
-            refusal_code: code.number(),
+            rejection_code: code.number(),
             message: reason.to_string(),
             ..PredictImpactResponse::default()
         },
     }
 }
 
-fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, Refusal> {
-    let topic = qos::COLUMN_PARAMETERS.name;
-    let command = column_command(message, twin.column_id());
-    let outcome = twin.execute(command);
-    match &outcome {
+fn set_column(receiving: &Receiving, message: &ColumnParameters, info: &MessageInfo) {
+    let (endpoint, sender) = (&qos::COLUMN_PARAMETERS, info.publisher_gid());
+    let Some(column) = receiving.addressed(endpoint, &message.column_id) else {
+        return;
+    };
+    let what = SET_OF_PARAMETERS;
+    if receiving
+        .admit(sender, Some(column), endpoint, what)
+        .is_err()
+    {
+        return;
+    }
+    receiving.record(column, endpoint, message, Some(info));
+    let (face, topic) = (receiving.face(), endpoint.name);
+    let of_column = face.words("of", column);
+    let sender = GuidPrefix::from(sender);
+    tracing::debug!("received a set of parameters{of_column} of {sender}");
+    let command = column_command(message, face.id(column));
+    match receiving.columns.execute(column, command) {
         Ok(Accepted::Waiting) => tracing::info!(
-            "the parameters on {topic} were accepted; they take effect when the response ends"
+            "the parameters{of_column} on {topic} were accepted; they take effect when the response ends"
         ),
-        Ok(_) => tracing::info!("the parameters on {topic} were accepted"),
-        // The twin reports its refusals among its outputs.
-        Err(refusal) if refusal.code.is_from_twin() => {}
-        Err(refusal) => {
-            tracing::warn!("a change of parameters on {topic} was rejected: {refusal}");
+        Ok(_) => tracing::info!("the parameters{of_column} on {topic} were accepted"),
+        // The twin reports its rejections among its outputs.
+        Err(rejection) if rejection.code.is_from_twin() => {}
+        Err(rejection) => {
+            tracing::warn!(
+                "a change of parameters{of_column} on {topic} was rejected: {rejection}"
+            );
+            receiving.not_taken(Some(column), endpoint, what, &rejection);
         }
     }
-    outcome
 }

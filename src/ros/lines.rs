@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::column::{HINGE_NAMES, WEB_NAMES};
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
-pub use crate::messages::words::{decision_word, in_unit, severities_in_words, severity_word};
+pub use crate::messages::words::{action_word, actions_in_words, decision_word, in_unit};
 use crate::messages::words::{estimate_line, phase_word, range_in_words};
 
 /// A message of the twin.
@@ -196,11 +196,11 @@ impl WatchLines {
             }
             Seen::Forecast(report) if report.kind == ImpactReport::WITHDRAWN => Some(format!(
                 "the forecast of {} no longer holds: {}",
-                report.event_id, report.severity_reason
+                report.event_id, report.action_reason
             )),
             Seen::Forecast(report) if report.kind == ImpactReport::NO_FORECAST => Some(format!(
                 "no forecast of {}: {}",
-                report.event_id, report.severity_reason
+                report.event_id, report.action_reason
             )),
             // Forecast and result are published again with the range of the verdict.
             Seen::Forecast(report) if range_of(report).is_some() => range_line("forecast", report),
@@ -221,8 +221,8 @@ impl WatchLines {
             Seen::Status(status) => {
                 let state = (
                     status.phase,
-                    status.events_refused,
-                    status.parameters_refused,
+                    status.events_rejected,
+                    status.parameters_rejected,
                 );
                 let before = self.last_status.replace(state);
                 (before != Some(state)).then(|| status_line(status, before))
@@ -287,9 +287,9 @@ pub fn range_of(report: &ImpactReport) -> Option<String> {
 fn range_line(kind: &str, report: &ImpactReport) -> Option<String> {
     let range = range_of(report)?;
     Some(format!(
-        "{kind} of {}: severity {}; range {range}",
+        "{kind} of {}: action {}; range {range}",
         report.event_id,
-        severity_word(report.severity)
+        action_word(report.action)
     ))
 }
 
@@ -299,13 +299,13 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
         ImpactReport::COLLAPSED => "COLLAPSED",
-        ImpactReport::SEVERED => "SEVERED",
+        ImpactReport::FRACTURED => "FRACTURED",
         _ => "unknown",
     };
     let hinges: Vec<_> = HINGE_NAMES
         .iter()
-        .zip(report.plastic_rotation)
-        .filter(|(_, rotation)| *rotation != 0.0)
+        .zip(&*report.plastic_rotation)
+        .filter(|(_, rotation)| **rotation != 0.0)
         .map(|(name, rotation)| format!("{name} {:.2}", 1e3 * rotation))
         .collect();
     let hinges = if hinges.is_empty() {
@@ -315,8 +315,8 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     };
     let webs: String = WEB_NAMES
         .iter()
-        .zip(report.shear_angle)
-        .filter(|(_, angle)| *angle != 0.0 && angle.is_finite())
+        .zip(&*report.shear_angle)
+        .filter(|(_, angle)| **angle != 0.0 && angle.is_finite())
         .map(|(name, angle)| format!(", web {name} sheared by {:.2} mrad", 1e3 * angle))
         .collect();
     let crush = match &report.max_crush[..] {
@@ -325,17 +325,17 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     };
     let range = range_of(report).map_or(String::new(), |it| format!(" Range: {it}."));
     format!(
-        "{kind} of {}: severity {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
+        "{kind} of {}: action {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
          push-down {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
-        severity_word(report.severity),
-        report.severity_reason,
+        action_word(report.action),
+        report.action_reason,
         vehicle_word(&report.vehicle),
         1e3 * report.max_v1,
         report.max_v1_time,
         1e3 * report.residual_v1,
         1e-3 * report.residual_capacity,
-        1e-3 * report.virgin_capacity,
+        1e-3 * report.undamaged_capacity,
         1e3 * report.compute_time
     )
 }
@@ -348,11 +348,11 @@ fn vehicle_word(name: &str) -> &str {
 }
 
 fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
-    let refused_since = before.is_some_and(|(_, events, parameters)| {
-        status.events_refused > events || status.parameters_refused > parameters
+    let rejected_since = before.is_some_and(|(_, events, parameters)| {
+        status.events_rejected > events || status.parameters_rejected > parameters
     });
-    if refused_since {
-        return format!("rejected: {}", status.last_refusal_reason);
+    if rejected_since {
+        return format!("rejected: {}", status.last_rejection_reason);
     }
     let fault = match status.fault.as_str() {
         "" => String::new(),
@@ -366,15 +366,15 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
     );
     let range = range.map_or(String::new(), |it| format!("; range {it}"));
     format!(
-        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm, severity {}{}{range}",
+        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm, action {}{}{range}",
         status.column_id,
         phase_word(status.phase),
         status.impacts_since_reset,
         1e3 * status.residual_v1,
-        severity_word(status.severity),
-        match status.severity {
-            TwinStatus::SEVERITY_NONE => String::new(),
-            _ => format!(": {}", status.severity_reason),
+        action_word(status.action),
+        match status.action {
+            TwinStatus::ACTION_NONE => String::new(),
+            _ => format!(": {}", status.action_reason),
         }
     )
 }
@@ -422,7 +422,7 @@ fn critical_line(column_id: &str, critical: &[CriticalVelocities]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::client::refused;
+    use super::super::client::rejected;
     use super::*;
 
     #[test]
@@ -481,7 +481,7 @@ mod tests {
         assert_eq!(shown.len(), 1);
         assert!(shown[0].contains("; 3 impacts"), "{shown:?}");
         // From now on messages are shown as they come, also when simulated time has jumped back.
-        let rejected = refused("a", 1);
+        let rejected = rejected("a", 1);
         assert_eq!(
             lines.lines(Some(rejected), start + HISTORY_ARRIVES).len(),
             1
@@ -525,28 +525,28 @@ mod tests {
         let now = Instant::now();
         let unknown = ImpactReport {
             event_id: "e".to_owned(),
-            severity: ImpactReport::SEVERITY_PROP,
-            range_least: ImpactReport::SEVERITY_UNKNOWN,
-            range_most: ImpactReport::SEVERITY_UNKNOWN,
+            action: ImpactReport::ACTION_SHORE,
+            range_least: ImpactReport::ACTION_UNKNOWN,
+            range_most: ImpactReport::ACTION_UNKNOWN,
             ..ImpactReport::default()
         };
         let known = ImpactReport {
-            range_least: ImpactReport::SEVERITY_INSPECT,
-            range_most: ImpactReport::SEVERITY_PROP,
+            range_least: ImpactReport::ACTION_INSPECT,
+            range_most: ImpactReport::ACTION_SHORE,
             range_at_least: true,
             range_decided_by: "the height of the hit".to_owned(),
             ..unknown.clone()
         };
-        let range = "INSPECT to at least PROP, decided by the height of the hit";
+        let range = "INSPECT to at least SHORE, decided by the height of the hit";
         let line = lines.line(&Seen::Forecast(known.clone()), now);
-        let expected = format!("forecast of e: severity PROP; range {range}");
+        let expected = format!("forecast of e: action SHORE; range {range}");
         assert_eq!(line, Some(expected));
         let line = lines.line(&Seen::Report(unknown), now);
         assert!(line.is_some_and(|it| !it.to_lowercase().contains("range")));
         let line = lines.line(&Seen::Report(known.clone()), now);
         assert_eq!(
             line,
-            Some(format!("result of e: severity PROP; range {range}"))
+            Some(format!("result of e: action SHORE; range {range}"))
         );
         // Of another impact, whose result was not shown before.
         let other = ImpactReport {
@@ -566,12 +566,12 @@ mod tests {
         let now = Instant::now();
         assert!(
             lines
-                .line(&refused("a", 1), now)
+                .line(&rejected("a", 1), now)
                 .is_some_and(|line| line.contains("idle"))
         );
-        assert!(lines.line(&refused("a", 1), now).is_none());
+        assert!(lines.line(&rejected("a", 1), now).is_none());
         assert_eq!(
-            lines.line(&refused("b", 2), now),
+            lines.line(&rejected("b", 2), now),
             Some("rejected: too fast".to_owned())
         );
     }

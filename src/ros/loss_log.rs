@@ -4,8 +4,8 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use super::diagnostics::NodeCounters;
-use super::live_twin::Health;
+use super::counters::NodeCounters;
+use super::live_columns::Health;
 
 /// Minimum time between two messages about the same. What is lost meanwhile is part of the next one.
 const MIN_INTERVAL: Duration = Duration::from_secs(10);

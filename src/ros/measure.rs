@@ -4,7 +4,7 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::Measurement;
+use crate::messages::column_twin_msgs::Measurement;
 use crate::messages::std_msgs::Header;
 use crate::senses::Readings;
 use crate::sensors::Sensor;

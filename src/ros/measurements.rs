@@ -10,25 +10,25 @@ use futures::future::{LocalBoxFuture, join_all};
 use ros2_client::{MessageInfo, Subscription};
 
 use crate::incoming::raw_batch;
-use crate::live::{FleetMeasurements, MeasurementQueue};
+use crate::live::FleetMeasurements;
 use crate::messages::Message as _;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
-use crate::messages::column_twin::Measurement;
+use crate::messages::column_twin_msgs::Measurement;
 use crate::messages::geometry_msgs::{AccelStamped, Vector3};
 use crate::messages::sensor_msgs::Imu;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingTap;
-use crate::parameters::{Parameters, SensorAxis, SensorMessage};
-use crate::senses::{Batch, Collector, Intake, Rejection, SensorHealth};
+use crate::parameters::{SensorAxis, SensorMessage};
+use crate::senses::{BatchRejection, Collector, Intake, SensorHealth};
 use crate::time::Nanos;
 
-use super::diagnostics::NodeCounters;
-use super::inputs::{each_on, tell};
-use super::live_twin::LiveTwin;
+use super::counters::NodeCounters;
+use super::live_columns::LiveColumns;
 use super::node::{Node, NodeError};
 use super::qos::{self, Endpoint};
-use super::senders::{Rejected, Senders};
+use super::receiving::{Receiving, each_on};
+use super::senders::Rejected;
 use super::sensor_watch::{SensorLog, SensorStatus, SensorWatch};
 
 /// Batches of one column of a fleet in the history of its topic: what two sensors send in 80 ms, in batches of 10 ms.
@@ -37,108 +37,51 @@ const DEPTH_OF_A_COLUMN: usize = 16;
 /// Most batches in the history of the topic of a fleet.
 const MAX_DEPTH: usize = 16_384;
 
-/// Where the batches of a column go.
-enum Queue {
-    OfTwin(Arc<MeasurementQueue>),
-    /// With the index of the column.
-    OfFleet(FleetMeasurements, u32),
-}
-
-impl Queue {
-    fn push(&self, batch: Batch) {
-        match self {
-            Self::OfTwin(queue) => queue.push(batch),
-            Self::OfFleet(queues, column) => queues.push(*column, batch),
-        }
-    }
-
-    fn lost(&self) -> u64 {
-        match self {
-            Self::OfTwin(queue) => queue.lost(),
-            Self::OfFleet(queues, column) => queues.lost_of(*column),
-        }
-    }
-}
-
 /// Takes the measurements of all sensors of a column, from whatever topic: into the recording, and into the queue of those who use
 /// them.
 pub(super) struct SensorInputs {
+    column: u32,
     column_id: String,
     intake: Arc<Mutex<Intake>>,
-    queue: Queue,
+    queues: FleetMeasurements,
     recording: Option<Arc<dyn RecordingTap>>,
+    /// The column, as in [`RecordingTap`].
+    recorded: Option<String>,
     watch: Mutex<SensorWatch>,
 }
 
-impl std::fmt::Debug for SensorInputs {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut it = f.debug_struct("SensorInputs");
-        it.field("column_id", &self.column_id)
-            .finish_non_exhaustive()
-    }
-}
-
 impl SensorInputs {
-    /// `None` without sensors.
-    pub fn new(
-        twin: &LiveTwin,
-        parameters: &Parameters,
-        recording: Option<Arc<dyn RecordingTap>>,
-    ) -> Option<Arc<Self>> {
-        let queue = Queue::OfTwin(Arc::clone(twin.measurements()?));
-        let watch = SensorWatch::new(parameters.sensors().len(), twin.now());
-        Some(Arc::new(Self::with(queue, parameters, watch, recording)))
-    }
-
-    /// Those of a column of a fleet, which has sensors; `log` is shared by all columns.
-    pub fn of_fleet(
-        (queues, column): (&FleetMeasurements, u32),
-        parameters: &Parameters,
-        now: Nanos,
+    /// Those of a column with sensors; `log` is shared by all columns.
+    fn new(
+        columns: &LiveColumns,
+        column: u32,
+        queues: &FleetMeasurements,
         log: &Arc<SensorLog>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Self {
-        let queue = Queue::OfFleet(queues.clone(), column);
-        let watch = SensorWatch::new(parameters.sensors().len(), now);
-        let watch = watch.of_column(&parameters.settings().column_id, Arc::clone(log));
-        Self::with(queue, parameters, watch, recording)
-    }
-
-    fn with(
-        queue: Queue,
-        parameters: &Parameters,
-        watch: SensorWatch,
-        recording: Option<Arc<dyn RecordingTap>>,
-    ) -> Self {
-        let column_id = parameters.settings().column_id.clone();
-        let intake = Arc::new(Mutex::new(Intake::new(&parameters.sensors(), &column_id)));
-        let inputs = Self {
+        let face = columns.face();
+        let column_id = face.id(column);
+        let sensors = columns.initial_parameters(column).sensors();
+        let intake = Arc::new(Mutex::new(Intake::new(&sensors, column_id)));
+        if let Some(recording) = &recording {
+            recording.sensors(face.recorded(column), &intake);
+        }
+        let of = face.words("of", column);
+        let watch = SensorWatch::new(sensors.len(), columns.now(), of, Arc::clone(log));
+        Self {
+            column,
+            column_id: column_id.to_owned(),
             intake,
-            column_id,
-            queue,
+            queues: queues.clone(),
             recording,
+            recorded: face.recorded(column).map(str::to_owned),
             watch: Mutex::new(watch),
-        };
-        if let Some(recording) = &inputs.recording {
-            recording.sensors(inputs.recorded_as(), &inputs.intake);
-        }
-        inputs
-    }
-
-    /// The column, as in [`RecordingTap`].
-    fn recorded_as(&self) -> Option<&str> {
-        match self.queue {
-            Queue::OfTwin(_) => None,
-            Queue::OfFleet(..) => Some(&self.column_id),
         }
     }
 
-    /// The index of the column in its fleet; 0 for a single twin.
+    /// The index of the column.
     pub fn column(&self) -> u32 {
-        match self.queue {
-            Queue::OfTwin(_) => 0,
-            Queue::OfFleet(_, column) => column,
-        }
+        self.column
     }
 
     /// The identifier of the column.
@@ -161,9 +104,9 @@ impl SensorInputs {
         }
         drop(intake);
         match taken {
-            Ok(batch) => self.queue.push(batch),
+            Ok(batch) => self.queues.push(self.column, batch),
             // Columns may share a topic.
-            Err(Rejection::OtherColumn { .. }) => {}
+            Err(BatchRejection::OtherColumn { .. }) => {}
             Err(rejection) => {
                 let mut watch = self.watch();
                 watch.rejected(&measurement.sensor_id, &rejection, Instant::now());
@@ -177,12 +120,12 @@ impl SensorInputs {
         };
         match cdr::encode(measurement) {
             Ok(bytes) => {
-                let column = self.recorded_as();
+                let column = self.recorded.as_deref();
                 recording.measured(column, &qos::MEASUREMENTS, bytes, received, intake);
             }
             Err(error) => {
                 recording.rejected(
-                    self.recorded_as(),
+                    self.recorded.as_deref(),
                     &qos::MEASUREMENTS,
                     "a batch",
                     None,
@@ -198,7 +141,7 @@ impl SensorInputs {
             let intake = self.intake();
             (intake.health(now), intake.strays().clone())
         };
-        let lost = self.queue.lost();
+        let lost = self.queues.lost_of(self.column);
         let mut watch = self.watch();
         watch.status(&health, &strays, lost, now)
     }
@@ -210,7 +153,7 @@ impl SensorInputs {
             let intake = self.intake();
             (intake.health(now), intake.strays().clone())
         };
-        let lost = self.queue.lost();
+        let lost = self.queues.lost_of(self.column);
         let problems = self.watch().problems(&health, &strays, lost, now);
         (health, problems, lost)
     }
@@ -225,51 +168,50 @@ impl SensorInputs {
 }
 
 /// The columns of a node with sensors.
-#[derive(Debug)]
 pub(super) struct SensedColumns {
-    columns: Vec<Arc<SensorInputs>>,
-    /// Their places by their identifiers; `None` for a single twin, which tells by itself what is for other columns.
-    by_id: Option<HashMap<String, usize>>,
-    /// Batches for columns that are not in this fleet, or have no sensors.
+    columns: Arc<LiveColumns>,
+    sensed: Vec<SensorInputs>,
+    /// Their places in `sensed`, by the indices of the columns.
+    places: HashMap<u32, usize>,
+    /// Batches for columns that are not here, or have no sensors.
     strays: AtomicU64,
 }
 
 impl SensedColumns {
-    /// The column of a single twin.
-    pub fn of_twin(inputs: Arc<SensorInputs>) -> Self {
-        Self {
-            columns: vec![inputs],
-            by_id: None,
+    /// `None` if no column has sensors.
+    pub fn new(
+        columns: &Arc<LiveColumns>,
+        recording: Option<&Arc<dyn RecordingTap>>,
+    ) -> Option<Arc<Self>> {
+        let queues = columns.measurements()?;
+        let log = Arc::<SensorLog>::default();
+        let all = (0..).zip(columns.face().ids()).map(|(column, _)| column);
+        let sensed: Vec<_> = all
+            .filter(|column| !columns.initial_parameters(*column).sensors().is_empty())
+            .map(|column| SensorInputs::new(columns, column, queues, &log, recording.cloned()))
+            .collect();
+        Some(Arc::new(Self {
+            columns: Arc::clone(columns),
+            places: sensed.iter().map(SensorInputs::column).zip(0..).collect(),
+            sensed,
             strays: AtomicU64::new(0),
-        }
-    }
-
-    /// The columns of a fleet.
-    pub fn of_fleet(columns: Vec<Arc<SensorInputs>>) -> Self {
-        let by_id = columns.iter().map(|it| it.column_id.clone()).zip(0..);
-        Self {
-            by_id: Some(by_id.collect()),
-            columns,
-            strays: AtomicU64::new(0),
-        }
+        }))
     }
 
     /// All of them.
-    pub fn columns(&self) -> &[Arc<SensorInputs>] {
-        &self.columns
+    pub fn columns(&self) -> &[SensorInputs] {
+        &self.sensed
     }
 
-    /// Batches for columns that are not in this fleet, or have no sensors.
+    /// Batches for columns that are not here, or have no sensors.
     pub fn strays(&self) -> u64 {
         self.strays.load(Ordering::Relaxed)
     }
 
     fn take(&self, measurement: &Measurement, received: Nanos) {
-        let place = match &self.by_id {
-            None => Some(0),
-            Some(by_id) => by_id.get(&measurement.column_id).copied(),
-        };
-        match place.and_then(|it| self.columns.get(it)) {
+        let column = self.columns.face().addressed(&measurement.column_id);
+        let place = column.and_then(|it| self.places.get(&it));
+        match place.and_then(|it| self.sensed.get(*it)) {
             Some(column) => column.take(measurement, received),
             None => {
                 self.strays.fetch_add(1, Ordering::Relaxed);
@@ -280,6 +222,8 @@ impl SensedColumns {
 
 /// A sensor that sends each sample in a message of its own.
 struct Collecting {
+    /// The place of its column among those with sensors.
+    place: usize,
     name: String,
     axis: SensorAxis,
     period: f64,
@@ -328,112 +272,56 @@ impl Topic {
 /// The subscriptions of all topics of the sensors.
 pub(super) struct MeasurementSubscriptions {
     inputs: Arc<SensedColumns>,
-    recording: Option<Arc<dyn RecordingTap>>,
+    receiving: Receiving,
     /// With the names of the topics.
     topics: Vec<(String, Topic)>,
-    senders: Arc<Senders>,
 }
 
 impl MeasurementSubscriptions {
-    /// Subscribes to `measurements` only, with a history for these columns of a fleet.
-    pub fn of_fleet(
-        node: &mut Node,
-        inputs: Arc<SensedColumns>,
-        senders: Arc<Senders>,
-        recording: Option<Arc<dyn RecordingTap>>,
-    ) -> Result<Self, NodeError> {
-        let mut endpoint = qos::MEASUREMENTS;
-        let depth = inputs.columns.len().saturating_mul(DEPTH_OF_A_COLUMN);
-        endpoint.qos.depth = depth.clamp(endpoint.qos.depth, MAX_DEPTH);
-        Ok(Self {
-            topics: vec![subscribe_to_measurements(node, &endpoint)?],
-            inputs,
-            recording,
-            senders,
-        })
-    }
-
-    /// Subscribes to `measurements` and to the topics that the parameters of a single twin name.
+    /// Subscribes to `measurements`, with a history for these columns, and to the topics that their parameters name.
     pub fn new(
         node: &mut Node,
-        parameters: &Parameters,
-        inputs: Arc<SensorInputs>,
-        senders: Arc<Senders>,
-        recording: Option<Arc<dyn RecordingTap>>,
+        inputs: Arc<SensedColumns>,
+        receiving: Receiving,
     ) -> Result<Self, NodeError> {
-        let kind = qos::MEASUREMENTS.kind();
-        let mut topics = vec![subscribe_to_measurements(node, &qos::MEASUREMENTS)?];
-        let sensors = parameters.sensors();
-        let sources = parameters.sensor_sources();
-        for (sensor, source) in sensors.iter().zip(&sources) {
-            if source.topic.is_empty() {
-                continue;
-            }
-            let full = node.names().resolve(kind, &source.topic)?;
-            let known = topics.iter().position(|(name, _)| *name == full);
-            let index = match known {
-                Some(index) => index,
-                None => {
-                    let topic = subscribe(node, &source.topic, source.message)?;
-                    topics.push((full.clone(), topic));
-                    topics.len() - 1
-                }
-            };
-            let topic = &mut topics[index].1;
-            if topic.message() != source.message {
-                return Err(NodeError::Endpoint {
-                    what: full,
-                    reason: format!(
-                        "sensors.{}.message is {}, but messages of the type {} are expected on this topic already; name \
-                         another topic",
-                        sensor.name,
-                        source.message.word(),
-                        topic.message().word()
-                    ),
-                });
-            }
-            if let Topic::Imu(_, collecting) | Topic::Accel(_, collecting) = topic {
-                collecting.push(Collecting {
-                    name: sensor.name.clone(),
-                    axis: source.axis,
-                    period: 1.0 / sensor.rate,
-                    collector: Collector::new(sensor.rate),
-                });
-            }
+        let mut endpoint = qos::MEASUREMENTS;
+        let depth = inputs.sensed.len().saturating_mul(DEPTH_OF_A_COLUMN);
+        endpoint.qos.depth = depth.clamp(endpoint.qos.depth, MAX_DEPTH);
+        let mut topics = vec![subscribe_to_measurements(node, &endpoint)?];
+        for (place, column) in inputs.sensed.iter().enumerate() {
+            subscribe_to_sensors(node, &mut topics, place, &inputs.columns, column.column)?;
         }
         Ok(Self {
-            inputs: Arc::new(SensedColumns::of_twin(inputs)),
-            recording,
+            inputs,
+            receiving,
             topics,
-            senders,
         })
     }
 
     /// Takes measurements until the task is stopped.
-    pub async fn run(self, clock: impl Fn() -> Nanos, counters: &NodeCounters) {
+    pub async fn run(self) {
         let Self {
             inputs,
-            recording,
+            receiving,
             mut topics,
-            senders,
         } = self;
-        let inputs = &*inputs;
+        let (inputs, counters) = (&*inputs, &*receiving.counters);
         // A simulated clock cannot be before its beginning, but a message can say so.
-        let now = || clock().max(0);
+        let now = || receiving.columns.now().max(0);
         let now = &now;
         let admits = |info: &MessageInfo, topic: &str| {
+            let senders = &receiving.senders;
             let admitted = senders.admit_stream(info.publisher_gid(), Instant::now());
             let told = |rejected: &Rejected| {
                 let what = format!("a measurement on {topic}");
-                tell(&recording, None, &qos::MEASUREMENTS, &what, rejected);
+                receiving.tell(None, &qos::MEASUREMENTS, &what, rejected);
             };
             admitted.inspect_err(told).is_ok()
         };
         let admits = &admits;
         let collected = |collecting: &mut [Collecting], stamp: Time, vector: &Vector3| {
             for sensor in collecting {
-                // Only the sensors of a single twin have messages of this kind.
-                let Some(column) = inputs.columns.first() else {
+                let Some(column) = inputs.sensed.get(sensor.place) else {
                     return;
                 };
                 let Some(stamp) = stamp.to_nanos() else {
@@ -505,6 +393,58 @@ fn subscribe_to_measurements(
     Ok((full, Topic::Measurements(subscription)))
 }
 
+/// Subscribes to the topics that the parameters of a column name, unless another sensor has done so.
+fn subscribe_to_sensors(
+    node: &mut Node,
+    topics: &mut Vec<(String, Topic)>,
+    place: usize,
+    columns: &LiveColumns,
+    column: u32,
+) -> Result<(), NodeError> {
+    let parameters = columns.initial_parameters(column);
+    let (sensors, sources) = (parameters.sensors(), parameters.sensor_sources());
+    for (sensor, source) in sensors.iter().zip(&sources) {
+        if source.topic.is_empty() {
+            continue;
+        }
+        let kind = qos::MEASUREMENTS.kind();
+        let topic = columns.face().topic_of(column, &source.topic);
+        let full = node.names().resolve(kind, &topic)?;
+        let known = topics.iter().position(|(name, _)| *name == full);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let topic = subscribe(node, &topic, source.message)?;
+                topics.push((full.clone(), topic));
+                topics.len() - 1
+            }
+        };
+        let topic = &mut topics[index].1;
+        if topic.message() != source.message {
+            return Err(NodeError::Endpoint {
+                what: full,
+                reason: format!(
+                    "sensors.{}.message is {}, but messages of the type {} are expected on this topic already; name \
+                     another topic",
+                    sensor.name,
+                    source.message.word(),
+                    topic.message().word()
+                ),
+            });
+        }
+        if let Topic::Imu(_, collecting) | Topic::Accel(_, collecting) = topic {
+            collecting.push(Collecting {
+                place,
+                name: sensor.name.clone(),
+                axis: source.axis,
+                period: 1.0 / sensor.rate,
+                collector: Collector::new(sensor.rate),
+            });
+        }
+    }
+    Ok(())
+}
+
 fn subscribe(node: &mut Node, topic: &str, message: SensorMessage) -> Result<Topic, NodeError> {
     let qos = &qos::SENSOR_DATA;
     Ok(match message {
@@ -543,6 +483,7 @@ mod tests {
     #[test]
     fn an_axis_of_single_samples_becomes_measurements() {
         let mut sensor = Collecting {
+            place: 0,
             name: "a".to_owned(),
             axis: SensorAxis::Y,
             period: 1e-3,

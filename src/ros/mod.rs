@@ -2,7 +2,7 @@
 //!
 //! This module implements what ROS users expect and the client library lacks: `--ros-args`, the environment variables,
 //! names and remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin
-//! runs behind [`LiveTwin`] and is independent of ROS.
+//! runs behind [`LiveColumns`] and is independent of ROS.
 //!
 //! Deliberately absent: the `Spinner` of ros2-client (it subscribes to `/clock` with a wrong type, and its parameter
 //! services support neither descriptions nor sets), and all default qualities of service of the libraries.
@@ -12,11 +12,13 @@ mod arguments;
 mod client;
 mod client_error;
 mod clock_watch;
+mod counters;
 mod dds_threads;
+mod detected;
 mod diagnostics;
 mod duplicates;
 mod environment;
-mod felt;
+mod face;
 mod fleet;
 mod fleet_view;
 mod fresh_domain;
@@ -25,7 +27,7 @@ mod guid_prefix;
 mod inputs;
 mod library_log;
 mod lines;
-mod live_twin;
+mod live_columns;
 mod log_limit;
 mod loss_log;
 mod lost_peers;
@@ -36,10 +38,12 @@ mod missed;
 mod names;
 mod node;
 mod node_viewer;
+mod output_log;
 mod parameter_services;
 mod publishing;
 pub mod qos;
 mod raw;
+mod receiving;
 #[cfg(feature = "record")]
 pub mod replay;
 mod requests;
@@ -48,6 +52,7 @@ mod row_client;
 mod run;
 pub mod security;
 mod senders;
+mod sending;
 mod sensor_watch;
 mod signals;
 mod subscribed;
@@ -61,14 +66,14 @@ pub use client::{
     ImpactOptions, ImpactOutcome, ImpactRequest, Shown, follow_impact, send_impact, watch,
 };
 pub use client_error::ClientError;
+pub use detected::follow_sensors;
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
-pub use felt::follow_sensors;
-pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};
+pub use face::Face;
 pub use fresh_domain::FreshDomain;
 pub use lines::{
-    Seen, decision_word, in_unit, range_of, report_line, severities_in_words, severity_word,
+    Seen, action_word, actions_in_words, decision_word, in_unit, range_of, report_line,
 };
-pub use live_twin::{Health, LiveTwin, LiveTwinError};
+pub use live_columns::{Health, LiveColumns, StartError};
 pub use matches::Matches;
 pub use measure::{MeasureOptions, Measured, send_measurements};
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
@@ -76,7 +81,7 @@ pub use node::{Node, NodeError};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
 pub use row_client::{RowImpactOptions, send_row_impact};
-pub use run::{RunEnd, RunError, RunOptions, run};
+pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 

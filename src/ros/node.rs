@@ -15,6 +15,7 @@ use serde::de::DeserializeOwned;
 
 use super::duplicates::Duplicates;
 use super::environment::{DiscoveryRange, Environment};
+use super::live_columns::LiveColumns;
 use super::matches::{Discovered, Matches};
 use super::names::{NameError, NameKind, Names};
 use super::qos::{self, Endpoint, Qos, package_and_type};
@@ -133,27 +134,29 @@ impl Node {
         }
     }
 
-    /// As [`participant_events`](Self::participant_events), for the node of a twin: also warns about other nodes with the
-    /// same name and other twins of the same column.
+    /// As [`events`](Self::events), for the node of these columns: also warns about other nodes with the same name and other twins of
+    /// the same column.
     ///
     /// # Errors
     /// A name is invalid.
-    pub(super) fn twin_events(
+    pub(super) fn twin_events<F: FnMut(Discovered<'_>)>(
         &self,
-        column_id: &str,
-    ) -> Result<impl Future<Output = ()> + use<>, NodeError> {
+        columns: Arc<LiveColumns>,
+        mut on: F,
+    ) -> Result<impl Future<Output = ()> + use<F>, NodeError> {
         let participant = self.context.domain_participant();
         let duplicates = Duplicates {
             participant,
             node: self.names.fully_qualified(),
             status: self.topic(&qos::TWIN_STATUS)?.1,
-            column_id: column_id.to_owned(),
+            columns,
         };
         let (mut on_writer, compare) = duplicates.watch();
         let follow = self.events(move |discovered| {
-            if let Discovered::Writer(writer) = discovered {
+            if let Discovered::Writer(writer) = &discovered {
                 on_writer(writer);
             }
+            on(discovered);
         });
         Ok(async {
             futures::join!(follow, compare);

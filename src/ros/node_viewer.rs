@@ -148,9 +148,9 @@ pub(super) fn start(
 }
 
 #[cfg(feature = "viewer")]
-fn log(severity: crate::twin::NoticeLevel, text: String) {
+fn log(action: crate::twin::NoticeLevel, text: String) {
     use crate::twin::NoticeLevel::{Error, Info, Warning};
-    match severity {
+    match action {
         Info => tracing::info!("viewer: {text}"),
         Warning => tracing::warn!("viewer: {text}"),
         Error => tracing::error!("viewer: {text}"),

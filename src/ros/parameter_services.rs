@@ -1,9 +1,12 @@
 //! The six services behind `ros2 param`, and `/parameter_events`.
 //!
+//! Of a fleet, `a3.top.load` is the parameter `top.load` of column `a3`. The parameters that belong to the node of a fleet keep their
+//! names, and are read-only. A single twin has its parameters under their own names.
+//!
 //! The services of ros2-client have neither descriptions nor ranges nor read-only flags, check one value at a time and
 //! never a set as a whole, reject a whole number for a `double`, and run their set action at declaration.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 use ros2_client::parameters::raw;
@@ -14,17 +17,23 @@ use ros2_client::rcl_interfaces::{
     SetParametersRequest, SetParametersResponse,
 };
 
-use crate::parameters::{Admissible, DeclaredParameter, Kind, Parameter, Parameters, Value};
-use crate::twin::{Accepted, Command, Refusal, RefusalCode};
+use crate::parameters::{
+    Admissible, DeclaredParameter, Kind, Parameter, Parameters, Value, is_of_the_fleet,
+};
+use crate::twin::{Accepted, Command, Rejection, RejectionCode};
 
-use super::live_twin::LiveTwin;
+use super::face::Face;
+use super::live_columns::LiveColumns;
 
 /// Maximum number of parameters in one request: more than exist, and few enough to answer quickly.
-pub(super) const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
+const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
 
 /// Maximum number of names in a request that is answered name by name. The answer to more of them would be longer than what
 /// RustDDS and others take as one message, and would vanish.
 const MAX_NAMES_ANSWERED: usize = 10 * MAX_PARAMETERS_PER_REQUEST;
+
+/// Most names in one list, so that it fits into a message: the prefixes name the columns whose parameters are left out.
+const MAX_LISTED: usize = 8192;
 
 /// What a client has to know of a change that is accepted during a response.
 const WAITS: &str = "takes effect when the response ends";
@@ -33,16 +42,93 @@ const WAITS: &str = "takes effect when the response ends";
 const TOGETHER: &str = "set parameters that depend on one another in one request, with ~/set_parameters_atomically or a \
                         message on column_parameters";
 
+/// Columns whose parameters can be read and changed.
+pub(super) trait Configurable {
+    /// The columns, and how others tell them apart.
+    fn face(&self) -> &Face;
+
+    /// The parameters of the node.
+    fn node_parameters(&self) -> &Arc<Parameters>;
+
+    /// The parameters of a column that hold.
+    fn parameters(&self, column: u32) -> Arc<Parameters>;
+
+    /// Executes a command of a column, and waits for the outcome.
+    fn execute(&self, column: u32, command: Command) -> Result<Accepted, Rejection>;
+}
+
+impl Configurable for LiveColumns {
+    fn face(&self) -> &Face {
+        self.face()
+    }
+
+    fn node_parameters(&self) -> &Arc<Parameters> {
+        self.node_parameters()
+    }
+
+    fn parameters(&self, column: u32) -> Arc<Parameters> {
+        self.parameters(column)
+    }
+
+    fn execute(&self, column: u32, command: Command) -> Result<Accepted, Rejection> {
+        self.execute(column, command)
+    }
+}
+
+/// Where a parameter is.
+struct Place<'a> {
+    /// The index of its column; `None` if it belongs to the node of a fleet.
+    column: Option<u32>,
+    /// Its name there.
+    name: &'a str,
+    parameters: Arc<Parameters>,
+}
+
+/// Finds a parameter by its name; `None` if there is none. An identifier may contain dots, so that the longest one wins.
+fn place<'a>(columns: &impl Configurable, full_name: &'a str) -> Option<Place<'a>> {
+    let face = columns.face();
+    let in_column = |column, name| {
+        let parameters = columns.parameters(column);
+        let is_known = is_of_a_column(face, name) && parameters.declared(name).is_some();
+        is_known.then_some(Place {
+            column: Some(column),
+            name,
+            parameters,
+        })
+    };
+    if !face.is_fleet() {
+        return in_column(0, full_name);
+    }
+    let in_node = || {
+        let parameters = columns.node_parameters();
+        let is_known = is_of_the_fleet(full_name) && parameters.declared(full_name).is_some();
+        is_known.then(|| Place {
+            column: None,
+            name: full_name,
+            parameters: Arc::clone(parameters),
+        })
+    };
+    let mut dots = full_name.rmatch_indices('.');
+    let found = dots.find_map(|(dot, _)| {
+        let column = face.index_of(&full_name[..dot])?;
+        in_column(column, &full_name[dot + 1..])
+    });
+    found.or_else(in_node)
+}
+
+/// Whether each column has this parameter for itself.
+fn is_of_a_column(face: &Face, name: &str) -> bool {
+    !face.is_fleet() || !is_of_the_fleet(name)
+}
+
 /// `~/get_parameters`: the values that hold; a change that waits for the end of a response is not among them yet. Unknown names
 /// are "not set", as in rclpy.
 pub(super) fn get(
-    parameters: &Parameters,
+    columns: &impl Configurable,
     request: &GetParametersRequest,
 ) -> GetParametersResponse {
-    let known = parameters.iter().map(|(it, value)| (it.name, value));
-    let known: HashMap<_, _> = known.collect();
     let value = |name: &String| {
-        let value = known.get(name.as_str()).cloned();
+        let value = place(columns, name).and_then(|it| it.parameters.get(it.name));
         value.map_or_else(not_set, raw_value)
     };
     GetParametersResponse {
@@ -52,11 +138,13 @@ pub(super) fn get(
 
 /// `~/get_parameter_types`
 pub(super) fn types(
-    parameters: &Parameters,
+    columns: &impl Configurable,
     request: &GetParameterTypesRequest,
 ) -> GetParameterTypesResponse {
     let type_of = |name: &String| {
-        let known = parameters.declared(name);
+        let place = place(columns, name);
+        let known = place.as_ref();
+        let known = known.and_then(|it| it.parameters.declared(it.name));
         known.map_or(raw::ParameterType::NOT_SET, |it| type_code(it.row.kind()))
     };
     GetParameterTypesResponse {
@@ -66,12 +154,18 @@ pub(super) fn types(
 
 /// `~/describe_parameters`: an unknown name has an empty description, as in rclpy.
 pub(super) fn describe(
-    parameters: &Parameters,
+    columns: &impl Configurable,
     request: &DescribeParametersRequest,
 ) -> DescribeParametersResponse {
     let described = |name: &String| {
-        let known = parameters.declared(name);
-        known.map_or_else(no_descriptor, descriptor)
+        let Some(place) = place(columns, name) else {
+            return no_descriptor();
+        };
+        let declared = place.parameters.declared(place.name);
+        let mut it = declared.map_or_else(no_descriptor, descriptor);
+        it.name.clone_from(name);
+        it.read_only |= place.column.is_none();
+        it
     };
     DescribeParametersResponse {
         values: each(&request.names, described, |description| {
@@ -86,11 +180,7 @@ pub(super) fn describe(
 /// One reply for each request, as the services require: `answer` up to the bound, `reject` beyond it. `reject` receives the
 /// reason, which is empty after the first one, so that the reply does not grow beyond the request. Far beyond the bound there is
 /// no reply for any of them, as in rclcpp where it cannot answer, and a warning.
-pub(super) fn each<T, A>(
-    requested: &[T],
-    answer: impl Fn(&T) -> A,
-    reject: impl Fn(String) -> A,
-) -> Vec<A> {
+fn each<T, A>(requested: &[T], answer: impl Fn(&T) -> A, reject: impl Fn(String) -> A) -> Vec<A> {
     if requested.len() > MAX_NAMES_ANSWERED {
         tracing::warn!(
             "a request about parameters was answered with an empty list: {}",
@@ -108,7 +198,7 @@ pub(super) fn each<T, A>(
     answered.iter().map(answer).chain(rejections).collect()
 }
 
-pub(super) fn too_many(count: usize) -> String {
+fn too_many(count: usize) -> String {
     format!(
         "expected at most {MAX_PARAMETERS_PER_REQUEST} parameters in one request, found {count}; send several requests"
     )
@@ -116,7 +206,7 @@ pub(super) fn too_many(count: usize) -> String {
 
 /// Whether a request asks for this name, as in rclpy: without prefixes all names with fewer than `depth` dots (0: any number);
 /// with prefixes the names equal to one of them, or below one with fewer than `depth` dots behind it and its own dot.
-pub(super) fn is_listed(name: &str, request: &ListParametersRequest) -> bool {
+fn is_listed(name: &str, request: &ListParametersRequest) -> bool {
     let within = |dots: usize| request.depth == 0 || (dots as u64) < request.depth;
     let below = |name: &str, prefix: &String| {
         name == prefix
@@ -131,23 +221,40 @@ pub(super) fn is_listed(name: &str, request: &ListParametersRequest) -> bool {
     }
 }
 
-/// `~/list_parameters`: see [`is_listed`].
+/// `~/list_parameters`: the names for which [`is_listed`] holds, of the node and of every column, at most [`MAX_LISTED`]. The prefixes
+/// include every column of a fleet that the request asks for.
 pub(super) fn list(
-    parameters: &Parameters,
+    columns: &impl Configurable,
     request: &ListParametersRequest,
 ) -> ListParametersResponse {
-    let mut names: Vec<String> = parameters
-        .all_declared()
-        .map(|parameter| parameter.name)
-        .filter(|name| is_listed(name, request))
-        .map(str::to_owned)
-        .collect();
+    let face = columns.face();
+    let mut names = Vec::new();
+    let mut prefixes = BTreeSet::new();
+    if face.is_fleet() {
+        let declared = columns.node_parameters().all_declared();
+        let own = declared.map(|it| it.name.to_owned());
+        names.extend(own.filter(|name| is_of_the_fleet(name) && is_listed(name, request)));
+    }
+    for (column, column_id) in (0..).zip(face.ids()) {
+        if face.is_fleet() {
+            if !asks_for_column(request, column_id) {
+                continue;
+            }
+            prefixes.insert(column_id.to_string());
+        }
+        if names.len() >= MAX_LISTED {
+            continue;
+        }
+        let (parameters, prefix) = (columns.parameters(column), face.parameter_prefix(column));
+        let own = parameters.all_declared().map(|it| it.name);
+        let own = own.filter(|name| is_of_a_column(face, name));
+        let own = own.map(|name| format!("{prefix}{name}"));
+        names.extend(own.filter(|name| is_listed(name, request)));
+    }
+    names.truncate(MAX_LISTED);
     names.sort();
-    let prefixes: BTreeSet<String> = names
-        .iter()
-        .filter_map(|name| name.rsplit_once('.'))
-        .map(|(group, _)| group.to_owned())
-        .collect();
+    let groups = names.iter().filter_map(|name| name.rsplit_once('.'));
+    prefixes.extend(groups.map(|(group, _)| group.to_owned()));
     ListParametersResponse {
         result: ListParametersResult {
             names,
@@ -156,9 +263,23 @@ pub(super) fn list(
     }
 }
 
+/// Whether a request asks for parameters of this column.
+fn asks_for_column(request: &ListParametersRequest, column_id: &str) -> bool {
+    let is_within = |outer: &str, inner: &str| {
+        let rest = inner.strip_prefix(outer);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    let mut prefixes = request.prefixes.iter();
+    request.prefixes.is_empty()
+        || prefixes.any(|it| is_within(column_id, it) || is_within(it, column_id))
+}
+
 /// `~/set_parameters`: one by one, each with its own result.
-pub(super) fn set(twin: &LiveTwin, request: SetParametersRequest) -> SetParametersResponse {
-    let set_one = |it: &raw::Parameter| result(set_all(twin, vec![it.clone()]));
+pub(super) fn set(
+    columns: &impl Configurable,
+    request: &SetParametersRequest,
+) -> SetParametersResponse {
+    let set_one = |it: &raw::Parameter| result(set_together(columns, vec![it.clone()]));
     SetParametersResponse {
         results: each(&request.parameter, set_one, |reason| result(Err(reason))),
     }
@@ -167,64 +288,116 @@ pub(super) fn set(twin: &LiveTwin, request: SetParametersRequest) -> SetParamete
 /// The answer to a request that is not carried out.
 pub(super) fn set_rejected(
     request: &SetParametersRequest,
-    refusal: &Refusal,
+    rejection: &Rejection,
 ) -> SetParametersResponse {
-    let rejected = |_: &raw::Parameter| result(Err(refusal.tagged()));
+    let rejected = |_: &raw::Parameter| result(Err(rejection.tagged()));
     SetParametersResponse {
         results: each(&request.parameter, rejected, |reason| result(Err(reason))),
     }
 }
 
 /// The answer to a request that is not carried out.
-pub(super) fn set_rejected_atomically(refusal: &Refusal) -> SetParametersAtomicallyResponse {
+pub(super) fn set_rejected_atomically(rejection: &Rejection) -> SetParametersAtomicallyResponse {
     SetParametersAtomicallyResponse {
-        result: result(Err(refusal.tagged())),
+        result: result(Err(rejection.tagged())),
     }
 }
 
-/// `~/set_parameters_atomically`: all or none, validated as a whole.
+/// `~/set_parameters_atomically`: all or none of one column, validated as a whole.
 pub(super) fn set_atomically(
-    twin: &LiveTwin,
+    columns: &impl Configurable,
     request: SetParametersRequest,
 ) -> SetParametersAtomicallyResponse {
-    let outcome = if request.parameter.len() > MAX_PARAMETERS_PER_REQUEST {
-        Err(too_many(request.parameter.len()))
-    } else {
-        set_all(twin, request.parameter)
+    let outcome = match request.parameter.len() > MAX_PARAMETERS_PER_REQUEST {
+        true => Err(too_many(request.parameter.len())),
+        false => set_together(columns, request.parameter),
     };
     SetParametersAtomicallyResponse {
         result: result(outcome),
     }
 }
 
-/// A column whose parameters can change.
-pub(super) trait Configurable {
-    /// The parameters that hold.
-    fn parameters(&self) -> Arc<Parameters>;
-
-    /// Executes a command, and waits for the outcome.
-    fn execute(&self, command: Command) -> Result<Accepted, Refusal>;
+/// Changes parameters of one column as a whole. Parameters of the node of a fleet may be among them if they keep their values, as when
+/// a dump is loaded.
+fn set_together(columns: &impl Configurable, given: Vec<raw::Parameter>) -> Result<String, String> {
+    let face = columns.face();
+    if !face.is_fleet() {
+        // It rejects names that it does not know, and counts the rejections.
+        return set_all(columns, 0, given);
+    }
+    let mut of: Option<u32> = None;
+    let mut changes = Vec::new();
+    for raw::Parameter { name, value } in given {
+        let Some(found) = place(columns, &name) else {
+            return Err(unknown(columns, &name).tagged());
+        };
+        let parameter = raw::Parameter {
+            name: found.name.to_owned(),
+            value,
+        };
+        let Some(column) = found.column else {
+            check_unchanged(&found.parameters, parameter).map_err(|it| it.tagged())?;
+            continue;
+        };
+        let first = *of.get_or_insert(column);
+        if first != column {
+            let reason = format!(
+                "expected parameters of one column in one request, found those of {:?} and {:?}; send a request for each column",
+                face.id(first),
+                face.id(column)
+            );
+            return Err(Rejection::new(RejectionCode::ParametersInvalid, reason).tagged());
+        }
+        changes.push(parameter);
+    }
+    let Some(column) = of else {
+        return Ok(String::new());
+    };
+    set_all(columns, column, changes)
+        .map_err(|reason| format!("{reason}; column {:?}", face.id(column)))
 }
 
-impl Configurable for LiveTwin {
-    fn parameters(&self) -> Arc<Parameters> {
-        self.parameters()
+/// # Errors
+/// The parameter of the node would have another value.
+fn check_unchanged(node: &Parameters, given: raw::Parameter) -> Result<(), Rejection> {
+    let name = given.name.clone();
+    let value = settable_value(node, given)?;
+    let row = node.declared(&name).map(|it| it.row);
+    let checked = row.and_then(|it| it.check(&value).ok());
+    if checked.is_some() && checked == node.get(&name) {
+        return Ok(());
     }
+    let reason = format!(
+        "{name} belongs to the node of the fleet and is read-only while it runs; set it when starting the fleet (-p {name}:=...)"
+    );
+    Err(Rejection::new(RejectionCode::ParametersReadOnly, reason))
+}
 
-    fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
-        self.execute(command)
-    }
+/// Why a fleet has no parameter of this name.
+fn unknown(columns: &impl Configurable, name: &str) -> Rejection {
+    let first = columns.face().id(0);
+    let reason = match columns.parameters(0).declared(name) {
+        Some(_) => format!(
+            "{name} is a parameter of every column; name the column, for example {first}.{name}"
+        ),
+        None => format!(
+            "{name} is no parameter of this fleet of {} columns; expected COLUMN.PARAMETER, for example {first}.top.load",
+            columns.face().ids().len()
+        ),
+    };
+    Rejection::new(RejectionCode::ParametersInvalid, reason)
 }
 
 /// Changes parameters as a whole; returns what the client should know: that the change waits, or uses a deprecated value.
-pub(super) fn set_all(
-    twin: &impl Configurable,
+fn set_all(
+    columns: &impl Configurable,
+    column: u32,
     parameters: Vec<raw::Parameter>,
 ) -> Result<String, String> {
     const SOURCE: &str = "parameter service";
-    let current = twin.parameters();
+    let current = columns.parameters(column);
     let is_single = parameters.len() == 1;
-    let values: Result<Vec<_>, Refusal> = parameters
+    let values: Result<Vec<_>, Rejection> = parameters
         .into_iter()
         .map(|parameter| {
             let name = parameter.name.clone();
@@ -238,12 +411,12 @@ pub(super) fn set_all(
             let alone = is_single && changes.iter().all(is_admissible);
             (Command::SetParameters { changes, source }, remarks, alone)
         }
-        Err(refusal) => (Command::RejectedChange { refusal, source }, vec![], false),
+        Err(rejection) => (Command::RejectedChange { rejection, source }, vec![], false),
     };
-    let accepted = twin.execute(command).map_err(|refusal| {
-        let tagged = refusal.tagged();
-        match refusal.code {
-            RefusalCode::ParametersInvalid if is_admissible_alone => {
+    let accepted = columns.execute(column, command).map_err(|rejection| {
+        let tagged = rejection.tagged();
+        match rejection.code {
+            RejectionCode::ParametersInvalid if is_admissible_alone => {
                 format!("{tagged}; {TOGETHER}")
             }
             _ => tagged,
@@ -275,10 +448,7 @@ fn deprecation((name, value): &(String, Value)) -> Option<String> {
 
 /// The value, if the parameter can be set while the node runs, or has this value already: `ros2 param load` sends back a whole
 /// dump.
-pub(super) fn settable_value(
-    current: &Parameters,
-    parameter: raw::Parameter,
-) -> Result<Value, Refusal> {
+fn settable_value(current: &Parameters, parameter: raw::Parameter) -> Result<Value, Rejection> {
     let raw::Parameter { name, value } = parameter;
     // What becomes of an array of other elements is the same for all, unless it is empty.
     let array = |is_empty: bool| is_empty.then(|| Value::DoubleArray(vec![]));
@@ -311,7 +481,7 @@ pub(super) fn settable_value(
         let reason = format!(
             "{name} is read-only while the node runs; set it when starting the node (-p {name}:=...)"
         );
-        return Err(Refusal::new(RefusalCode::ParametersReadOnly, reason));
+        return Err(Rejection::new(RejectionCode::ParametersReadOnly, reason));
     }
     found.ok_or_else(|| {
         let problem = match value.ptype {
@@ -321,11 +491,11 @@ pub(super) fn settable_value(
             _ => "has an unknown type",
         };
         let reason = format!("{name} {problem}; allowed: {}", known.expectation());
-        Refusal::new(RefusalCode::ParametersInvalid, reason)
+        Rejection::new(RejectionCode::ParametersInvalid, reason)
     })
 }
 
-pub(super) fn result(outcome: Result<String, String>) -> raw::SetParametersResult {
+fn result(outcome: Result<String, String>) -> raw::SetParametersResult {
     raw::SetParametersResult {
         successful: outcome.is_ok(),
         reason: outcome.unwrap_or_else(|reason| reason),
@@ -365,7 +535,7 @@ fn entry((parameter, value): (DeclaredParameter<'_>, Value)) -> raw::Parameter {
     }
 }
 
-pub(super) fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescriptor {
+fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescriptor {
     let mut it = no_descriptor();
     it.name = declared.name.to_owned();
     let parameter = declared.row;
@@ -419,7 +589,7 @@ pub(super) fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescr
     it
 }
 
-pub(super) fn no_descriptor() -> raw::ParameterDescriptor {
+fn no_descriptor() -> raw::ParameterDescriptor {
     raw::ParameterDescriptor {
         name: String::new(),
         r#type: raw::ParameterType::NOT_SET,
@@ -432,7 +602,7 @@ pub(super) fn no_descriptor() -> raw::ParameterDescriptor {
     }
 }
 
-pub(super) fn type_code(kind: Kind) -> u8 {
+fn type_code(kind: Kind) -> u8 {
     match kind {
         Kind::Bool => raw::ParameterType::BOOL,
         Kind::Integer => raw::ParameterType::INTEGER,
@@ -443,7 +613,7 @@ pub(super) fn type_code(kind: Kind) -> u8 {
     }
 }
 
-pub(super) fn raw_value(value: Value) -> raw::ParameterValue {
+fn raw_value(value: Value) -> raw::ParameterValue {
     let mut raw = not_set();
     raw.ptype = type_code(value.kind());
     match value {
@@ -457,7 +627,7 @@ pub(super) fn raw_value(value: Value) -> raw::ParameterValue {
     raw
 }
 
-pub(super) fn not_set() -> raw::ParameterValue {
+fn not_set() -> raw::ParameterValue {
     raw::ParameterValue {
         ptype: raw::ParameterType::NOT_SET,
         boolean_value: false,
@@ -477,10 +647,35 @@ mod tests {
     use super::*;
     use crate::parameters::{PARAMETERS, SENSOR_PARAMETERS};
 
+    /// A single twin with fixed parameters.
+    struct Fixed(Face, Arc<Parameters>);
+
+    impl Configurable for Fixed {
+        fn face(&self) -> &Face {
+            &self.0
+        }
+
+        fn node_parameters(&self) -> &Arc<Parameters> {
+            &self.1
+        }
+
+        fn parameters(&self, _: u32) -> Arc<Parameters> {
+            Arc::clone(&self.1)
+        }
+
+        fn execute(&self, _: u32, _: Command) -> Result<Accepted, Rejection> {
+            Err(Rejection::new(RejectionCode::ParametersReadOnly, "a test"))
+        }
+    }
+
+    fn fixed(parameters: &Parameters) -> Fixed {
+        Fixed(Face::of_one("column"), Arc::new(parameters.clone()))
+    }
+
     fn names(prefixes: &[&str], depth: u64) -> Vec<String> {
         let prefixes = prefixes.iter().map(|it| (*it).to_owned()).collect();
         list(
-            &Parameters::default(),
+            &fixed(&Parameters::default()),
             &ListParametersRequest { prefixes, depth },
         )
         .result
@@ -501,7 +696,7 @@ mod tests {
         assert_eq!(names(&["top"], 1), names(&["top"], 0));
         assert_eq!(names(&["column_id", "nothing"], 0), ["column_id"]);
         let all = list(
-            &Parameters::default(),
+            &fixed(&Parameters::default()),
             &ListParametersRequest {
                 prefixes: vec![],
                 depth: 0,
@@ -515,7 +710,7 @@ mod tests {
         let request = DescribeParametersRequest {
             names: PARAMETERS.iter().map(|it| it.name.to_owned()).collect(),
         };
-        let descriptors = describe(&Parameters::default(), &request).values;
+        let descriptors = describe(&fixed(&Parameters::default()), &request).values;
         for (parameter, descriptor) in PARAMETERS.iter().zip(&descriptors) {
             assert_eq!(descriptor.name, parameter.name);
             assert!(!descriptor.description.is_empty());
@@ -540,7 +735,7 @@ mod tests {
             }
         }
         let unknown = describe(
-            &Parameters::default(),
+            &fixed(&Parameters::default()),
             &DescribeParametersRequest {
                 names: vec!["x".to_owned()],
             },
@@ -554,7 +749,7 @@ mod tests {
         let names = vec!["top.load".to_owned(); many];
         let parameters = Parameters::default();
         let values = get(
-            &parameters,
+            &fixed(&parameters),
             &GetParametersRequest {
                 names: names.clone(),
             },
@@ -562,7 +757,7 @@ mod tests {
         .values;
         assert_eq!(values.len(), many);
         let types = types(
-            &Parameters::default(),
+            &fixed(&Parameters::default()),
             &GetParameterTypesRequest {
                 names: names.clone(),
             },
@@ -576,8 +771,11 @@ mod tests {
                 raw::ParameterType::NOT_SET
             ]
         );
-        let descriptors =
-            describe(&Parameters::default(), &DescribeParametersRequest { names }).values;
+        let descriptors = describe(
+            &fixed(&Parameters::default()),
+            &DescribeParametersRequest { names },
+        )
+        .values;
         assert_eq!(descriptors.len(), many);
         assert_eq!(descriptors[many - 3].name, "top.load");
         assert_eq!(descriptors[many - 1].description, "");
@@ -595,9 +793,9 @@ mod tests {
         let request = GetParametersRequest {
             names: names.clone(),
         };
-        assert!(get(&parameters, &request).values.is_empty());
+        assert!(get(&fixed(&parameters), &request).values.is_empty());
         let request = DescribeParametersRequest { names };
-        assert!(describe(&parameters, &request).values.is_empty());
+        assert!(describe(&fixed(&parameters), &request).values.is_empty());
     }
 
     #[test]
@@ -615,14 +813,14 @@ mod tests {
             .map(str::to_owned)
             .to_vec(),
         };
-        let types: Vec<_> = get(&Parameters::default(), &request)
+        let types: Vec<_> = get(&fixed(&Parameters::default()), &request)
             .values
             .iter()
             .map(|value| value.ptype)
             .collect();
         assert_eq!(types, [4, 3, 2, 1, 0, 8, 9]);
         let same = super::types(
-            &Parameters::default(),
+            &fixed(&Parameters::default()),
             &GetParameterTypesRequest {
                 names: request.names,
             },
@@ -755,7 +953,7 @@ mod tests {
         let request = GetParametersRequest {
             names: names.to_vec(),
         };
-        let values = get(&now, &request).values;
+        let values = get(&fixed(&now), &request).values;
         assert_eq!(values[0].double_array, [3.0, 4.5]);
         assert_eq!(values[1].string_array, ["damage_20"]);
         let event = event("/n".to_owned(), 5, Some(&before), &now).expect("both have changed");
@@ -766,7 +964,7 @@ mod tests {
         assert_eq!(changed, [(names[0].as_str(), 8), (names[1].as_str(), 9)]);
 
         let descriptors = describe(
-            &Parameters::default(),
+            &fixed(&Parameters::default()),
             &DescribeParametersRequest {
                 names: names.to_vec(),
             },
@@ -800,25 +998,25 @@ mod tests {
             prefixes: vec!["sensors".to_owned()],
             depth: 0,
         };
-        let names = list(&parameters, &request).result.names;
+        let names = list(&fixed(&parameters), &request).result.names;
         assert_eq!(names.len(), 1 + SENSOR_PARAMETERS.len());
         assert!(names.contains(&"sensors.laser.fibre".to_owned()));
         let values = get(
-            &parameters,
+            &fixed(&parameters),
             &GetParametersRequest {
                 names: names.clone(),
             },
         )
         .values;
         let same = types(
-            &parameters,
+            &fixed(&parameters),
             &GetParameterTypesRequest {
                 names: names.clone(),
             },
         )
         .values;
         let descriptors = describe(
-            &parameters,
+            &fixed(&parameters),
             &DescribeParametersRequest {
                 names: names.clone(),
             },
@@ -843,13 +1041,16 @@ mod tests {
             value: raw_value(2.0.into()),
         };
         let reason = settable_value(&parameters, moved).expect_err("read-only");
-        assert_eq!(reason.code, RefusalCode::ParametersReadOnly);
+        assert_eq!(reason.code, RejectionCode::ParametersReadOnly);
         // A sensor that is not declared is no parameter of this node.
         let unknown = vec![
             "sensors.lidar.height".to_owned(),
             "sensors.<name>.height".to_owned(),
         ];
-        let described = describe(&parameters, &DescribeParametersRequest { names: unknown });
+        let described = describe(
+            &fixed(&parameters),
+            &DescribeParametersRequest { names: unknown },
+        );
         assert!(described.values.iter().all(|it| it.name.is_empty()));
         let first = event("/n".to_owned(), 5, None, &parameters).expect("all are new");
         let announced: Vec<_> = first.new_parameters.iter().map(|it| &it.name).collect();

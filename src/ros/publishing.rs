@@ -1,40 +1,40 @@
-//! The publishing thread: publishes the outputs of the twin. The solver never waits for it.
+//! The publishing thread: publishes the outputs of all columns. The solver never waits for it.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use ros2_client::{Publisher, parameters::raw};
+use ros2_client::Publisher;
 
-use crate::endpoints::Endpoint;
 use crate::live::OutputSource;
-use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::cdr;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::messages::rcl_interfaces::ParameterEvent;
-use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
+use crate::messages::std_msgs::Header;
+use crate::outgoing::{Message, Outgoing, Topic};
 use crate::parameters::Parameters;
-use crate::twin::{
-    Accepted, Command, Journal, Notice, NoticeLevel, Output, ParametersChanged, Refused,
-    RefusedInput,
-};
+use crate::twin::{Accepted, Output, ParametersChanged, TwinPhase};
 
 use super::clock_watch::SeldomWarning;
-use super::diagnostics::{NodeCounters, Observed, diagnostics, same_state};
-use super::live_twin::{Health, LiveTwin};
+use super::diagnostics::{Observed, diagnostics, same_state, sensors_status, twin_status};
+use super::fleet::FleetPublishing;
 use super::loss_log::LossLog;
 use super::matches::Matches;
+use super::measurements::SensedColumns;
 use super::node::{Node, NodeError};
+use super::output_log::OutputLog;
 use super::parameter_services;
 use super::qos;
 use super::raw::Raw;
 use super::security::{Peers, Protection};
+use super::sending::{Sending, encoded};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
-
-/// States that are published later than this are logged at the level `debug` \[ns\].
-const LATE: i64 = 2_000_000;
 
 /// Maximum wait for a first reader of `/parameter_events` before the parameters are announced without one. Discovery between ROS 2
 /// programs takes up to 3.5 s.
@@ -43,114 +43,149 @@ const MAX_WAIT_FOR_READER: Duration = Duration::from_secs(5);
 /// Maximum time to publish queued outputs after the stop.
 const FINAL_PUBLISHING_TIME: Duration = Duration::from_millis(300);
 
-/// Publishes all outputs of the twin, and passes the same bytes to the recording.
+/// Publishes all outputs of the columns, and passes the same bytes to the recording.
 pub(super) struct Publishing {
-    publishers: Publishers,
-    recording: Option<Arc<dyn RecordingTap>>,
-    outgoing: Outgoing,
-    twin: Arc<LiveTwin>,
-    counters: Arc<NodeCounters>,
+    sending: Sending,
+    /// In the order of [`Topic::ALL`]; `None` for what a fleet publishes in the namespaces of its columns only.
+    publishers: Vec<Option<Publisher<Raw>>>,
+    diagnostics: Publisher<Raw>,
+    parameter_events: Publisher<Raw>,
+    /// The peers of `parameter_events`.
+    matches: Arc<Matches>,
+    /// What a fleet publishes besides.
+    fleet: Option<FleetPublishing>,
+    /// The sensors, if there are any.
+    sensed: Option<Arc<SensedColumns>>,
     protection: Arc<Protection>,
     peers: Arc<Peers>,
     node_name: String,
     fully_qualified: String,
-    parameters: Arc<Parameters>,
-    /// `new_parameters` has not been published: until then with the deadline for the first reader.
+    /// Of the diagnostics: a fleet has none.
+    frame_id: String,
+    /// The converters of the columns: they know what was published of a response.
+    converters: HashMap<u32, Outgoing>,
+    /// The parameters of the columns whose parameters have changed since the start.
+    changed_parameters: HashMap<u32, Arc<Parameters>>,
+    /// The parameters of a single twin have not been published as new: until then with the deadline for the first reader. Those of a
+    /// fleet would not fit into a message.
     unannounced: Option<Instant>,
-    /// The parameters that wait for the end of the response.
+    /// The parameters of a single twin that wait for the end of the response.
     waiting: Vec<String>,
+    /// The status of a single twin.
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
     clock_warning: SeldomWarning,
     loss_log: LossLog,
-    /// Stamp of the last state.
-    last_state: Option<i64>,
-    /// The time to publish is over: the remaining outputs are only recorded.
-    is_over: bool,
-}
-
-struct Publishers {
-    /// The peers of `parameter_events`.
-    matches: Arc<Matches>,
-    /// In the order of [`Topic::ALL`].
-    of_twin: Vec<Publisher<Raw>>,
-    diagnostics: Publisher<Raw>,
-    parameter_events: Publisher<Raw>,
+    log: OutputLog,
 }
 
 impl Publishing {
+    /// `fleet` is what a fleet publishes besides.
     pub fn new(
         node: &mut Node,
-        twin: Arc<LiveTwin>,
-        counters: Arc<NodeCounters>,
-        recording: Option<Arc<dyn RecordingTap>>,
+        sending: Sending,
+        sensed: Option<Arc<SensedColumns>>,
+        fleet: Option<FleetPublishing>,
     ) -> Result<Self, NodeError> {
-        let parameters = twin.parameters();
-        let of_twin: Result<_, _> = Topic::ALL
+        let columns = Arc::clone(&sending.columns);
+        let publishers: Result<_, _> = Topic::ALL
             .iter()
-            .map(|topic| node.publisher(topic.endpoint()))
+            .map(|topic| match &fleet {
+                None => node.publisher(topic.endpoint()).map(Some),
+                Some(fleet) => {
+                    let shared = fleet.shared_topic(*topic);
+                    shared.map(|it| node.publisher(&it)).transpose()
+                }
+            })
             .collect();
+        let settings = columns.node_parameters().settings();
+        let is_single = fleet.is_none();
+        let of_single = |text: &String| match is_single {
+            true => text.clone(),
+            false => String::new(),
+        };
         Ok(Self {
-            publishers: Publishers {
-                matches: node.matches(),
-                of_twin: of_twin?,
-                diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
-                parameter_events: node.publisher(&qos::PARAMETER_EVENTS)?,
-            },
-            recording,
-            outgoing: Outgoing::new(&parameters),
-            node_name: node.names().node().to_owned(),
-            fully_qualified: node.names().fully_qualified(),
-            status: TwinStatus {
-                column_id: parameters.settings().column_id.clone(),
-                ..TwinStatus::default()
-            },
-            parameters: Arc::clone(&parameters),
-            unannounced: Some(Instant::now() + MAX_WAIT_FOR_READER),
-            waiting: Vec::new(),
-            twin,
-            counters,
+            publishers: publishers?,
+            diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
+            parameter_events: node.publisher(&qos::PARAMETER_EVENTS)?,
+            matches: node.matches(),
+            fleet,
+            sensed,
             protection: node.protection(),
             peers: node.security_peers(),
+            node_name: node.names().node().to_owned(),
+            fully_qualified: node.names().fully_qualified(),
+            frame_id: of_single(&settings.frame_id),
+            converters: HashMap::new(),
+            changed_parameters: HashMap::new(),
+            unannounced: is_single.then(|| Instant::now() + MAX_WAIT_FOR_READER),
+            waiting: Vec::new(),
+            status: TwinStatus {
+                column_id: of_single(&settings.column_id),
+                ..TwinStatus::default()
+            },
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
             loss_log: LossLog::default(),
-            last_state: None,
-            is_over: false,
+            log: OutputLog::new(columns),
+            sending,
         })
     }
 
     /// Publishes until `stop` is set and no outputs are queued. A stop takes effect when the source of the outputs is woken. The
-    /// twin must be stopped before, so that its queues bound the
-    /// remaining outputs.
+    /// columns must be stopped before, so that their queues bound the remaining outputs.
     pub fn run(mut self, mut outputs: impl OutputSource, stop: &AtomicBool) {
         let mut end = None;
         loop {
-            self.announce_parameters(stop.load(Ordering::Relaxed));
-            if stop.load(Ordering::Relaxed) {
+            let is_stopping = stop.load(Ordering::Relaxed);
+            self.announce_parameters(is_stopping);
+            if is_stopping {
                 let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
-                if Instant::now() >= end && !self.is_over {
-                    self.is_over = true;
-                    tracing::warn!(
-                        "some outputs could not be published before the end; they are recorded only"
-                    );
+                if Instant::now() >= end && !self.sending.is_over {
+                    self.end_publishing();
                 }
             }
-            match outputs.receive(self.wait()) {
-                Some(output) => self.publish(output),
-                None if stop.load(Ordering::Relaxed) => return,
+            let next = match outputs.receive_of(Duration::ZERO) {
+                None if !is_stopping => outputs.receive_of(self.wait()),
+                next => next,
+            };
+            match next {
+                Some((column, output)) => self.publish(column, output),
+                None if is_stopping => return self.finish(),
                 None => {}
             }
-            self.warn_of_a_missing_clock();
-            let last = self.last_diagnostics.as_ref();
-            if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
-                self.diagnose(true);
+            if let Some(fleet) = &mut self.fleet {
+                fleet.look_around(&self.sending, &self.publishers, is_stopping);
+            }
+            if !self.sending.is_over {
+                self.warn_of_a_missing_clock();
+                let last = self.last_diagnostics.as_ref();
+                if last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
+                    self.diagnose(true);
+                }
             }
         }
     }
 
+    /// What is queued still is only recorded.
+    fn end_publishing(&mut self) {
+        self.sending.is_over = true;
+        let what = match &self.sending.recording {
+            Some(_) => "recorded only",
+            None => "lost",
+        };
+        tracing::error!("some outputs could not be published before the end; they are {what}");
+    }
+
+    fn finish(&mut self) {
+        if let Some(fleet) = &mut self.fleet {
+            fleet.finish(&self.sending, &self.publishers);
+        }
+    }
+
     fn warn_of_a_missing_clock(&mut self) {
-        let Some(clock) = self.counters.clock.as_ref().filter(|it| it.count() == 0) else {
+        let clock = self.sending.counters.clock.as_ref();
+        let Some(clock) = clock.filter(|it| it.count() == 0) else {
             return;
         };
         let now = Instant::now();
@@ -162,36 +197,39 @@ impl Publishing {
     }
 
     fn wait(&self) -> Duration {
-        if self.is_over {
-            return Duration::ZERO;
-        }
         let since = self.last_diagnostics.as_ref().map(|(at, _)| at.elapsed());
-        since.map_or(Duration::ZERO, |since| {
-            DIAGNOSTICS_PERIOD.saturating_sub(since)
-        })
+        let rest = since.map_or(Duration::ZERO, |it| DIAGNOSTICS_PERIOD.saturating_sub(it));
+        let fleet = self.fleet.as_ref();
+        fleet.map_or(rest, |it| it.wait(&self.sending.columns, rest))
     }
 
-    fn publish(&mut self, output: Output) {
-        self.note(&output);
-        let mut messages = Vec::new();
-        self.outgoing
-            .convert(&output, |message| messages.push(message));
-        for message in messages {
-            match message {
-                Message::TwinStatus(status) => self.twin_status(status),
-                other => self.send(&other),
-            }
+    fn publish(&mut self, column: u32, output: Output) {
+        let is_fleet = self.fleet.is_some();
+        self.log.note(column, &output);
+        if let Some(fleet) = &mut self.fleet {
+            fleet.note(column, &output, &self.sending.columns);
         }
+        self.messages(column, &output);
         match output {
             Output::Journal(entry) => {
-                if let Some(recording) = &self.recording {
-                    recording.journal(None, &entry);
+                if let Some(recording) = &self.sending.recording {
+                    let column = self.sending.columns.face().recorded(column);
+                    recording.journal(column, &entry);
                 }
             }
-            Output::Refused(refused) => log_refusal(&refused),
-            Output::Notice(notice) => log_notice(&notice),
-            Output::ParametersChanged(changed) => self.parameters_changed(changed),
-            Output::State(_)
+            Output::ParametersChanged(changed) => {
+                self.parameters_changed(column, changed);
+                if is_fleet {
+                    // It knows the names and lengths of before.
+                    self.converters.remove(&column);
+                }
+            }
+            // A column of a fleet that is at rest needs no converter.
+            Output::Status(status) if is_fleet && !is_responding(status.phase) => {
+                self.converters.remove(&column);
+            }
+            Output::Status(_)
+            | Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
             | Output::Ranged(_)
@@ -199,121 +237,54 @@ impl Publishing {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::Calibrated(_)
-            | Output::Status(_)
-            | Output::Save(_) => {}
-        }
-    }
-
-    /// Tells what leaves the twin, and where it leaves late.
-    fn note(&mut self, output: &Output) {
-        if !tracing::enabled!(tracing::Level::DEBUG) {
-            return;
-        }
-        match output {
-            Output::State(state) => {
-                let last = self.last_state.replace(state.stamp);
-                let gap = last.map_or(0, |last| state.stamp.saturating_sub(last));
-                let late = self.twin.now().saturating_sub(state.stamp);
-                if late > LATE {
-                    tracing::debug!(
-                        "state {:.6} s after the one before leaves {:.6} s late",
-                        1e-9 * gap as f64,
-                        1e-9 * late as f64
-                    );
-                }
-            }
-            Output::Forecast(forecast) => tracing::debug!(
-                "forecast of impact {:?} leaves {:.6} s after its stamp, {:.6} s of computing, error estimate {:?}",
-                forecast.event_id,
-                1e-9 * self.twin.now().saturating_sub(forecast.stamp) as f64,
-                forecast.compute_time,
-                forecast.error_estimate,
-            ),
-            Output::Withdrawn(it) => tracing::debug!(
-                "no result of impact {:?}: {}",
-                it.impact.event_id,
-                it.reason
-            ),
-            Output::Report(it) => tracing::debug!(
-                "report of impact {:?}, {:.6} s of computing",
-                it.event_id,
-                it.compute_time
-            ),
-            Output::Ranged(it) => tracing::debug!(
-                "range of the verdict on impact {:?}: {:?}",
-                it.report.event_id,
-                it.report.range
-            ),
-            Output::Status(status) => tracing::debug!("status: {:?}", status.phase),
-            Output::Journal(Journal::Checkpoint(it)) => {
-                tracing::debug!("checkpoint {} after response {}", it.number, it.response);
-            }
-            Output::Journal(Journal::Command(it)) => {
-                let kind = match &it.command {
-                    Command::Impact(impact) => format!("impact {:?}", impact.event_id),
-                    Command::SetParameters { changes, .. } => {
-                        format!("change of {} parameters", changes.len())
-                    }
-                    Command::RejectedChange { .. } => "change that cannot be read".to_owned(),
-                    Command::Reset { .. } => "reset".to_owned(),
-                    Command::ClockJumpedBack { .. } => "jump of the clock".to_owned(),
-                    Command::CriticalVelocities { vehicles } => {
-                        format!("critical velocities of {} vehicles", vehicles.len())
-                    }
-                    Command::VerdictRange(range) => format!("range of the verdict: {range}"),
-                    Command::Estimate(it) => format!("estimate {} of {:?}", it.update, it.event_id),
-                    Command::DecideEstimate(it) => match it.accept {
-                        true => format!("confirmation of {:?}", it.event_id),
-                        false => format!("rejection of {:?}", it.event_id),
-                    },
-                    Command::Calibrate(it) => format!("calibration by a {}", it.quantity),
-                };
-                let outcome = it.refusal.as_ref().map_or("accepted", |it| it.code.name());
-                let at = it.position;
-                tracing::debug!("command {}: {kind} at {at:?}: {outcome}", it.number);
-            }
-            Output::Estimate(it) => tracing::debug!(
-                "estimate {} of {:?}: {} kg, {} m/s, {:?}",
-                it.record.update,
-                it.record.event_id,
-                it.record.estimate.mass.mean,
-                it.record.estimate.velocity.mean,
-                it.decision
-            ),
-            Output::Journal(Journal::Status(_))
-            | Output::Replaced(_)
-            | Output::Merged(_)
-            | Output::Calibrated(_)
-            | Output::Refused(_)
-            | Output::ParametersChanged(_)
+            | Output::CorrectDamaged(_)
+            | Output::Rejected(_)
             | Output::Notice(_)
             | Output::Save(_) => {}
         }
     }
 
-    /// Adds the state of threads and queues, which the twin does not know.
-    fn twin_status(&mut self, status: TwinStatus) {
-        let health = self.twin.health();
-        let lost = self.recording_health(&health).map(|it| it.lost);
-        self.status = TwinStatus {
-            overruns: health.overruns,
-            worst_lateness: health.worst_lateness,
-            dropped_inputs: health.dropped_inputs + self.counters.rejected_senders(),
-            dropped_states: health.dropped_states,
-            dropped_recording: lost.unwrap_or(0),
-            dropped_viewer: health.dropped_viewer,
-            ..status
+    /// Publishes the messages of an output.
+    fn messages(&mut self, column: u32, output: &Output) {
+        let columns = &self.sending.columns;
+        let outgoing = match self.converters.entry(column) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(_) if !has_messages(output) => return,
+            Entry::Vacant(new) => new.insert(Outgoing::new(&columns.parameters(column))),
         };
-        self.send(&Message::TwinStatus(self.status.clone()));
-        self.diagnose(false);
+        let mut messages = Vec::new();
+        outgoing.convert(output, |message| messages.push(message));
+        for mut message in messages {
+            if let Message::TwinStatus(status) = &mut message {
+                self.sending.add_health(status);
+                match &mut self.fleet {
+                    Some(fleet) => fleet.update(column, status),
+                    None => self.status = status.clone(),
+                }
+            }
+            self.send(column, &message);
+            if matches!(message, Message::TwinStatus(_)) && self.fleet.is_none() {
+                self.diagnose(false);
+            }
+        }
     }
 
-    /// Outputs that the queue to this thread dropped are missing in the recording too, which receives its messages here.
-    fn recording_health(&self, health: &Health) -> Option<RecordingHealth> {
-        let mut recording = self.recording.as_ref()?.health();
-        recording.lost += health.dropped_recording;
-        Some(recording)
+    fn send(&mut self, column: u32, message: &Message) {
+        let topic = message.topic();
+        let publisher = self.publishers[topic.index()].as_ref();
+        let fleet = self.fleet.as_mut();
+        // What is published for the readers of one column only.
+        if publisher.is_none() && !fleet.as_ref().is_some_and(|it| it.has_topics(column)) {
+            return;
+        }
+        let raw = encoded(message.encode());
+        if let Some(publisher) = publisher {
+            self.sending
+                .send_raw(publisher, topic.endpoint(), raw.as_ref());
+        }
+        if let (Some(fleet), Some(raw)) = (fleet, raw) {
+            fleet.copy_and_keep(&self.sending, column, topic, raw);
+        }
     }
 
     /// Publishes all parameters as new, once: as soon as there is a reader, which is only then matched, or after a while
@@ -322,23 +293,16 @@ impl Publishing {
         let Some(deadline) = self.unannounced else {
             return;
         };
-        let Publishers {
-            matches,
-            parameter_events,
-            ..
-        } = &self.publishers;
-        if !at_once && Instant::now() < deadline && matches.count(parameter_events.guid()) == 0 {
+        let readers = || self.matches.count(self.parameter_events.guid());
+        if !at_once && Instant::now() < deadline && readers() == 0 {
             return;
         }
         self.unannounced = None;
-        let stamp = self.twin.now();
-        let node = self.fully_qualified.clone();
-        if let Some(event) = parameter_services::event(node, stamp, None, &self.parameters) {
-            self.send_parameter_event(event);
-        }
+        let parameters = Arc::clone(self.sending.columns.initial_parameters(0));
+        self.send_parameter_event(0, None, &parameters);
     }
 
-    fn parameters_changed(&mut self, changed: ParametersChanged) {
+    fn parameters_changed(&mut self, column: u32, changed: ParametersChanged) {
         self.announce_parameters(true);
         let ParametersChanged {
             names,
@@ -347,119 +311,112 @@ impl Publishing {
             parameters,
             ..
         } = changed;
+        let columns = &self.sending.columns;
+        let of = columns.face().words("of", column);
         if change == Accepted::Waiting {
-            tracing::info!("wait for the end of the response: {}", names.join(", "));
+            tracing::info!("wait for the end of the response{of}: {}", names.join(", "));
         }
-        self.waiting = waiting;
-        let stamp = self.twin.now();
-        let node = self.fully_qualified.clone();
-        let before = Some(&*self.parameters);
-        if let Some(event) = parameter_services::event(node, stamp, before, &parameters) {
-            for it in &event.changed_parameters {
-                let name = &it.name;
-                if let (Some(old), Some(new)) = (self.parameters.get(name), parameters.get(name)) {
-                    tracing::info!("parameter {name} changed from {old} to {new}");
-                }
-            }
-            self.send_parameter_event(event);
+        if self.fleet.is_none() {
+            self.waiting = waiting;
         }
-        self.parameters = parameters;
+        let before = self
+            .changed_parameters
+            .insert(column, Arc::clone(&parameters))
+            .unwrap_or_else(|| Arc::clone(columns.initial_parameters(column)));
+        self.send_parameter_event(column, Some(&before), &parameters);
     }
 
-    /// Publishes diagnostics if they have changed, or always if `unconditionally`.
-    fn diagnose(&mut self, unconditionally: bool) {
-        let health = self.twin.health();
-        self.loss_log.look(&health, &self.counters, Instant::now());
-        let array = diagnostics(
-            self.outgoing.header(self.twin.now()),
-            &self.node_name,
-            Observed {
-                twin: &self.status,
-                waiting: &self.waiting,
-                health: &health,
-                recording: self.recording_health(&health).as_ref(),
-                security: self.protection.health(&self.peers),
-                counters: &self.counters,
-            },
-        );
-        let last = self.last_diagnostics.as_ref();
-        if unconditionally || !last.is_some_and(|(_, last)| same_state(last, &array)) {
-            self.send_bytes(
-                &self.publishers.diagnostics,
-                &qos::DIAGNOSTICS,
-                cdr::encode(&array),
-            );
-            self.last_diagnostics = Some((Instant::now(), array));
-        }
-    }
-
-    fn send(&self, message: &Message) {
-        let topic = message.topic();
-        let publisher = &self.publishers.of_twin[topic.index()];
-        self.send_bytes(publisher, topic.endpoint(), message.encode());
-    }
-
-    /// Publishes and records one message without waiting. If a reader is so slow that the history is full, the message is
-    /// lost for it, and counted.
-    fn send_bytes(
-        &self,
-        publisher: &Publisher<Raw>,
-        endpoint: &Endpoint,
-        bytes: Result<Vec<u8>, CdrError>,
-    ) {
-        let bytes = bytes.map(Arc::<[u8]>::from);
-        let Some((raw, bytes)) = bytes
-            .ok()
-            .and_then(|bytes| Some((Raw::new(Arc::clone(&bytes)).ok()?, bytes)))
-        else {
-            return NodeCounters::count(&self.counters.unpublished);
+    /// Publishes which parameters of a column have other values now, and logs them.
+    fn send_parameter_event(&self, column: u32, before: Option<&Parameters>, now: &Parameters) {
+        let columns = &self.sending.columns;
+        let (node, stamp) = (self.fully_qualified.clone(), columns.now());
+        let Some(mut event) = parameter_services::event(node, stamp, before, now) else {
+            return;
         };
-        self.counters.lost_peers.count_published();
-        if self.is_over || publisher.publish(raw).is_err() {
-            NodeCounters::count(&self.counters.unpublished);
+        let face = columns.face();
+        let (of, prefix) = (face.words("of", column), face.parameter_prefix(column));
+        for it in &mut event.changed_parameters {
+            let name = &it.name;
+            let old = before.and_then(|it| it.get(name));
+            if let (Some(old), Some(new)) = (old, now.get(name)) {
+                tracing::info!("parameter {name}{of} changed from {old} to {new}");
+            }
+            it.name.insert_str(0, &prefix);
         }
-        if let Some(recording) = &self.recording {
-            recording.sent(endpoint, &bytes);
-        }
-    }
-
-    fn send_parameter_event(&self, event: raw::ParameterEvent) {
-        self.send_bytes(
-            &self.publishers.parameter_events,
+        self.sending.send(
+            &self.parameter_events,
             &qos::PARAMETER_EVENTS,
             cdr::encode_as::<ParameterEvent, _>(&event),
         );
     }
-}
 
-fn log_notice(notice: &Notice) {
-    let text = &notice.text;
-    match notice.level {
-        NoticeLevel::Info => tracing::info!("{text}"),
-        NoticeLevel::Warning => tracing::warn!("{text}"),
-        NoticeLevel::Error => tracing::error!("{text}"),
+    /// Publishes diagnostics if they have changed, or always if `unconditionally`.
+    fn diagnose(&mut self, unconditionally: bool) {
+        let Sending {
+            columns, counters, ..
+        } = &self.sending;
+        let (health, now) = (columns.health(), columns.now());
+        self.loss_log.look(&health, counters, Instant::now());
+        let (first, sensors, of_columns) = match &mut self.fleet {
+            None => {
+                let sensors = self.sensed.as_ref().and_then(|it| it.columns().first());
+                let sensors = sensors.map(|it| sensors_status(it.status(now)));
+                (
+                    twin_status(&self.status, &self.waiting),
+                    sensors,
+                    Vec::new(),
+                )
+            }
+            Some(fleet) => fleet.diagnose(columns, counters),
+        };
+        let hardware_id = match &self.fleet {
+            None => &self.status.column_id,
+            Some(_) => &self.node_name,
+        };
+        let header = Header {
+            stamp: Time::from_nanos(now).unwrap_or_default(),
+            frame_id: self.frame_id.clone(),
+        };
+        let array = diagnostics(
+            header,
+            &self.node_name,
+            Observed {
+                first,
+                hardware_id,
+                health: &health,
+                topics: self.fleet.as_ref().map(FleetPublishing::topics_status),
+                recording: self.sending.recording_health(&health).as_ref(),
+                security: self.protection.health(&self.peers),
+                sensors,
+                of_columns,
+                counters,
+            },
+        );
+        let last = self.last_diagnostics.as_ref();
+        if unconditionally || !last.is_some_and(|(_, last)| same_state(last, &array)) {
+            self.sending
+                .send(&self.diagnostics, &qos::DIAGNOSTICS, cdr::encode(&array));
+            self.last_diagnostics = Some((Instant::now(), array));
+        }
     }
 }
 
-fn log_refusal(refused: &Refused) {
-    let Refused {
-        refusal,
-        event_id,
-        source,
-        ..
-    } = refused;
-    match refused.what {
-        RefusedInput::Impact => {
-            tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
-        }
-        RefusedInput::Parameters => {
-            tracing::warn!("a change of parameters by {source} was rejected: {refusal}");
-        }
-        RefusedInput::Estimate => {
-            tracing::warn!("a decision about an estimate by {source} was rejected: {refusal}");
-        }
-        RefusedInput::Calibration => {
-            tracing::warn!("a calibration by {source} was rejected: {refusal}");
-        }
-    }
+/// Whether an output is published.
+fn has_messages(output: &Output) -> bool {
+    !matches!(
+        output,
+        Output::Journal(_)
+            | Output::Rejected(_)
+            | Output::ParametersChanged(_)
+            | Output::Notice(_)
+            | Output::Save(_)
+    )
+}
+
+/// Whether a column responds to an impact.
+fn is_responding(phase: TwinPhase) -> bool {
+    matches!(
+        phase,
+        TwinPhase::Approach | TwinPhase::Contact | TwinPhase::Free
+    )
 }

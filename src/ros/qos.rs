@@ -51,18 +51,18 @@ mod tests {
 
     /// The table of the interface specification, with the quality of service where it is specified.
     const CONTRACT: &str = "
-        impact_event column_twin/msg/ImpactEvent In reliable volatile 100
-        column_parameters column_twin/msg/ColumnParameters In reliable volatile 10
-        column_state column_twin/msg/ColumnState Out reliable volatile 1000
-        hinge_forces column_twin/msg/HingeForces Out reliable volatile 1000
-        impact_forecast column_twin/msg/ImpactReport Out reliable transient_local 10
-        impact_report column_twin/msg/ImpactReport Out reliable transient_local 10
-        twin_status column_twin/msg/TwinStatus Out reliable transient_local 1
+        impact_event column_twin_msgs/msg/ImpactEvent In reliable volatile 100
+        column_parameters column_twin_msgs/msg/ColumnParameters In reliable volatile 10
+        column_state column_twin_msgs/msg/ColumnState Out reliable volatile 1000
+        hinge_forces column_twin_msgs/msg/HingeForces Out reliable volatile 1000
+        impact_forecast column_twin_msgs/msg/ImpactReport Out reliable transient_local 10
+        impact_report column_twin_msgs/msg/ImpactReport Out reliable transient_local 10
+        twin_status column_twin_msgs/msg/TwinStatus Out reliable transient_local 1
         joint_states sensor_msgs/msg/JointState Out
         markers visualization_msgs/msg/MarkerArray Out
         /diagnostics diagnostic_msgs/msg/DiagnosticArray Out
         ~/reset std_srvs/srv/Trigger Service
-        ~/predict column_twin/srv/PredictImpact Service";
+        ~/predict column_twin_msgs/srv/PredictImpact Service";
 
     fn row(endpoint: &Endpoint) -> String {
         let Qos {

@@ -1,32 +1,24 @@
-//! The services about what was felt and measured on the column.
+//! The services about what was detected and measured on the column.
 
-use crate::messages::column_twin::{
-    CalibrateRequest, CalibrateResponse, ConfirmEstimateRequest, ConfirmEstimateResponse,
+use crate::messages::column_twin_msgs::{
+    ConfirmEstimateRequest, ConfirmEstimateResponse, CorrectDamageRequest, CorrectDamageResponse,
 };
 use crate::sensors::Quantity;
-use crate::twin::{Accepted, Command, EstimateDecision, Refusal, RefusalCode, ResidualMeasurement};
+use crate::twin::{
+    Accepted, Command, EstimateDecision, Rejection, RejectionCode, ResidualMeasurement,
+};
 
 use super::qos;
 
 impl ros2_client::Message for ConfirmEstimateRequest {}
 impl ros2_client::Message for ConfirmEstimateResponse {}
-impl ros2_client::Message for CalibrateRequest {}
-impl ros2_client::Message for CalibrateResponse {}
-
-/// Checks that a request to a single twin is for its column.
-pub(super) fn check_column(own: &str, wanted: &str) -> Result<(), Refusal> {
-    if wanted.is_empty() || wanted == own {
-        return Ok(());
-    }
-    let reason =
-        format!("the request is for column {wanted:?}, but this is the twin of column {own:?}");
-    Err(Refusal::new(RefusalCode::OtherColumn, reason))
-}
+impl ros2_client::Message for CorrectDamageRequest {}
+impl ros2_client::Message for CorrectDamageResponse {}
 
 /// Passes a decision about an estimate to a twin.
 pub(super) fn confirm_estimate(
     request: ConfirmEstimateRequest,
-    execute: impl FnOnce(Command) -> Result<Accepted, Refusal>,
+    execute: impl FnOnce(Command) -> Result<Accepted, Rejection>,
 ) -> ConfirmEstimateResponse {
     let message = match request.accept {
         true => "the impact is one of the twin",
@@ -43,63 +35,63 @@ pub(super) fn confirm_estimate(
             message: message.to_owned(),
             ..ConfirmEstimateResponse::default()
         },
-        Err(refusal) => not_decided(&refusal),
+        Err(rejection) => not_decided(&rejection),
     }
 }
 
 /// The answer to a decision that was not taken.
-pub(super) fn not_decided(refusal: &Refusal) -> ConfirmEstimateResponse {
+pub(super) fn not_decided(rejection: &Rejection) -> ConfirmEstimateResponse {
     ConfirmEstimateResponse {
         success: false,
-        refusal_code: refusal.code.number(),
-        message: refusal.reason.to_string(),
+        rejection_code: rejection.code.number(),
+        message: rejection.reason.to_string(),
     }
 }
 
 /// Passes a measurement on the column at rest to a twin.
-pub(super) fn calibrate(
-    request: &CalibrateRequest,
-    execute: impl FnOnce(Command) -> Result<Accepted, Refusal>,
-) -> CalibrateResponse {
+pub(super) fn correct_damage(
+    request: &CorrectDamageRequest,
+    execute: impl FnOnce(Command) -> Result<Accepted, Rejection>,
+) -> CorrectDamageResponse {
     let quantity = match request.quantity {
-        CalibrateRequest::DISPLACEMENT => Quantity::Displacement,
-        CalibrateRequest::ROTATION => Quantity::Rotation,
+        CorrectDamageRequest::DISPLACEMENT => Quantity::Displacement,
+        CorrectDamageRequest::ROTATION => Quantity::Rotation,
         other => {
             let reason = format!("quantity = {other}: expected 0 (DISPLACEMENT) or 1 (ROTATION)");
-            let code = RefusalCode::MeasurementImplausible;
-            return not_calibrated(&Refusal::new(code, reason));
+            let code = RejectionCode::MeasurementImplausible;
+            return not_corrected(&Rejection::new(code, reason));
         }
     };
-    let outcome = execute(Command::Calibrate(ResidualMeasurement {
+    let outcome = execute(Command::CorrectDamage(ResidualMeasurement {
         quantity,
         height: request.height,
         value: request.value,
         deviation: request.deviation,
-        source: format!("service {}", qos::CALIBRATE.name).into(),
+        source: format!("service {}", qos::CORRECT_DAMAGE.name).into(),
     }));
     match outcome {
-        Ok(Accepted::Calibrated(it)) => CalibrateResponse {
+        Ok(Accepted::CorrectDamaged(it)) => CorrectDamageResponse {
             success: true,
-            refusal_code: 0,
+            rejection_code: 0,
             message: it.in_words(),
             before: it.before,
             after: it.after,
             factor: it.factor,
         },
-        Ok(_) => not_calibrated(&Refusal::new(
-            RefusalCode::NoAnswer,
+        Ok(_) => not_corrected(&Rejection::new(
+            RejectionCode::NoAnswer,
             "the twin has answered another command",
         )),
-        Err(refusal) => not_calibrated(&refusal),
+        Err(rejection) => not_corrected(&rejection),
     }
 }
 
 /// The answer to a measurement that was not taken.
-pub(super) fn not_calibrated(refusal: &Refusal) -> CalibrateResponse {
-    CalibrateResponse {
+pub(super) fn not_corrected(rejection: &Rejection) -> CorrectDamageResponse {
+    CorrectDamageResponse {
         success: false,
-        refusal_code: refusal.code.number(),
-        message: refusal.reason.to_string(),
+        rejection_code: rejection.code.number(),
+        message: rejection.reason.to_string(),
         before: f64::NAN,
         after: f64::NAN,
         factor: f64::NAN,

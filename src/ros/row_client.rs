@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use futures::join;
 
 use crate::fleet::MAX_ROW_OFFSET;
-use crate::messages::column_twin::{ImpactEvent, ImpactReport, RowImpactEvent};
+use crate::messages::column_twin_msgs::{ImpactEvent, ImpactReport, RowImpactEvent};
 
 use super::client::ImpactRequest;
 use super::client_error::ClientError;

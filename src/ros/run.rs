@@ -1,11 +1,17 @@
-//! `column-twin run`: runs the node from its arguments to a clean stop.
+//! `column-twin run` and `column-twin fleet`: run a node from its arguments to a clean stop.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+
+#[cfg(feature = "record")]
+use crate::endpoints::Endpoint;
 use crate::live::LiveOptions;
 use crate::outgoing::RecordingTap;
-use crate::parameters::{Fault, FleetColumns, ParameterFaults, Parameters, Source};
+use crate::parameters::{
+    Fault, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
+};
 #[cfg(feature = "record")]
 use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
 
@@ -14,14 +20,16 @@ use super::address_space::{TooLittleAddressSpace, check_address_space};
 use super::arguments::RosArguments;
 use super::dds_threads::DdsThreads;
 use super::environment::{DiscoveryRange, Environment};
-use super::fleet::FleetTwinError;
-use super::live_twin::{LiveTwin, LiveTwinError};
+use super::live_columns::{LiveColumns, StartError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
 use super::rosout::start_logging;
 use super::security::{SecurityError, protection};
 use super::signals::StopSignals;
 use super::twin_node::TwinNode;
+
+/// Files that a fleet may have open: those of the shared endpoints and of all columns that may have topics of their own.
+const WANTED_FILES: u64 = 4096;
 
 /// The command line and the environment of a run.
 #[derive(Debug, Clone, Default)]
@@ -30,8 +38,10 @@ pub struct RunOptions {
     pub ros: RosArguments,
     /// The settings in environment variables.
     pub environment: Environment,
-    /// Parameter files of `--config`, which ROS arguments override.
+    /// Parameter files, which the table of the columns and ROS arguments override.
     pub parameter_files: Vec<PathBuf>,
+    /// The table of the columns of a fleet.
+    pub columns: Option<PathBuf>,
 }
 
 /// How a run ended.
@@ -60,12 +70,9 @@ pub enum RunError {
     /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// The twin cannot be started.
-    #[error("the twin cannot start: {0}")]
-    Twin(#[from] LiveTwinError),
-    /// The fleet cannot be started.
-    #[error("the fleet cannot start: {0}")]
-    Fleet(#[source] FleetTwinError),
+    /// The twin or the fleet cannot be started.
+    #[error("the {0} cannot start: {1}")]
+    Start(&'static str, #[source] StartError),
     /// The recording cannot be started.
     #[error("the recording cannot start: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),
@@ -80,50 +87,117 @@ pub enum RunError {
     Process(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Runs the node until SIGINT or SIGTERM.
+/// What is to be run.
+enum Loaded {
+    One(Box<Parameters>),
+    Many(Box<FleetColumns>),
+}
+
+/// Runs the node of a single twin until SIGINT or SIGTERM, or that of a fleet if the parameter files name several columns.
 ///
 /// # Errors
 /// Names or parameters are not valid, or the node, the twin or the recording cannot be started.
 pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
+    run_loaded(options, |names| {
+        let files = options.parameter_files.iter().cloned().map(Source::File);
+        let sources: Vec<_> = files
+            .chain(options.ros.parameters.iter().cloned())
+            .collect();
+        let files = sources.iter().filter_map(|source| match source {
+            Source::File(path) => Some(path.as_path()),
+            Source::Override(_) | Source::Value(..) => None,
+        });
+        if FleetColumns::are_named_in(names, files) {
+            return load_fleet(options, names);
+        }
+        let (parameters, warnings) = Parameters::load_in_order(names, sources)?;
+        Ok((Loaded::One(Box::new(parameters)), warnings))
+    })
+}
+
+/// Runs the node of a fleet until SIGINT or SIGTERM.
+///
+/// # Errors
+/// Names or parameters are not valid, or the node, the fleet or the recording cannot be started.
+pub fn run_fleet(options: &RunOptions) -> Result<RunEnd, RunError> {
+    run_loaded(options, |names| load_fleet(options, names))
+}
+
+fn load_fleet(
+    options: &RunOptions,
+    names: &NodeName,
+) -> Result<(Loaded, Vec<Fault>), ParameterFaults> {
+    raise_file_limit();
+    let sources = FleetSources {
+        files: options.parameter_files.clone(),
+        table: options.columns.clone(),
+        arguments: options.ros.parameters.clone(),
+    };
+    let mut columns = FleetColumns::load(names, &sources)?;
+    let warnings = std::mem::take(&mut columns.warnings);
+    Ok((Loaded::Many(Box::new(columns)), warnings))
+}
+
+fn run_loaded(
+    options: &RunOptions,
+    load: impl FnOnce(&NodeName) -> Result<(Loaded, Vec<Fault>), ParameterFaults>,
+) -> Result<RunEnd, RunError> {
     let RunOptions {
         ros, environment, ..
     } = options;
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
-    let (parameters, deprecated) = load_parameters(options, &names)?;
+    let (loaded, warnings) = load(&names.for_parameters())?;
     // Before anything starts or is written.
     check_address_space()?;
     protection(&environment.security, environment.domain_id)?;
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
-    warn_of_ignored_settings(options);
-    for warning in &deprecated {
+    for warning in &environment.warnings {
+        tracing::warn!("{warning}");
+    }
+    for argument in &ros.without_effect {
+        tracing::warn!("{argument} has no effect on this node");
+    }
+    for warning in &warnings {
         tracing::warn!("{warning}");
     }
     let dds_threads = DdsThreads::stop_on_panic();
-    let recording = RunRecording::start(&parameters, &names)?;
-    let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default())?;
-    let node = TwinNode::start(
-        environment,
-        names,
-        Arc::clone(&twin),
-        outputs,
-        log,
-        recording.tap(),
-    )?;
+    let recording = RunRecording::start(&loaded, &names)?;
+    let started = match loaded {
+        Loaded::One(parameters) => LiveColumns::start_one(*parameters, LiveOptions::default())
+            .map_err(|error| RunError::Start("twin", error)),
+        Loaded::Many(columns) => {
+            LiveColumns::start_fleet(&columns).map_err(|error| RunError::Start("fleet", error))
+        }
+    };
+    let (columns, outputs) = started.map_err(|error| match error {
+        RunError::Start(_, StartError::Parameters(faults)) => RunError::Parameters(faults),
+        error => error,
+    })?;
+    let (live, tap) = (Arc::clone(&columns), recording.tap());
+    let node = TwinNode::start(environment, names, live, outputs, log, tap)?;
     let reach = match environment.discovery_range {
         DiscoveryRange::Localhost => "this machine only",
         DiscoveryRange::Subnet => "every network of this machine",
     };
+    let what = match columns.face().is_fleet() {
+        false => String::new(),
+        true => format!(
+            ", with {} columns on {} solver threads",
+            columns.face().ids().len(),
+            columns.threads()
+        ),
+    };
     tracing::info!(
-        "{} is ready in domain {}, on {reach}",
+        "{} is ready in domain {}, on {reach}{what}",
         node.names(),
         environment.domain_id
     );
     signals.wait();
     tracing::info!("stopping");
     node.stop();
-    let health = twin.health();
+    let health = columns.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),
         unsaved_states: health.unsaved_states,
@@ -131,35 +205,43 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     })
 }
 
+/// Lets the process open as many files as [`WANTED_FILES`], if the system allows it: each endpoint takes two, and many columns may
+/// have topics of their own.
+fn raise_file_limit() {
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    let wanted = maximum.map_or(WANTED_FILES, |it| it.min(WANTED_FILES));
+    if current.is_some_and(|it| it < wanted) {
+        let raised = Rlimit {
+            current: Some(wanted),
+            maximum,
+        };
+        // Without it, an endpoint that cannot be created is an error that names the limit.
+        let _ = setrlimit(Resource::Nofile, raised);
+    }
+}
+
 /// The recording of a run, if there is one. Ends last, after everything has been published.
 #[cfg(feature = "record")]
-pub(super) struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
+struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
 
 #[cfg(feature = "record")]
 impl RunRecording {
-    fn start(parameters: &Parameters, names: &Names) -> Result<Self, RunError> {
+    fn start(loaded: &Loaded, names: &Names) -> Result<Self, RunError> {
         use crate::evidence::{NodeRecording, Topics};
-        let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
-        Self::started(NodeRecording::start(
-            &parameters.settings().record,
-            &topics,
-            with_log,
-        ))
-    }
-
-    /// The recording of a fleet.
-    pub(super) fn start_of_fleet(fleet: &FleetColumns, names: &Names) -> Result<Self, RunError> {
-        use crate::evidence::{NodeRecording, Topics};
-        let topics =
-            Topics::resolved_of_fleet(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
-        let columns = fleet.columns.iter();
-        let columns = columns.map(|it| it.parameters.settings().column_id.as_str().into());
-        Self::started(NodeRecording::start_of_fleet(
-            &fleet.node.settings().record,
-            &topics,
-            columns.collect(),
-            with_log,
-        ))
+        let resolve = |endpoint: &Endpoint| names.resolve(endpoint.kind(), endpoint.name);
+        Self::started(match loaded {
+            Loaded::One(parameters) => {
+                let topics = Topics::resolved(resolve)?;
+                NodeRecording::start(&parameters.settings().record, &topics, with_log)
+            }
+            Loaded::Many(fleet) => {
+                let FleetColumns { columns, node, .. } = &**fleet;
+                let topics = Topics::resolved_of_fleet(resolve)?;
+                let ids = columns.iter().map(|it| &it.parameters.settings().column_id);
+                let ids = ids.map(|it| it.as_str().into()).collect();
+                NodeRecording::start_of_fleet(&node.settings().record, &topics, ids, with_log)
+            }
+        })
     }
 
     fn started(
@@ -175,13 +257,13 @@ impl RunRecording {
             })
     }
 
-    pub(super) fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
+    fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
         let tap = self.0.clone()?;
         Some(tap)
     }
 
     /// Ends the recording, and returns the number of missing messages, including those dropped before the recorder.
-    pub(super) fn stop(self, dropped_before: u64) -> u64 {
+    fn stop(self, dropped_before: u64) -> u64 {
         let statistics = self.0.and_then(|recording| recording.stop());
         statistics.map_or(0, |it| it.lost + dropped_before)
     }
@@ -202,12 +284,16 @@ fn with_log(options: RecorderOptions) -> RecorderOptions {
 }
 
 #[cfg(not(feature = "record"))]
-pub(super) struct RunRecording;
+struct RunRecording;
 
 #[cfg(not(feature = "record"))]
 impl RunRecording {
-    fn start(parameters: &Parameters, _: &Names) -> Result<Self, RunError> {
-        match parameters.settings().record.mode {
+    fn start(loaded: &Loaded, _: &Names) -> Result<Self, RunError> {
+        let node = match loaded {
+            Loaded::One(parameters) => parameters,
+            Loaded::Many(columns) => &columns.node,
+        };
+        match node.settings().record.mode {
             crate::parameters::RecordMode::Off => Ok(Self),
             _ => Err(RunError::Recording(
                 "record.mode asks for a recording, but this program was built without the feature `record`; set it to off"
@@ -216,33 +302,11 @@ impl RunRecording {
         }
     }
 
-    pub(super) fn start_of_fleet(fleet: &FleetColumns, names: &Names) -> Result<Self, RunError> {
-        Self::start(&fleet.node, names)
-    }
-
-    pub(super) fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
+    fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
         None
     }
 
-    pub(super) fn stop(self, _: u64) -> u64 {
+    fn stop(self, _: u64) -> u64 {
         0
-    }
-}
-
-fn load_parameters(
-    options: &RunOptions,
-    names: &Names,
-) -> Result<(Parameters, Vec<Fault>), ParameterFaults> {
-    let files = options.parameter_files.iter().cloned().map(Source::File);
-    let sources = files.chain(options.ros.parameters.iter().cloned());
-    Parameters::load_in_order(&names.for_parameters(), sources)
-}
-
-fn warn_of_ignored_settings(options: &RunOptions) {
-    for warning in &options.environment.warnings {
-        tracing::warn!("{warning}");
-    }
-    for argument in &options.ros.without_effect {
-        tracing::warn!("{argument} has no effect on this node");
     }
 }

@@ -13,7 +13,7 @@ use super::guid_prefix::GuidPrefix;
 use super::log_limit::LogLimit;
 use super::security::Peers;
 use crate::parameters::{AllowedSender, SendersSettings};
-use crate::twin::{Refusal, RefusalCode};
+use crate::twin::{Rejection, RejectionCode};
 
 /// Most senders whose rates are known at a time. Of more, the one that has been silent for the longest is forgotten.
 const MAX_SENDERS: usize = 256;
@@ -66,7 +66,7 @@ impl fmt::Debug for Senders {
 /// A message that is not taken.
 #[derive(Debug)]
 pub(super) struct Rejected {
-    pub refusal: Refusal,
+    pub rejection: Rejection,
     /// Whether to log and to record it.
     pub is_told: bool,
 }
@@ -134,7 +134,7 @@ impl Senders {
         let reason = format!(
             "the sender with the GUID {sender} exceeds senders.max_rate, {rate} per second after {burst} at once"
         );
-        Err(self.rejected(&self.too_fast, RefusalCode::SenderTooFast, reason, now))
+        Err(self.rejected(&self.too_fast, RejectionCode::SenderTooFast, reason, now))
     }
 
     /// Takes a part of a stream, of which no rate is too high.
@@ -151,14 +151,14 @@ impl Senders {
             return Ok(());
         }
         let reason = format!("the sender with the GUID {sender} is not in senders.allowed");
-        let code = RefusalCode::SenderNotAllowed;
+        let code = RejectionCode::SenderNotAllowed;
         Err(self.rejected(&self.not_allowed, code, reason, now))
     }
 
     fn rejected(
         &self,
         counter: &AtomicU64,
-        code: RefusalCode,
+        code: RejectionCode,
         reason: String,
         now: Instant,
     ) -> Rejected {
@@ -172,7 +172,7 @@ impl Senders {
             _ => String::new(),
         };
         Rejected {
-            refusal: Refusal::new(code, format!("{reason}{hidden}")),
+            rejection: Rejection::new(code, format!("{reason}{hidden}")),
             is_told: untold.is_some(),
         }
     }
@@ -307,9 +307,9 @@ mod tests {
         let admitted = [1, 2, 3].map(|number| senders.admit(sender(number), now).is_ok());
         assert_eq!(admitted, [true, false, true]);
         let rejected = senders.admit(sender(2), now).expect_err("is not listed");
-        assert_eq!(rejected.refusal.code, RefusalCode::SenderNotAllowed);
+        assert_eq!(rejected.rejection.code, RejectionCode::SenderNotAllowed);
         assert!(
-            rejected.refusal.reason.contains("000000020707"),
+            rejected.rejection.reason.contains("000000020707"),
             "{rejected:?}"
         );
         assert_eq!((senders.not_allowed(), senders.too_fast()), (2, 0));
@@ -368,7 +368,7 @@ mod tests {
         told(start);
         let next = told(start + TELLING_PERIOD);
         assert!(
-            next[0].refusal.reason.contains("(990 rejections"),
+            next[0].rejection.reason.contains("(990 rejections"),
             "{:?}",
             next[0]
         );

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
-use crate::senses::{Rejection, SensorCondition, SensorCounts, SensorHealth, Strays};
+use crate::senses::{BatchRejection, SensorCondition, SensorCounts, SensorHealth, Strays};
 use crate::time::Nanos;
 
 use super::log_limit::LogLimit;
@@ -72,7 +72,8 @@ struct Watched {
 }
 
 impl SensorWatch {
-    pub fn new(sensors: usize, started: Nanos) -> Self {
+    /// `of` names the column of a fleet in a line about a sensor, and is empty for a single twin; the columns share a log.
+    pub fn new(sensors: usize, started: Nanos, of: String, log: Arc<SensorLog>) -> Self {
         let watched = Watched {
             condition: SensorCondition::Waiting,
             counts: SensorCounts::default(),
@@ -86,22 +87,13 @@ impl SensorWatch {
             sensors: vec![watched; sensors],
             lost_by_queue: 0,
             unknown: 0,
-            of: String::new(),
-            log: Arc::default(),
-        }
-    }
-
-    /// The sensors of this column of a fleet, whose columns share a log.
-    pub fn of_column(self, column_id: &str, log: Arc<SensorLog>) -> Self {
-        Self {
-            of: format!(" of column {column_id:?}"),
+            of,
             log,
-            ..self
         }
     }
 
     /// Logs that a batch was not taken.
-    pub fn rejected(&mut self, sensor: &str, rejection: &Rejection, now: Instant) {
+    pub fn rejected(&mut self, sensor: &str, rejection: &BatchRejection, now: Instant) {
         let Some(hidden) = self.log.admit(now) else {
             return;
         };
@@ -328,6 +320,10 @@ fn value(health: &SensorHealth) -> (String, String) {
 mod tests {
     use super::*;
 
+    fn watch(sensors: usize) -> SensorWatch {
+        SensorWatch::new(sensors, 0, String::new(), Arc::default())
+    }
+
     fn health(condition: SensorCondition, counts: SensorCounts) -> SensorHealth {
         SensorHealth {
             name: "laser".into(),
@@ -341,7 +337,7 @@ mod tests {
 
     #[test]
     fn faults_are_warnings_as_long_as_they_last() {
-        let mut watch = SensorWatch::new(1, 0);
+        let mut watch = watch(1);
         let mut status = |condition, counts, now| {
             let sensors = [health(condition, counts)];
             let status = watch.status(&sensors, &Strays::default(), 0, now);
@@ -386,11 +382,11 @@ mod tests {
 
     #[test]
     fn strays_and_counts_are_shown() {
-        let mut watch = SensorWatch::new(1, 0);
+        let mut watch = watch(1);
         let strays = Strays {
             other_column: 7,
             unknown_sensor: 3,
-            last: Some(Rejection::Empty),
+            last: Some(BatchRejection::Empty),
         };
         let sensors = [health(SensorCondition::Alive, SensorCounts::default())];
         let first = watch.status(&sensors, &strays, 0, 0);

@@ -7,7 +7,7 @@ use futures::{StreamExt, join, pin_mut};
 use ros2_client::Subscription;
 use rustdds::GUID;
 
-use crate::messages::column_twin::{
+use crate::messages::column_twin_msgs::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 

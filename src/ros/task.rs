@@ -25,15 +25,10 @@ impl Task {
             // Abortion is the normal end.
             let _ = futures::executor::block_on(Abortable::new(make(), registration));
         };
-        let thread = thread::Builder::new()
-            .name(name.to_owned())
-            .stack_size(THREAD_STACK)
-            .spawn(run)
-            .map_err(|source| NodeError::Thread { name, source })?;
         Ok(Self {
             name,
             abort,
-            thread,
+            thread: spawn(name, run)?,
         })
     }
 
@@ -44,4 +39,19 @@ impl Task {
             tracing::error!("the thread {} panicked", self.name);
         }
     }
+}
+
+/// Starts a thread of the node.
+///
+/// # Errors
+/// The thread cannot be started.
+pub(super) fn spawn(
+    name: &'static str,
+    run: impl FnOnce() + Send + 'static,
+) -> Result<JoinHandle<()>, NodeError> {
+    thread::Builder::new()
+        .name(name.to_owned())
+        .stack_size(THREAD_STACK)
+        .spawn(run)
+        .map_err(|source| NodeError::Thread { name, source })
 }

@@ -1,47 +1,54 @@
-//! The node of a twin: all topics and services, in separate threads.
+//! The node of one column or many: all topics and services, in separate threads.
 //!
 //! | thread | responsibility |
 //! |---|---|
 //! | `column_twin/ros` | receives events, measurements and the clock, tracks peers |
 //! | `column_twin/srv` | answers service requests, receives parameters |
-//! | `column_twin/pub` | publishes the outputs of the twin, and diagnostics |
+//! | `column_twin/pub` | publishes the outputs of the columns, and diagnostics |
 //! | `column_twin/log` | publishes `/rosout` |
+//! | `column_twin/topics` | creates and removes the topics of single columns of a fleet |
 //!
 //! RustDDS adds two or three threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{self, JoinHandle};
-use std::time::Instant;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use ros2_client::Publisher;
 
-use crate::live::{OutputSource, RealTime, THREAD_STACK, Waker, request_for_publisher};
+use crate::fleet::LINGER;
+use crate::live::{OutputSource, RealTime, Waker, request_for_publisher};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
 use super::clock_watch::ClockWatch;
+use super::counters::NodeCounters;
 use super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
-use super::diagnostics::NodeCounters;
 use super::environment::Environment;
+use super::fleet::{ColumnTopics, FleetPublishing, RowImpacts, TopicCounts};
 use super::inputs::{Services, Subscriptions};
-use super::live_twin::LiveTwin;
+use super::live_columns::LiveColumns;
 use super::matches::Matches;
-use super::measurements::SensorInputs;
+use super::measurements::SensedColumns;
 use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
 use super::qos;
 use super::raw::Raw;
+use super::receiving::Receiving;
 use super::rosout::{LogEnd, RosoutQueue};
 use super::senders::{Identities, Senders};
-use super::task::Task;
+use super::sending::Sending;
+use super::task::{Task, spawn};
 
-/// A running node, until [`stop`](Self::stop).
+/// A running node of one column or many, until [`stop`](Self::stop).
 pub struct TwinNode {
     // In the order in which they are stopped.
     inputs: Vec<Task>,
-    twin: Arc<LiveTwin>,
+    /// Those of a fleet.
+    column_topics: Option<ColumnTopics>,
+    columns: Arc<LiveColumns>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
     waker: Waker,
@@ -50,71 +57,111 @@ pub struct TwinNode {
 }
 
 impl TwinNode {
-    /// Starts the node of a running twin; `recording` receives a copy of all messages.
+    /// Starts the node of running columns; `recording` receives a copy of all messages.
     ///
     /// # Errors
     /// A participant, an endpoint or a thread cannot be created.
     pub fn start(
         environment: &Environment,
         names: Names,
-        twin: Arc<LiveTwin>,
+        columns: Arc<LiveColumns>,
         outputs: impl OutputSource,
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
+        Self::start_with(environment, names, columns, outputs, log, recording, LINGER)
+    }
+
+    /// As [`start`](Self::start); the topics of a single column of a fleet stay for `linger` when their last reader has gone.
+    ///
+    /// # Errors
+    /// See [`start`](Self::start).
+    pub fn start_with(
+        environment: &Environment,
+        names: Names,
+        columns: Arc<LiveColumns>,
+        outputs: impl OutputSource,
+        log: Option<RosoutQueue>,
+        recording: Option<Arc<dyn RecordingTap>>,
+        linger: Duration,
+    ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
-        let is_simulated = twin.parameters().settings().use_sim_time;
-        let parameters = twin.parameters();
+        let settings = columns.node_parameters().settings();
         let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
-        let senders = Senders::new(&parameters.settings().senders, identities);
+        let senders = Senders::new(&settings.senders, identities);
         senders.warn_of_enclaves();
         let senders = Arc::new(senders);
-        let sensors = SensorInputs::new(&twin, &parameters, recording.clone());
         let counters = Arc::new(NodeCounters {
-            sensors: sensors.clone(),
             lost_peers: node.matches().lost_peers(),
             given_up: node.matches().given_up(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
-            clock: is_simulated.then(|| ClockWatch::new(Instant::now())),
+            clock: settings
+                .use_sim_time
+                .then(|| ClockWatch::new(Instant::now())),
             ..NodeCounters::default()
         });
         let stop = Arc::new(AtomicBool::new(false));
         let log = log
             .map(|queue| publish_log(&mut node, queue, &counters, recording.clone()))
             .transpose()?;
-        let publishing = Publishing::new(
-            &mut node,
-            Arc::clone(&twin),
-            Arc::clone(&counters),
-            recording.clone(),
-        )?;
-        let subscriptions = Subscriptions::new(
-            &mut node,
-            &twin.parameters(),
-            Arc::clone(&senders),
-            sensors,
-            recording.clone(),
-        )?;
-        let services = Services::new(&mut node, &twin.parameters(), senders, recording)?;
+        let sensed = SensedColumns::new(&columns, recording.as_ref());
+        let receiving = Receiving {
+            columns: Arc::clone(&columns),
+            senders,
+            recording: recording.clone(),
+            counters: Arc::clone(&counters),
+        };
+        let (mut column_topics, mut rows, mut fleet) = (None, None, None);
+        if columns.face().is_fleet() {
+            let counts = Arc::<TopicCounts>::default();
+            let own = Arc::clone(&counts);
+            let (topics, changes) =
+                ColumnTopics::start(&node, &columns, linger, outputs.waker(), own)?;
+            let row_impacts = Arc::new(RowImpacts::new(receiving.clone()));
+            rows = Some(Arc::clone(&row_impacts));
+            let changes = (changes, counts);
+            let (node, sensed) = (&mut node, sensed.clone());
+            fleet = Some(FleetPublishing::new(
+                node,
+                &columns,
+                row_impacts,
+                sensed,
+                changes,
+            )?);
+            column_topics = Some(topics);
+        }
+        let sending = Sending {
+            columns: Arc::clone(&columns),
+            counters,
+            recording,
+            is_over: false,
+        };
+        let publishing = Publishing::new(&mut node, sending, sensed.clone(), fleet)?;
+        let subscriptions = Subscriptions::new(&mut node, sensed, receiving.clone())?;
+        let services = Services::new(&mut node, rows, receiving)?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
-        let real_time = RealTime::of(&twin.parameters());
+        let real_time = RealTime::of(columns.node_parameters());
         let publisher = spawn(PUBLISHING_THREAD, move || {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
-        let events = node.twin_events(&twin.parameters().settings().column_id)?;
-        let matches = Arc::clone(&counters);
-        let (event_twin, service_twin) = (Arc::clone(&twin), Arc::clone(&twin));
+        let mut watch = column_topics.as_ref().map(ColumnTopics::watch);
+        let events = node.twin_events(Arc::clone(&columns), move |discovered| {
+            if let Some(watch) = &mut watch {
+                watch(discovered);
+            }
+        })?;
         let inputs = vec![
             Task::start(RECEIVING_THREAD, move || async move {
-                futures::join!(events, subscriptions.run(event_twin, matches));
+                futures::join!(events, subscriptions.run());
             })?,
-            Task::start(SERVING_THREAD, move || services.run(service_twin, counters))?,
+            Task::start(SERVING_THREAD, move || services.run())?,
         ];
         Ok(Self {
             inputs,
-            twin,
+            column_topics,
+            columns,
             publisher,
             stop,
             waker,
@@ -135,12 +182,15 @@ impl TwinNode {
         self.node.matches()
     }
 
-    /// Stops receiving, stops the twin, publishes queued outputs, and leaves the network.
+    /// Stops receiving, stops the columns, publishes queued outputs, and leaves the network.
     pub fn stop(self) {
         for task in self.inputs {
             task.stop();
         }
-        self.twin.stop();
+        if let Some(topics) = self.column_topics {
+            topics.stop();
+        }
+        self.columns.stop();
         stop_publishing_threads(&self.stop, &self.waker, self.publisher, self.log);
         // All threads have ended, and with them all endpoints.
         drop(self.node);
@@ -148,7 +198,7 @@ impl TwinNode {
 }
 
 /// Ends the threads that publish, after what is queued.
-pub(super) fn stop_publishing_threads(
+fn stop_publishing_threads(
     stop: &AtomicBool,
     waker: &Waker,
     publisher: JoinHandle<()>,
@@ -167,7 +217,7 @@ pub(super) fn stop_publishing_threads(
     }
 }
 
-pub(super) fn publish_log(
+fn publish_log(
     node: &mut Node,
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
@@ -201,15 +251,4 @@ pub(super) fn publish_log(
         note_dropped();
     })?;
     Ok((end, thread))
-}
-
-pub(super) fn spawn(
-    name: &'static str,
-    run: impl FnOnce() + Send + 'static,
-) -> Result<JoinHandle<()>, NodeError> {
-    thread::Builder::new()
-        .name(name.to_owned())
-        .stack_size(THREAD_STACK)
-        .spawn(run)
-        .map_err(|source| NodeError::Thread { name, source })
 }

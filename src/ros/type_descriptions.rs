@@ -199,10 +199,10 @@ mod tests {
     fn every_type_of_the_program_is_described() {
         // Two types without fields or with equal ones would have one hash if the name were not part of it.
         let services = [
-            "column_twin/srv/Calibrate",
-            "column_twin/srv/ConfirmEstimate",
-            "column_twin/srv/PredictImpact",
-            "column_twin/srv/ResetColumn",
+            "column_twin_msgs/srv/CorrectDamage",
+            "column_twin_msgs/srv/ConfirmEstimate",
+            "column_twin_msgs/srv/PredictImpact",
+            "column_twin_msgs/srv/ResetColumn",
             "std_srvs/srv/Trigger",
         ];
         assert_eq!(DESCRIPTIONS.len(), INTERFACES.len() + services.len());
@@ -217,11 +217,13 @@ mod tests {
 
     #[test]
     fn an_unknown_hash_is_answered_with_the_reason() {
-        let answer = asked("column_twin/msg/ColumnState", "RIHS01_00");
+        let answer = asked("column_twin_msgs/msg/ColumnState", "RIHS01_00");
         assert!(!answer.successful && answer.type_sources.is_empty());
         let reason = &answer.failure_reason;
         assert!(
-            reason.starts_with("the hash of column_twin/msg/ColumnState in this node is RIHS01_"),
+            reason.starts_with(
+                "the hash of column_twin_msgs/msg/ColumnState in this node is RIHS01_"
+            ),
             "{reason}"
         );
         let reason = asked("a\u{1b}/b", "").failure_reason;

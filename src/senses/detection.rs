@@ -3,7 +3,7 @@
 //! Every sensor learns its zero and its noise while nothing happens. A reading far outside of the noise, and far from what it was
 //! shortly before, opens a candidate, which is confirmed if the column is still displaced or strained to one side some
 //! milliseconds later, or still shaken: a short pulse, as of a door that slams, leaves nothing behind, and a drift comes
-//! slowly. Where another sensor would have to feel the impact, one has to.
+//! slowly. Where another sensor would have to detect the impact, one has to.
 //!
 //! After an impact, the next one is sought as soon as the column is quiet.
 
@@ -33,7 +33,7 @@ const FIRST_PART: f64 = 0.6;
 /// Time after which a sensor that reads a displacement, a strain or a force confirms a level that lasts \[s\].
 const LEVEL_WINDOW: f64 = 10e-3;
 
-/// Duration of a candidate of an accelerometer, and of a level that swings at first \[s\]: an accelerometer feels pulses that
+/// Duration of a candidate of an accelerometer, and of a level that swings at first \[s\]: an accelerometer detects pulses that
 /// do not move the column.
 const SHAKING_WINDOW: f64 = 30e-3;
 
@@ -64,7 +64,7 @@ const WITNESS_RATE: f64 = 200.0;
 /// A sensor without a sample for so long, by the times of the others, is not waited for \[s\].
 const ABSENCE: f64 = 0.5;
 
-/// Share of its declared noise that a sensor has to show, for it to count that it feels nothing.
+/// Share of its declared noise that a sensor has to show, for it to count that it detects nothing.
 const WORKING_NOISE: f64 = 0.5;
 
 /// Standard deviation of an instant of contact that one sample shows \[s\]: waves need some tenths of a millisecond from the
@@ -81,7 +81,7 @@ const REST: f64 = 0.25;
 /// After this time the column counts as quiet, and what the sensors show as their noise \[s\].
 const MAX_UNREST: f64 = 30.0;
 
-/// When a sensor first felt the impact.
+/// When a sensor first detected the impact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Onset {
@@ -115,7 +115,7 @@ pub struct Detector {
     channels: Vec<Channel>,
     /// Whether there are sensors of something else than accelerations.
     has_levels: bool,
-    /// What one sensor has confirmed, and others have yet to feel.
+    /// What one sensor has confirmed, and others have yet to detect.
     pending: Option<Pending>,
     /// When the last impact was detected \[s\], until the column is quiet again.
     unrest_since: Option<f64>,
@@ -240,7 +240,7 @@ impl Detector {
         }
     }
 
-    /// Whether a sensor that has to feel the impact has felt it, or there is none; `None` while one may still.
+    /// Whether a sensor that has to detect the impact has detected it, or there is none; `None` while one may still.
     fn is_shared(&self, pending: &Pending) -> Option<bool> {
         let Pending {
             sensor,
@@ -622,7 +622,7 @@ impl Candidate {
         is_early.then_some(true)
     }
 
-    /// Whether an accelerometer feels an impact, as soon as that is known.
+    /// Whether an accelerometer detects an impact, as soon as that is known.
     fn judge_shaking(&mut self, elapsed: f64, reading: f64) -> Option<bool> {
         let [first, _, last] = &mut self.parts;
         if elapsed < FIRST_PART * SHAKING_WINDOW {

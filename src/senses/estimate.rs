@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::exact_number;
 
 /// A quantity with its uncertainty.
@@ -20,7 +20,7 @@ pub struct CredibleInterval {
     pub high: f64,
 }
 
-/// An estimate that rests on fewer effective responses is unreliable.
+/// An estimate with a smaller effective sample size is unreliable.
 pub const FEWEST_RESPONSES: f64 = 20.0;
 
 /// Probability outside of an interval, on each side.
@@ -141,20 +141,20 @@ pub struct ImpactEstimate {
     /// Probability that the column has yielded.
     #[serde(with = "exact_number")]
     pub yielded: f64,
-    /// Probability that it collapses or is torn.
+    /// Probability that it collapses or is fractured.
     #[serde(with = "exact_number")]
     pub collapsed: f64,
-    /// Remaining axial capacity over that of the virgin column.
+    /// Residual axial capacity over that of the undamaged column.
     pub capacity_ratio: CredibleInterval,
-    /// Probability of each severity, the least severe first.
+    /// Probability of each action, the least severe first.
     #[serde(with = "exact_number::labelled")]
-    pub severity: Vec<(Severity, f64)>,
+    pub action: Vec<(Action, f64)>,
     /// Probabilities of the hypotheses, the most probable first.
     #[serde(with = "exact_number::labelled")]
     pub vehicle_probabilities: Vec<(String, f64)>,
     /// Effective number of responses behind the estimate; below [`FEWEST_RESPONSES`] the intervals are unreliable.
     #[serde(with = "exact_number")]
-    pub effective_responses: f64,
+    pub effective_sample_size: f64,
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
     /// read. They do not count, unless several are equally suspicious.
     pub doubtful_sensors: Vec<String>,

@@ -8,8 +8,8 @@ use super::hypothesis::{Front, Hypothesis};
 use super::member::Member;
 use super::population::{EXPLORATION, Population, Round};
 use super::prediction::HORIZON;
-use super::virgin_capacities::VirginCapacities;
-use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess, imperfection};
+use super::undamaged_capacities::UndamagedCapacities;
+use crate::assessment::{Action, AssessmentInput, ResidualCapacity, assess, imperfection};
 use crate::column::{
     Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
 };
@@ -46,7 +46,7 @@ const ROUND: usize = 20;
 /// As [`EXPLORATION`], where there is time for few responses only.
 const LIVE_EXPLORATION: f64 = 0.4;
 
-/// Responses whose remaining capacity is computed for an estimate, chosen by their weights: severities come in steps of 1 %.
+/// Responses whose residual capacity is computed for an estimate, chosen by their weights: actions come in steps of 1 %.
 pub(super) const ASSESSED: usize = 100;
 
 /// Standard deviation of the logarithm of the yield strength by which the single best impact is held to the given one: it has
@@ -74,7 +74,7 @@ pub struct Estimator {
     population: Population,
     sensors: Vec<Sensor>,
     yield_strain: f64,
-    virgin: VirginCapacities,
+    undamaged: UndamagedCapacities,
     /// Displacement of the impact point before the impact \[m\].
     rest_v1: f64,
     blocks: Option<Blocks>,
@@ -110,7 +110,7 @@ impl Estimator {
         let steel = parameters.steel();
         let (column, of_population) = (column.clone(), sensors.clone());
         Ok(Self {
-            virgin: VirginCapacities::new(parameters, &properties),
+            undamaged: UndamagedCapacities::new(parameters, &properties),
             rest_v1: column.state(&model).displacement.v1,
             population: Population::new(column, properties, of_population, hypotheses, seed),
             doubtful: vec![false; sensors.len()],
@@ -138,7 +138,7 @@ impl Estimator {
     pub(super) fn set_parameters(&mut self, parameters: &Parameters) {
         self.parameters = parameters.clone();
         let properties = self.population.properties();
-        self.virgin = VirginCapacities::new(parameters, properties);
+        self.undamaged = UndamagedCapacities::new(parameters, properties);
         self.assessed = 0;
         let members = self.population.members.iter_mut();
         members.for_each(|member| member.assessed = None);
@@ -263,8 +263,8 @@ impl Estimator {
 
     /// Gives at most `count` responses from `first` on that were never weighed a first impression, in this thread; returns
     /// whether there are more.
-    pub(super) fn screen(&mut self, first: usize, count: usize) -> bool {
-        self.population.screen(first, count)
+    pub(super) fn prefilter(&mut self, first: usize, count: usize) -> bool {
+        self.population.prefilter(first, count)
     }
 
     /// Weighs at most `count` responses as far as they matter, in this thread; returns whether there are more.
@@ -318,14 +318,14 @@ impl Estimator {
 
     /// The number of responses that it rests on if all counted alike.
     #[must_use]
-    pub fn effective_responses(&self) -> f64 {
+    pub fn effective_sample_size(&self) -> f64 {
         effective(&self.population.weights())
     }
 
     /// Whether the estimate rests on enough responses.
     #[must_use]
     pub fn is_settled(&self) -> bool {
-        self.effective_responses() >= ENOUGH_RESPONSES
+        self.effective_sample_size() >= ENOUGH_RESPONSES
     }
 
     /// Number of responses computed.
@@ -353,7 +353,7 @@ impl Estimator {
         }
     }
 
-    /// The responses whose severity an estimate with so many chosen ones needs and that are not assessed yet.
+    /// The responses whose action an estimate with so many chosen ones needs and that are not assessed yet.
     pub(super) fn unassessed(&self, count: usize) -> Vec<usize> {
         let weights = self.weights();
         let mut chosen = self.population.chosen(&weights, count);
@@ -378,8 +378,8 @@ impl Estimator {
         self.population.case(best).map(|(_, impact)| impact)
     }
 
-    /// Severity and capacity ratio after responses that are chosen by their weights.
-    fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Severity, f64)> {
+    /// Action and capacity ratio after responses that are chosen by their weights.
+    fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Action, f64)> {
         let chosen = self.population.chosen(weights, count);
         for &index in &chosen {
             if self.population.members[index].assessed.is_none() {
@@ -390,29 +390,29 @@ impl Estimator {
         members.filter_map(|member| member.assessed?).collect()
     }
 
-    fn assessed(&self, index: usize) -> Option<(Severity, f64)> {
+    fn assessed(&self, index: usize) -> Option<(Action, f64)> {
         let member = &self.population.members[index];
         let (properties, impact) = self.population.case(member)?;
         let (parameters, prediction) = (&self.parameters, &member.prediction);
         let struck = Model::new(&properties).ok()?;
         let model = struck.without_bumper();
         let at_rest = State::at_rest(&model);
-        let virgin = match self.virgin.at(libm::exp(member.unknowns[3])) {
-            Some(virgin) => virgin,
+        let undamaged = match self.undamaged.at(libm::exp(member.unknowns[3])) {
+            Some(undamaged) => undamaged,
             None => capacity(&model, &at_rest, imperfection(parameters)).ok()?,
         };
         let (now, loaded) = match prediction.rest.as_deref() {
-            Some(rest) if rest.plastic == PerBar::default() => (virgin, None),
+            Some(rest) if rest.plastic == PerBar::default() => (undamaged, None),
             Some(rest) => (
                 capacity(&model, rest, imperfection(parameters)).ok()?,
                 Some(rest),
             ),
             None => (Capacity::none(CapacityEnd::NoEquilibrium), None),
         };
-        let remaining = RemainingCapacity::new(parameters, &model, loaded, virgin, now);
+        let remaining = ResidualCapacity::new(parameters, &model, loaded, undamaged, now);
         let report = &prediction.report;
         let input = AssessmentInput::of_response(parameters, &struck, &impact, report, remaining);
-        Some((assess(&input).severity, remaining.ratio))
+        Some((assess(&input).action, remaining.ratio))
     }
 
     /// What each sensor has read so far, against what the responses predict, which the same data have weighed.
@@ -441,7 +441,7 @@ impl Estimator {
         self.estimate_with(data_until, ASSESSED)
     }
 
-    /// The same with severity and remaining capacity of so many responses, which are chosen by their weights.
+    /// The same with action and residual capacity of so many responses, which are chosen by their weights.
     pub(super) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
         let weights = self.weights();
         let assessed = self.assess(&weights, count);
@@ -495,11 +495,11 @@ impl Estimator {
             .map(|(k, it)| (it.name.clone(), share(&|member| member.hypothesis == k)))
             .collect();
         vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Severed);
+        let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
         let [contact, deviation] = self.contact;
-        let with_severity = |severity| {
-            let count = assessed.iter().filter(|(it, _)| *it == severity).count();
-            (severity, count as f64 / assessed.len().max(1) as f64)
+        let with_action = |action| {
+            let count = assessed.iter().filter(|(it, _)| *it == action).count();
+            (action, count as f64 / assessed.len().max(1) as f64)
         };
         ImpactEstimate {
             data_until,
@@ -522,9 +522,9 @@ impl Estimator {
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
             collapsed: share(&|member| collapses(member.prediction.report.outcome)),
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
-            severity: Severity::ALL.map(with_severity).to_vec(),
+            action: Action::ALL.map(with_action).to_vec(),
             vehicle_probabilities: vehicles,
-            effective_responses: effective,
+            effective_sample_size: effective,
             doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
         }
     }

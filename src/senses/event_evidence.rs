@@ -1,4 +1,4 @@
-//! What an event says about an impact that the sensors have felt: another witness, such as a camera or a person.
+//! What an event says about an impact that the sensors have detected: another witness, such as a camera or a person.
 
 use std::sync::Arc;
 

@@ -68,7 +68,7 @@ pub struct RawBatch<'a> {
 
 /// Why a batch was not taken.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Rejection {
+pub enum BatchRejection {
     /// It is for another column.
     #[error("it is for column {found:?}, but this is the twin of column {own:?}")]
     OtherColumn {
@@ -134,7 +134,7 @@ pub enum Rejection {
     },
 }
 
-impl Rejection {
+impl BatchRejection {
     /// Whether it follows from the batches before, and what is taken next may follow from it: a recording of what was taken
     /// needs such a batch, too.
     #[must_use]
@@ -204,7 +204,7 @@ pub struct SensorHealth {
     /// What is added to its times \[ns\]; 0: nothing.
     pub clock_correction: Nanos,
     /// Why the last batch that was rejected was.
-    pub last_rejection: Option<Rejection>,
+    pub last_rejection: Option<BatchRejection>,
 }
 
 /// Batches that belong to no sensor, since the start.
@@ -215,7 +215,7 @@ pub struct Strays {
     /// Of no sensor in the parameters.
     pub unknown_sensor: u64,
     /// Why the last one of an unknown sensor was rejected.
-    pub last: Option<Rejection>,
+    pub last: Option<BatchRejection>,
 }
 
 /// Everything on which it depends how the next batches are taken: with it, an intake goes on where another one was.
@@ -271,10 +271,10 @@ impl Intake {
     ///
     /// # Errors
     /// Why nothing of it is taken; it was counted.
-    pub fn take(&mut self, raw: &RawBatch<'_>, received: Nanos) -> Result<Batch, Rejection> {
+    pub fn take(&mut self, raw: &RawBatch<'_>, received: Nanos) -> Result<Batch, BatchRejection> {
         if raw.column_id != &*self.column_id {
             self.strays.other_column += 1;
-            return Err(Rejection::OtherColumn {
+            return Err(BatchRejection::OtherColumn {
                 found: shown(raw.column_id),
                 own: self.column_id.to_string(),
             });
@@ -294,9 +294,9 @@ impl Intake {
         })
     }
 
-    fn unknown(&mut self, found: &str) -> Rejection {
+    fn unknown(&mut self, found: &str) -> BatchRejection {
         let known: Vec<&str> = self.channels.iter().map(|it| &*it.sensor.name).collect();
-        let rejection = Rejection::UnknownSensor {
+        let rejection = BatchRejection::UnknownSensor {
             found: shown(found),
             known: match &known[..] {
                 [] => "none".to_owned(),
@@ -390,7 +390,7 @@ struct Channel {
     last_received: Option<Nanos>,
     stillness: Stillness,
     counts: SensorCounts,
-    last_rejection: Option<Rejection>,
+    last_rejection: Option<BatchRejection>,
 }
 
 impl Channel {
@@ -443,27 +443,27 @@ impl Channel {
         }
     }
 
-    fn take(&mut self, raw: &RawBatch<'_>, received: Nanos) -> Result<Taken, Rejection> {
+    fn take(&mut self, raw: &RawBatch<'_>, received: Nanos) -> Result<Taken, BatchRejection> {
         let count = raw.values.len();
         if count == 0 {
-            return Err(Rejection::Empty);
+            return Err(BatchRejection::Empty);
         }
         if count > MAX_BATCH_SAMPLES {
-            return Err(Rejection::TooLong { found: count });
+            return Err(BatchRejection::TooLong { found: count });
         }
         let deviation = (raw.sample_period * self.sensor.rate - 1.0).abs();
         if deviation.is_nan() || deviation > PERIOD_TOLERANCE {
-            return Err(Rejection::Period {
+            return Err(BatchRejection::Period {
                 sensor: self.sensor.name.clone(),
                 found: raw.sample_period,
                 rate: self.sensor.rate,
             });
         }
         if raw.stamp == INVALID_STAMP {
-            return Err(Rejection::InvalidStamp);
+            return Err(BatchRejection::InvalidStamp);
         }
         if raw.stamp == 0 && received > EARLIEST {
-            return Err(Rejection::NoStamp);
+            return Err(BatchRejection::NoStamp);
         }
         let period = ((1e9 * raw.sample_period).round() as u64).max(1);
         let duration = period.saturating_mul(count as u64);
@@ -515,7 +515,7 @@ impl Channel {
         period: u64,
         duration: u64,
         received: Nanos,
-    ) -> Result<Fit, Rejection> {
+    ) -> Result<Fit, BatchRejection> {
         let Some(next) = self.next else {
             return Ok(Fit::Begins);
         };
@@ -536,7 +536,7 @@ impl Channel {
                 return Ok(Fit::Follows { lost });
             }
         } else if self.remembered.contains(&stamp) {
-            return Err(Rejection::Duplicate);
+            return Err(BatchRejection::Duplicate);
         } else if end > after(next, half) {
             let skipped = by.saturating_add(half) / period;
             // At least the last sample is new.
@@ -544,7 +544,7 @@ impl Channel {
             return Ok(Fit::Overlaps(skipped.min(most) as usize));
         } else if lag < MAX_CLOCK_ERROR {
             let behind = next.saturating_sub(end).unsigned_abs();
-            return Err(Rejection::Late { behind });
+            return Err(BatchRejection::Late { behind });
         }
         let follows = |it: &Doubted| stamp.saturating_sub(it.next).unsigned_abs() <= tolerance;
         let before = self.doubted.filter(follows).map_or(0, |it| it.count);
@@ -556,7 +556,7 @@ impl Channel {
             next: end,
             count: before + 1,
         });
-        Err(Rejection::Doubted {
+        Err(BatchRejection::Doubted {
             by: lag.unsigned_abs(),
         })
     }
@@ -593,13 +593,13 @@ impl Channel {
         (each.collect(), numbers > 0)
     }
 
-    fn count_rejection(&mut self, raw: &RawBatch<'_>, rejection: Option<&Rejection>) {
+    fn count_rejection(&mut self, raw: &RawBatch<'_>, rejection: Option<&BatchRejection>) {
         let Some(rejection) = rejection else { return };
         let samples = raw.values.len() as u64;
         match rejection {
-            Rejection::Duplicate => self.counts.duplicates += samples,
-            Rejection::Late { .. } => self.counts.late += samples,
-            Rejection::Doubted { .. } => self.counts.doubted += samples,
+            BatchRejection::Duplicate => self.counts.duplicates += samples,
+            BatchRejection::Late { .. } => self.counts.late += samples,
+            BatchRejection::Doubted { .. } => self.counts.doubted += samples,
             _ => self.counts.rejected += 1,
         }
         self.last_rejection = Some(rejection.clone());

@@ -57,11 +57,11 @@ fn raw(values: &[f32], stamp: Nanos) -> RawBatch<'_> {
 }
 
 /// Offers a batch of 10 ms that arrives in time.
-fn offer(intake: &mut Intake, stamp: Nanos) -> Result<Batch, Rejection> {
+fn offer(intake: &mut Intake, stamp: Nanos) -> Result<Batch, BatchRejection> {
     offer_at(intake, stamp, stamp + BATCH + TRANSPORT)
 }
 
-fn offer_at(intake: &mut Intake, stamp: Nanos, received: Nanos) -> Result<Batch, Rejection> {
+fn offer_at(intake: &mut Intake, stamp: Nanos, received: Nanos) -> Result<Batch, BatchRejection> {
     intake.take(&raw(&values(stamp, 100), stamp), received)
 }
 
@@ -167,7 +167,7 @@ fn bad_batches_are_rejected_with_a_reason_and_counted() {
         last,
     } = intake.strays();
     assert_eq!((*other_column, *unknown_sensor), (1, 1));
-    assert!(matches!(last, Some(Rejection::UnknownSensor { .. })));
+    assert!(matches!(last, Some(BatchRejection::UnknownSensor { .. })));
     assert_eq!(intake.health(EPOCH)[0].condition, SensorCondition::Waiting);
     // The period may be off by as much as a real clock is.
     let slightly = with_period(1.005e-4);
@@ -180,14 +180,14 @@ fn gaps_duplicates_late_batches_and_overlaps_are_counted() {
     let at = |k: i64| EPOCH + k * BATCH;
     offer(&mut intake, at(0)).expect("first");
     offer(&mut intake, at(1)).expect("second");
-    assert_eq!(offer(&mut intake, at(0)), Err(Rejection::Duplicate));
-    assert_eq!(offer(&mut intake, at(1)), Err(Rejection::Duplicate));
+    assert_eq!(offer(&mut intake, at(0)), Err(BatchRejection::Duplicate));
+    assert_eq!(offer(&mut intake, at(1)), Err(BatchRejection::Duplicate));
     // The third one is overtaken by the fourth.
     offer(&mut intake, at(3)).expect("after a gap");
     assert_eq!(counts(&intake).lost, 100);
     let late = offer_at(&mut intake, at(2), at(4) + TRANSPORT);
     let behind = BATCH.unsigned_abs();
-    assert_eq!(late, Err(Rejection::Late { behind }));
+    assert_eq!(late, Err(BatchRejection::Late { behind }));
     // The next one repeats the last 30 samples of the fourth.
     let stamp = at(4) - 30 * PERIOD;
     let rest = offer(&mut intake, stamp).expect("its end is new");
@@ -240,7 +240,7 @@ fn a_clock_that_is_set_is_believed_after_three_batches() {
         for k in 100..102 {
             let doubted = offer_at(&mut intake, truth(k) + shift, arrival(k));
             assert!(
-                matches!(doubted, Err(Rejection::Doubted { .. })),
+                matches!(doubted, Err(BatchRejection::Doubted { .. })),
                 "{doubted:?}"
             );
         }

@@ -6,8 +6,8 @@ use super::hypothesis::UNKNOWNS;
 use super::lanes::{Lanes, WIDTH, ZERO, lanes};
 use super::model_error::ModelError;
 use super::prediction::{Place, Prediction};
-use super::weighing::{SCREENED_SHIFTS, SHIFTS, WeighedBlock, Weighing};
-use crate::assessment::Severity;
+use super::weighing::{PREFILTERED_SHIFTS, SHIFTS, WeighedBlock, Weighing};
+use crate::assessment::Action;
 use crate::sensors::{Quantity, Sensor};
 
 /// Factor between the column's displacements and the model's, with its standard deviation, before any data.
@@ -38,8 +38,8 @@ pub(super) struct Member {
     pub seen: usize,
     /// For each instant of contact and group of sensors.
     sums: Vec<Sums>,
-    /// Severity and capacity ratio, once they were computed; `None` in it if they cannot be.
-    pub assessed: Option<Option<(Severity, f64)>>,
+    /// Action and capacity ratio, once they were computed; `None` in it if they cannot be.
+    pub assessed: Option<Option<(Action, f64)>>,
     /// The most likely instant of contact, among those that are considered.
     pub shift: usize,
     /// Its delay behind the detected one \[s\].
@@ -196,12 +196,12 @@ impl Member {
 
     /// A first impression by the last `count` blocks only, before any were taken: the likelihood is hardly larger with all of them, because
     /// more data never make it larger.
-    pub fn screen(&mut self, weighing: &Weighing, count: usize) {
+    pub fn prefilter(&mut self, weighing: &Weighing, count: usize) {
         let blocks = &weighing.blocks;
         let first = blocks.len().saturating_sub(count);
         let groups = self.sums.len() / SHIFTS;
         let mut best = f64::NEG_INFINITY;
-        for shift in (0..SHIFTS).step_by(SCREENED_SHIFTS) {
+        for shift in (0..SHIFTS).step_by(PREFILTERED_SHIFTS) {
             let mut log = weighing.log_delays[shift];
             for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
                 let mut sums = NO_SUMS;

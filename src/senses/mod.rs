@@ -23,8 +23,6 @@ mod estimate_record;
 mod estimator;
 mod event_evidence;
 #[cfg(feature = "study")]
-mod foreseen;
-#[cfg(feature = "study")]
 mod hypothesis;
 mod intake;
 #[cfg(feature = "study")]
@@ -37,6 +35,8 @@ mod member;
 mod model_error;
 #[cfg(feature = "study")]
 mod population;
+#[cfg(feature = "study")]
+mod predicted;
 #[cfg(feature = "study")]
 mod prediction;
 mod probe;
@@ -53,9 +53,9 @@ mod sensor_clock;
 mod simulated;
 mod stillness;
 #[cfg(feature = "study")]
-mod update;
+mod undamaged_capacities;
 #[cfg(feature = "study")]
-mod virgin_capacities;
+mod update;
 #[cfg(feature = "study")]
 mod weighing;
 
@@ -70,16 +70,15 @@ pub use estimate_record::EstimateRecord;
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 pub use event_evidence::{EventEvidence, MAX_EVENTS};
 #[cfg(feature = "study")]
-pub use foreseen::{AVERAGED_OVER, predicted_means};
-#[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
 pub use intake::{
-    BELIEVED, Intake, IntakeState, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER,
-    PERIOD_TOLERANCE, RawBatch, Rejection, SILENCE, SensorCondition, SensorCounts, SensorHealth,
-    Strays,
+    BELIEVED, BatchRejection, Intake, IntakeState, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER,
+    PERIOD_TOLERANCE, RawBatch, SILENCE, SensorCondition, SensorCounts, SensorHealth, Strays,
 };
 #[cfg(feature = "study")]
 pub use library::Library;
+#[cfg(feature = "study")]
+pub use predicted::{AVERAGED_OVER, predicted_means};
 pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};

@@ -48,7 +48,7 @@ const LEAST_SHARE: f64 = 0.02;
 const NEGLIGIBLE: f64 = 30.0;
 
 /// The last blocks of data, by which a member that was never weighed gives a first impression.
-const SCREENED_BLOCKS: usize = 4;
+const PREFILTERED_BLOCKS: usize = 4;
 
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
@@ -496,11 +496,11 @@ impl Population {
 
     /// Gives at most `count` members from `first` on that were never weighed a first impression by the newest data, in this
     /// thread; returns whether there are more.
-    pub fn screen(&mut self, first: usize, count: usize) -> bool {
+    pub fn prefilter(&mut self, first: usize, count: usize) -> bool {
         let weighing = self.take_weighing();
         let some = self.members.iter_mut().skip(first).take(count);
         some.filter(|it| it.seen == 0)
-            .for_each(|it| it.screen(&weighing, SCREENED_BLOCKS));
+            .for_each(|it| it.prefilter(&weighing, PREFILTERED_BLOCKS));
         self.weighing = Some(weighing);
         first + count < self.members.len()
     }

@@ -151,7 +151,7 @@ impl Prediction {
             }
         };
         let report = response.report(&model, &state, end);
-        let stands = !matches!(end, End::Collapsed | End::Severed);
+        let stands = !matches!(end, End::Collapsed | End::Fractured);
         let whole = model.without_bumper();
         let residual = || residual_without_bumper(&model, &state, &whole);
         let rest = stands.then(residual).flatten();

@@ -39,7 +39,7 @@ pub fn estimate_recorded(
 ) -> Result<Option<RecordedImpact>, EstimatorError> {
     let hypotheses = hypotheses(parameters);
     let preparations = hypotheses.len() as f64;
-    let column = StandingColumn::virgin(parameters);
+    let column = StandingColumn::undamaged(parameters);
     let mut estimator = Estimator::new(parameters, &column, sensors.to_vec(), hypotheses, seed)?;
     let Some(detection) = detect(sensors, readings) else {
         return Ok(None);

@@ -61,7 +61,7 @@ const UNUSED: Nanos = 10_000_000;
 /// Data that are later than this after the detected contact change no estimate \[ns\]: twice the time that predictions cover.
 const NEEDED: Nanos = 1_000_000_000;
 
-/// After an impact the next one can be detected once nothing was felt for this time \[ns\].
+/// After an impact the next one can be detected once nothing was detected for this time \[ns\].
 const QUIET: Nanos = 1_000_000_000;
 
 const NANOS: f64 = 1e9;
@@ -84,7 +84,7 @@ pub enum Work {
 
 const URGENT: Work = Work::More { is_urgent: true };
 
-/// Feels impacts. It reads no clock.
+/// Detects impacts. It reads no clock.
 #[derive(Debug)]
 pub struct Sensing {
     /// The sensors of the parameters; the signs of batches are corrected.
@@ -438,7 +438,7 @@ impl Sensing {
         let is_alive =
             |end: &Option<Nanos>| *end > newest.map(|newest| newest.saturating_sub(ALIVE));
         self.phase = Phase::Impact(Box::new(CurrentImpact {
-            event_id: format!("felt-{origin}").into(),
+            event_id: format!("detected-{origin}").into(),
             origin,
             detection,
             first_batch,

@@ -12,7 +12,7 @@ const LEAD: f64 = 0.1;
 /// Time after the end of the response during which they read it again \[s\].
 const TAIL: f64 = 0.05;
 
-/// What the sensors read during an impact on the virgin column that is followed for at most `max_duration` \[s\], from
+/// What the sensors read during an impact on the undamaged column that is followed for at most `max_duration` \[s\], from
 /// 0.1 s before the event, which is at time 0. Gain errors and biases are drawn once for each sensor, noise for each
 /// sample; the same seed gives the same readings.
 ///

@@ -9,11 +9,11 @@ use super::population::Round;
 /// Responses weighed in one slice.
 const WEIGHED: usize = 64;
 
-/// Responses that are assessed for an estimate in haste, when new ones have been drawn: severities come in steps of 4 % then.
+/// Responses that are assessed for an estimate in haste, when new ones have been drawn: actions come in steps of 4 % then.
 const ASSESSED_IN_HASTE: usize = 24;
 
 /// Responses that get a first impression in one slice.
-const SCREENED: usize = 512;
+const PREFILTERED: usize = 512;
 
 /// Responses of a round of refinement.
 const ROUND: usize = 20;
@@ -115,7 +115,7 @@ pub(super) struct Update {
 
 #[derive(Debug, Clone)]
 enum Task {
-    Screen(usize),
+    Prefilter(usize),
     Weigh,
     Refine,
     /// All responses are weighed with all data, because sensors may contradict each other.
@@ -151,7 +151,7 @@ impl Update {
             judges: number > 0,
             until,
             assessed: assessed(estimator, number, is_final),
-            task: Task::Screen(0),
+            task: Task::Prefilter(0),
         }
     }
 
@@ -177,8 +177,8 @@ impl Update {
     /// The next slice, unless it is over.
     pub fn step(&mut self, estimator: &mut Estimator) {
         self.task = match std::mem::replace(&mut self.task, Task::Over) {
-            Task::Screen(first) => match estimator.screen(first, SCREENED) {
-                true => Task::Screen(first + SCREENED),
+            Task::Prefilter(first) => match estimator.prefilter(first, PREFILTERED) {
+                true => Task::Prefilter(first + PREFILTERED),
                 false => Task::Weigh,
             },
             Task::Weigh => match estimator.weigh_some(WEIGHED) {

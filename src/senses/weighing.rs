@@ -14,7 +14,7 @@ pub(super) const SHIFTS: usize = 13;
 const SHIFT_SPACING: f64 = 0.4;
 
 /// Every so many of these instants are looked at for a first impression.
-pub(super) const SCREENED_SHIFTS: usize = 3;
+pub(super) const PREFILTERED_SHIFTS: usize = 3;
 
 /// What the sensors have read over a block, sensor by sensor.
 pub(super) type Observed = (Block, Vec<Option<BlockMean>>);

@@ -8,21 +8,21 @@
 //! top. Only a short part of each bar next to a joint is bent ([`BEND_LENGTH`]), so that a plastic hinge looks like one and
 //! not like a broken stick.
 
+mod action_colour;
 mod bent_axis;
 mod joints;
 mod outline;
 mod round_number;
-mod severity_colour;
 mod solid;
 mod vehicle;
 mod yield_curve;
 
 pub use crate::twin::Lengths;
+pub use action_colour::action_colour;
 pub use bent_axis::{BEND_LENGTH, BentAxis, Station};
 pub use joints::{HINGE_PLACES, Joints, PlanePoint, WEB_PLACES};
 pub use outline::{Outline, drawn_section};
 pub use round_number::round_number;
-pub use severity_colour::severity_colour;
 pub use solid::Solid;
 pub use vehicle::{BodyPart, BodyStyle, CrushedVehicle, Hull, VehicleBody, Wheel, hull_triangles};
 pub use yield_curve::yield_curve;

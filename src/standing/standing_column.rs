@@ -1,4 +1,4 @@
-//! The column as an impact finds it: virgin, or with the damage that earlier impacts have left.
+//! The column as an impact finds it: undamaged, or with the damage that earlier impacts have left.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ use crate::parameters::Parameters;
 pub struct StandingColumn {
     /// Height of hinges 1a and 1b, and with that of the impact, above the base \[m\].
     pub impact_height: f64,
-    /// What earlier impacts have left; `None`: the column is virgin.
+    /// What earlier impacts have left; `None`: the column is undamaged.
     pub damage: Option<Damage>,
 }
 
@@ -37,9 +37,9 @@ pub struct Damage {
 }
 
 impl StandingColumn {
-    /// The virgin column of these parameters.
+    /// The undamaged column of these parameters.
     #[must_use]
-    pub fn virgin(parameters: &Parameters) -> Self {
+    pub fn undamaged(parameters: &Parameters) -> Self {
         Self {
             impact_height: parameters.column_properties().length_below,
             damage: None,
@@ -49,10 +49,10 @@ impl StandingColumn {
     /// The column of this model in this state, which has to be at rest.
     #[must_use]
     pub fn new(model: &Model, state: &State) -> Self {
-        let is_virgin = state.plastic == PerBar::default();
+        let is_undamaged = state.plastic == PerBar::default();
         Self {
             impact_height: model.properties.length_below,
-            damage: (!is_virgin).then(|| Damage {
+            damage: (!is_undamaged).then(|| Damage {
                 displacement: state.displacement,
                 plastic: state.plastic,
                 accumulated_rotation: state.accumulated_rotation(),

@@ -1,39 +1,39 @@
-//! Critical velocities: how fast a vehicle may be before its impact has a given severity.
+//! Critical velocities: how fast a vehicle may be before its impact has a given action.
 
 use serde::Serialize;
 
-use super::study_column::{Screening, StudyColumn, StudyError};
-use crate::assessment::Severity;
+use super::study_column::{Evaluation, StudyColumn, StudyError};
+use crate::assessment::Action;
 
 /// Relative width of the bracket in which a critical velocity is found.
 pub const CRITICAL_TOLERANCE: f64 = 0.01;
 /// Largest ratio of two velocities that follow each other in the scan.
 const SCAN_RATIO: f64 = 1.1;
-/// Severities that a column can reach, least severe first.
-pub const SEVERITIES: [Severity; 4] = [
-    Severity::Inspect,
-    Severity::Restrict,
-    Severity::Prop,
-    Severity::Evacuate,
+/// Actions that a column can reach, least severe first.
+pub const ACTIONS: [Action; 4] = [
+    Action::Inspect,
+    Action::Restrict,
+    Action::Shore,
+    Action::Evacuate,
 ];
 
-/// The critical velocity of one severity.
+/// The critical velocity of one action.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum CriticalVelocity {
-    /// The severity is reached between `below` and `at` \[m/s\], which differ by at most 1 %.
+    /// The action is reached between `below` and `at` \[m/s\], which differ by at most 1 %.
     Between {
-        /// The largest velocity found below it at which the severity is not reached \[m/s\].
+        /// The largest velocity found below it at which the action is not reached \[m/s\].
         below: f64,
-        /// The smallest velocity found at which the severity is reached \[m/s\].
+        /// The smallest velocity found at which the action is reached \[m/s\].
         at: f64,
     },
-    /// The severity is reached at the lowest velocity of the scan \[m/s\] already.
+    /// The action is reached at the lowest velocity of the scan \[m/s\] already.
     AtMost {
         /// The lowest velocity \[m/s\].
         lowest: f64,
     },
-    /// The scan found the severity at no velocity up to this one \[m/s\].
+    /// The scan found the action at no velocity up to this one \[m/s\].
     Above {
         /// The highest velocity \[m/s\].
         highest: f64,
@@ -42,27 +42,27 @@ pub enum CriticalVelocity {
 
 /// The search for the critical velocities of one vehicle, one response at a time, so that it can be done in the background.
 ///
-/// Severity need not grow with the velocity: just above the velocity at which a column first yields, for example, it vibrates
-/// so that some ranges of velocity make it yield and others in between do not. The critical velocity of a severity is
+/// Action need not grow with the velocity: just above the velocity at which a column first yields, for example, it vibrates
+/// so that some ranges of velocity make it yield and others in between do not. The critical velocity of an action is
 /// therefore defined by the search. First, a scan goes up from the lowest velocity in equal
-/// ratios of at most 1.1, until the highest severity is found or the highest velocity is reached. Then, the interval in
-/// front of the first velocity that has at least the severity is halved until it is 1 % wide. Narrower ranges of velocities
-/// with a higher severity that lie between two velocities of the scan are not found.
+/// ratios of at most 1.1, until the highest action is found or the highest velocity is reached. Then, the interval in
+/// front of the first velocity that has at least the action is halved until it is 1 % wide. Narrower ranges of velocities
+/// with a higher action that lie between two velocities of the scan are not found.
 ///
 /// ```
 /// use column_twin::parameters::Parameters;
 /// use column_twin::study::{CriticalSearch, CriticalVelocity, StudyColumn};
-/// use column_twin::assessment::Severity;
+/// use column_twin::assessment::Action;
 ///
-/// let column = StudyColumn::virgin(&Parameters::default())?;
+/// let column = StudyColumn::undamaged(&Parameters::default())?;
 /// let mut search = CriticalSearch::new(1.0, 20.0);
 /// while let Some(velocity) = search.next() {
 ///     // One response: a node can serve an impact in between.
 ///     let impact = column.impact(Some("mid_car"), None, velocity)?;
-///     search.record(velocity, column.screen(&impact)?.severity);
+///     search.record(velocity, column.evaluate(&impact)?.action);
 /// }
 /// assert!(search.responses() <= search.max_responses());
-/// if let CriticalVelocity::Between { below, at } = search.critical_velocity(Severity::Inspect) {
+/// if let CriticalVelocity::Between { below, at } = search.critical_velocity(Action::Inspect) {
 ///     assert!(below < at && at <= 1.01 * below);
 /// }
 /// # Ok::<(), column_twin::study::StudyError>(())
@@ -75,8 +75,8 @@ pub struct CriticalSearch {
     intervals: u32,
     /// Velocities of the scan that are done.
     scanned: u32,
-    /// Velocities and their severities, ascending.
-    known: Vec<(f64, Severity)>,
+    /// Velocities and their actions, ascending.
+    known: Vec<(f64, Action)>,
 }
 
 impl CriticalSearch {
@@ -101,22 +101,22 @@ impl CriticalSearch {
     /// The velocity of the next response \[m/s\]; `None` when the search is over.
     #[must_use]
     pub fn next(&self) -> Option<f64> {
-        self.next_for(&SEVERITIES)
+        self.next_for(&ACTIONS)
     }
 
-    /// As [`next`](Self::next), where only the critical velocities of these severities are wanted: fewer responses suffice.
+    /// As [`next`](Self::next), where only the critical velocities of these actions are wanted: fewer responses suffice.
     #[must_use]
-    pub fn next_for(&self, wanted: &[Severity]) -> Option<f64> {
+    pub fn next_for(&self, wanted: &[Action]) -> Option<f64> {
         let all_found = self
             .known
             .last()
-            .is_some_and(|(_, it)| wanted.iter().all(|severity| it >= severity));
+            .is_some_and(|(_, it)| wanted.iter().all(|action| it >= action));
         if !all_found && self.scanned <= self.intervals {
             return Some(self.scan_velocity(self.scanned));
         }
         // A class is found with those below it, so that one response often serves several.
-        wanted.iter().find_map(|severity| {
-            let (below, at) = self.bracket(*severity)?;
+        wanted.iter().find_map(|action| {
+            let (below, at) = self.bracket(*action)?;
             (at > (1.0 + CRITICAL_TOLERANCE) * below).then(|| libm::sqrt(below * at))
         })
     }
@@ -133,8 +133,8 @@ impl CriticalSearch {
         }
     }
 
-    /// Takes the severity at a velocity \[m/s\]: that of [`next`](Self::next), or one that is known from elsewhere.
-    pub fn record(&mut self, velocity: f64, severity: Severity) {
+    /// Takes the action at a velocity \[m/s\]: that of [`next`](Self::next), or one that is known from elsewhere.
+    pub fn record(&mut self, velocity: f64, action: Action) {
         if self.scanned <= self.intervals && velocity == self.scan_velocity(self.scanned) {
             self.scanned += 1;
         }
@@ -144,26 +144,23 @@ impl CriticalSearch {
             .get(place)
             .is_none_or(|(known, _)| *known != velocity)
         {
-            self.known.insert(place, (velocity, severity));
+            self.known.insert(place, (velocity, action));
         }
     }
 
     /// The velocities around the lowest known crossing; `None` if there is no crossing.
-    fn bracket(&self, severity: Severity) -> Option<(f64, f64)> {
-        let at = self
-            .known
-            .iter()
-            .position(|(_, found)| *found >= severity)?;
+    fn bracket(&self, action: Action) -> Option<(f64, f64)> {
+        let at = self.known.iter().position(|(_, found)| *found >= action)?;
         let below = at.checked_sub(1)?;
         Some((self.known[below].0, self.known[at].0))
     }
 
-    /// The critical velocity of this severity, as far as the search is; [`next`](Self::next) tells whether it is over.
+    /// The critical velocity of this action, as far as the search is; [`next`](Self::next) tells whether it is over.
     #[must_use]
-    pub fn critical_velocity(&self, severity: Severity) -> CriticalVelocity {
-        match self.bracket(severity) {
+    pub fn critical_velocity(&self, action: Action) -> CriticalVelocity {
+        match self.bracket(action) {
             Some((below, at)) => CriticalVelocity::Between { below, at },
-            None if self.known.first().is_some_and(|(_, it)| *it >= severity) => {
+            None if self.known.first().is_some_and(|(_, it)| *it >= action) => {
                 CriticalVelocity::AtMost {
                     lowest: self.lowest,
                 }
@@ -190,15 +187,15 @@ impl CriticalSearch {
         let halvings =
             libm::ceil(libm::log2(ratio / libm::log1p(CRITICAL_TOLERANCE))).max(0.0) as usize;
         // One more halving, because rounding may leave a bracket just above the tolerance.
-        self.intervals as usize + 1 + SEVERITIES.len() * (halvings + 1)
+        self.intervals as usize + 1 + ACTIONS.len() * (halvings + 1)
     }
 }
 
 /// The critical velocities of a vehicle on a column, at once.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CriticalVelocities {
-    /// One for each of [`SEVERITIES`].
-    pub velocities: [CriticalVelocity; SEVERITIES.len()],
+    /// One for each of [`ACTIONS`].
+    pub velocities: [CriticalVelocity; ACTIONS.len()],
     /// Number of responses.
     pub responses: usize,
 }
@@ -221,11 +218,11 @@ impl StudyColumn {
         let mut search = CriticalSearch::new(lowest, highest);
         while let Some(velocity) = search.next() {
             let impact = self.impact(vehicle, mass, velocity)?;
-            let Screening { severity, .. } = self.screen(&impact)?;
-            search.record(velocity, severity);
+            let Evaluation { action, .. } = self.evaluate(&impact)?;
+            search.record(velocity, action);
         }
         Ok(CriticalVelocities {
-            velocities: SEVERITIES.map(|severity| search.critical_velocity(severity)),
+            velocities: ACTIONS.map(|action| search.critical_velocity(action)),
             responses: search.responses(),
         })
     }
@@ -235,10 +232,10 @@ impl StudyColumn {
 mod tests {
     use super::*;
 
-    fn search(lowest: f64, highest: f64, severity: impl Fn(f64) -> Severity) -> CriticalSearch {
+    fn search(lowest: f64, highest: f64, action: impl Fn(f64) -> Action) -> CriticalSearch {
         let mut search = CriticalSearch::new(lowest, highest);
         while let Some(velocity) = search.next() {
-            search.record(velocity, severity(velocity));
+            search.record(velocity, action(velocity));
             assert!(search.responses() <= search.max_responses());
         }
         search
@@ -248,22 +245,22 @@ mod tests {
     #[test]
     fn known_thresholds_are_found_to_one_per_cent() {
         let thresholds = [0.7, 3.3, 3.4, 41.0];
-        let severity = |velocity: f64| {
+        let action = |velocity: f64| {
             let reached = thresholds.iter().filter(|it| velocity >= **it).count();
-            [Severity::None]
+            [Action::None]
                 .into_iter()
-                .chain(SEVERITIES)
+                .chain(ACTIONS)
                 .nth(reached)
-                .expect("a severity")
+                .expect("an action")
         };
-        let found = search(0.5, 60.0, severity);
-        for (severity, threshold) in SEVERITIES.into_iter().zip(thresholds) {
-            let CriticalVelocity::Between { below, at } = found.critical_velocity(severity) else {
-                panic!("{severity}");
+        let found = search(0.5, 60.0, action);
+        for (action, threshold) in ACTIONS.into_iter().zip(thresholds) {
+            let CriticalVelocity::Between { below, at } = found.critical_velocity(action) else {
+                panic!("{action}");
             };
             assert!(
                 below < threshold && threshold <= at && at <= 1.01 * below,
-                "{severity}"
+                "{action}"
             );
         }
         assert!(found.responses() < 80, "{}", found.responses());
@@ -271,28 +268,28 @@ mod tests {
 
     #[test]
     fn what_lies_outside_of_the_range_is_said() {
-        let always = search(2.0, 30.0, |_| Severity::Restrict);
+        let always = search(2.0, 30.0, |_| Action::Restrict);
         assert_eq!(
-            always.critical_velocity(Severity::Restrict),
+            always.critical_velocity(Action::Restrict),
             CriticalVelocity::AtMost { lowest: 2.0 }
         );
         assert_eq!(
-            always.critical_velocity(Severity::Prop),
+            always.critical_velocity(Action::Shore),
             CriticalVelocity::Above { highest: 30.0 }
         );
     }
 
-    /// Severity falls again above 8 m/s: the lowest crossing counts.
+    /// Action falls again above 8 m/s: the lowest crossing counts.
     #[test]
     fn the_lowest_crossing_of_the_scan_counts() {
-        let severity = |velocity: f64| match velocity {
-            4.0..8.0 => Severity::Prop,
-            20.0.. => Severity::Evacuate,
-            _ => Severity::None,
+        let action = |velocity: f64| match velocity {
+            4.0..8.0 => Action::Shore,
+            20.0.. => Action::Evacuate,
+            _ => Action::None,
         };
-        let found = search(1.0, 50.0, severity);
-        for severity in [Severity::Inspect, Severity::Restrict, Severity::Prop] {
-            let critical = found.critical_velocity(severity);
+        let found = search(1.0, 50.0, action);
+        for action in [Action::Inspect, Action::Restrict, Action::Shore] {
+            let critical = found.critical_velocity(action);
             let CriticalVelocity::Between { below, at } = critical else {
                 panic!("{critical:?}");
             };
@@ -303,19 +300,19 @@ mod tests {
     /// A search that is continued from a copy ends as one that is not.
     #[test]
     fn a_search_can_be_interrupted_and_continued() {
-        let severity = |velocity: f64| {
+        let action = |velocity: f64| {
             if velocity < 9.0 {
-                Severity::None
+                Action::None
             } else {
-                Severity::Evacuate
+                Action::Evacuate
             }
         };
-        let whole = search(1.0, 50.0, severity);
+        let whole = search(1.0, 50.0, action);
         let mut parts = CriticalSearch::new(1.0, 50.0);
         while let Some(velocity) = parts.next() {
             let mut continued = parts.clone();
             assert_eq!(continued.next(), Some(velocity));
-            continued.record(velocity, severity(velocity));
+            continued.record(velocity, action(velocity));
             parts = continued;
         }
         assert_eq!(parts, whole);

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, MapQuantity};
 use super::batch::{Batch, BatchEnd};
-use super::study_column::{Assumed, Glance, Screening, StudyColumn, StudyError};
+use super::study_column::{Assumed, Evaluation, Glance, StudyColumn, StudyError};
 use crate::column::Impact;
 use crate::parameters::{ParameterFaults, Parameters, RIGID, Value};
 
@@ -78,7 +78,7 @@ pub struct MapCell {
     /// Its place.
     pub place: CellPlace,
     /// What the impact leads to, or why that could not be computed.
-    pub result: Result<Screening, String>,
+    pub result: Result<Evaluation, String>,
 }
 
 /// The cells of a map as columns of equal length; a value that does not exist is NaN.
@@ -93,16 +93,16 @@ pub struct MapTable {
     /// Place on the axis of the columns.
     pub column: Vec<u64>,
     /// What the impact leads to, or why that could not be computed.
-    pub result: Vec<Result<Screening, String>>,
+    pub result: Vec<Result<Evaluation, String>>,
     /// Largest displacement of the impact point \[m\].
     pub max_v1: Vec<f64>,
     /// Residual displacement of the impact point \[m\]; NaN where the column does not stand.
     pub residual_v1: Vec<f64>,
     /// Largest contact force \[N\].
     pub peak_contact_force: Vec<f64>,
-    /// Remaining axial capacity \[N\].
-    pub remaining_capacity: Vec<f64>,
-    /// Remaining capacity over that of the virgin column.
+    /// Residual axial capacity \[N\].
+    pub residual_capacity: Vec<f64>,
+    /// Residual capacity over that of the undamaged column.
     pub capacity_ratio: Vec<f64>,
     /// Largest plastic rotation of a hinge \[rad\].
     pub max_plastic_rotation: Vec<f64>,
@@ -295,22 +295,22 @@ impl DamageMap {
         MapCell {
             index,
             place,
-            result: self.screen(place.variant, [Some(place.row), Some(place.column)], values),
+            result: self.evaluate(place.variant, [Some(place.row), Some(place.column)], values),
         }
     }
 
     /// Computes the impact at values that need not be those of a cell: with the place on an axis where the value is one of the
     /// axis.
-    pub(super) fn screen(
+    pub(super) fn evaluate(
         &self,
         variant: usize,
         places: [Option<u64>; 2],
         values: [AxisValue<'_>; 2],
-    ) -> Result<Screening, String> {
-        self.judged(variant, places, values, StudyColumn::screen)
+    ) -> Result<Evaluation, String> {
+        self.judged(variant, places, values, StudyColumn::evaluate)
     }
 
-    /// As [`screen`](Self::screen), of what a search for boundaries needs alone.
+    /// As [`evaluate`](Self::evaluate), of what a search for boundaries needs alone.
     pub(super) fn glance(
         &self,
         variant: usize,
@@ -348,7 +348,7 @@ impl DamageMap {
         values: [AxisValue<'_>; 2],
         judge: fn(&StudyColumn, &Impact) -> Result<T, StudyError>,
     ) -> Result<T, String> {
-        let screened = |column: &StudyColumn| {
+        let evaluated = |column: &StudyColumn| {
             let struck = column.struck_by(self.vehicle(values));
             let struck = struck.map_err(|fault| fault.to_string())?;
             let column = struck.as_deref().unwrap_or(column);
@@ -366,9 +366,9 @@ impl DamageMap {
             (Some(row), Some(column)) => {
                 let kept = self.kept((variant, row, column));
                 let made = kept.get_or_init(|| self.study_column(variant, values));
-                made.as_ref().map_err(Clone::clone).and_then(screened)
+                made.as_ref().map_err(Clone::clone).and_then(evaluated)
             }
-            _ => screened(&self.study_column(variant, values)?),
+            _ => evaluated(&self.study_column(variant, values)?),
         }
     }
 
@@ -478,8 +478,8 @@ impl DamageMap {
 impl MapTable {
     /// Appends a cell.
     pub fn push(&mut self, cell: MapCell) {
-        let screening = cell.result.as_ref().ok();
-        let number = |value: fn(&Screening) -> f64| screening.map_or(f64::NAN, value);
+        let evaluation = cell.result.as_ref().ok();
+        let number = |value: fn(&Evaluation) -> f64| evaluation.map_or(f64::NAN, value);
         self.index.push(cell.index);
         self.variant.push(cell.place.variant);
         self.row.push(cell.place.row);
@@ -489,8 +489,8 @@ impl MapTable {
             .push(number(|it| it.residual_v1.unwrap_or(f64::NAN)));
         self.peak_contact_force
             .push(number(|it| it.peak_contact_force));
-        self.remaining_capacity
-            .push(number(|it| it.remaining_capacity));
+        self.residual_capacity
+            .push(number(|it| it.residual_capacity));
         self.capacity_ratio.push(number(|it| it.capacity_ratio));
         self.max_plastic_rotation
             .push(number(|it| it.max_plastic_rotation));

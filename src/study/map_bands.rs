@@ -11,12 +11,12 @@ use serde::Serialize;
 
 use super::axis::{MapAxis, MapQuantity};
 use super::batch::{Batch, BatchEnd};
-use super::critical::SEVERITIES;
+use super::critical::ACTIONS;
 use super::map::{DamageMap, Variant};
 use super::refine::{BoundaryPoint, RefinedMap};
 use super::row_search::{Event, Expected, RefineError, Row, RowBoundary, Scale};
 use super::study_column::Assumed;
-use crate::assessment::{Assumption, ConnectedBase, HARDENING_BAND, OVERSTRENGTH, Severity};
+use crate::assessment::{Action, Assumption, ConnectedBase, HARDENING_BAND, OVERSTRENGTH};
 use crate::parameters::{Parameters, Value};
 
 /// Most rows of a map in which the bands are computed; between them they are interpolated. Rows with names are all computed.
@@ -25,7 +25,7 @@ const BAND_ROWS: usize = 9;
 /// The bands of the boundaries of a map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapBands {
-    /// One for each variant and each of [`SEVERITIES`], variant by variant.
+    /// One for each variant and each of [`ACTIONS`], variant by variant.
     pub bands: Vec<BoundaryBand>,
     /// What was changed.
     pub varied: Vec<Assumption>,
@@ -43,7 +43,7 @@ pub struct BoundaryBand {
     /// Number of the variant.
     pub variant: usize,
     /// The class.
-    pub severity: Severity,
+    pub action: Action,
     /// In the rows that were computed, in their order.
     pub points: Vec<BandPoint>,
 }
@@ -76,11 +76,11 @@ struct Job {
     changed: usize,
     row: u64,
     /// Where the boundaries of the classes are on the map.
-    known: [Option<RowBoundary>; SEVERITIES.len()],
+    known: [Option<RowBoundary>; ACTIONS.len()],
 }
 
 /// Where the boundaries of the classes are, or why they cannot be computed.
-type Found = Result<[Option<RowBoundary>; SEVERITIES.len()], RefineError>;
+type Found = Result<[Option<RowBoundary>; ACTIONS.len()], RefineError>;
 
 impl MapBands {
     /// The band of a class at any value on the axis of the rows: interpolated between the rows that were computed.
@@ -89,11 +89,11 @@ impl MapBands {
         &self,
         map: &DamageMap,
         variant: usize,
-        severity: Severity,
+        action: Action,
         row_value: f64,
     ) -> Option<[f64; 2]> {
         let mut bands = self.bands.iter();
-        let band = bands.find(|it| it.variant == variant && it.severity == severity)?;
+        let band = bands.find(|it| it.variant == variant && it.action == action)?;
         let ends = |pick: fn(&BandPoint) -> f64| {
             let points = band.points.iter().map(|point| {
                 let value = pick(point);
@@ -113,9 +113,9 @@ impl MapBands {
 
     /// The band of a class in one row, where it was computed.
     #[must_use]
-    pub fn in_row(&self, variant: usize, severity: Severity, row: u64) -> Option<&BandPoint> {
+    pub fn in_row(&self, variant: usize, action: Action, row: u64) -> Option<&BandPoint> {
         let mut bands = self.bands.iter();
-        let band = bands.find(|it| it.variant == variant && it.severity == severity)?;
+        let band = bands.find(|it| it.variant == variant && it.action == action)?;
         band.points.iter().find(|it| it.row == row)
     }
 }
@@ -171,7 +171,7 @@ impl DamageMap {
         let changed = self.with_variants(variants, all_assumed);
         let jobs: Vec<Job> = (origins.iter().enumerate())
             .flat_map(|(changed, (variant, _))| {
-                let rows = bands[variant * SEVERITIES.len()].points.iter();
+                let rows = bands[variant * ACTIONS.len()].points.iter();
                 let of_variant = refined
                     .boundaries
                     .iter()
@@ -223,7 +223,7 @@ impl DamageMap {
                     Some(RowBoundary::Never) => ends[1],
                     Some(RowBoundary::Between { below, at, .. }) => 0.5 * (below + at),
                 };
-                let points = &mut bands[variant * SEVERITIES.len() + class].points;
+                let points = &mut bands[variant * ACTIONS.len() + class].points;
                 if let Some(point) = points.iter_mut().find(|it| it.row == job.row) {
                     point.widen(value, assumption);
                 }
@@ -250,7 +250,7 @@ impl DamageMap {
                 points.find(|it| it.row == row).map(|it| it.place)
             };
             let is_known = |row: &u64| {
-                (0..SEVERITIES.len())
+                (0..ACTIONS.len())
                     .all(|class| place(class, *row).is_some_and(|it| it != RowBoundary::Infeasible))
             };
             let first = of_variant.first().map_or(&[][..], |it| &it.points);
@@ -261,7 +261,7 @@ impl DamageMap {
                     .collect(),
                 _ => known,
             };
-            for (class, severity) in SEVERITIES.into_iter().enumerate() {
+            for (class, action) in ACTIONS.into_iter().enumerate() {
                 let point = |row: &u64| {
                     let value = match place(class, *row)? {
                         RowBoundary::Always => ends[0],
@@ -278,7 +278,7 @@ impl DamageMap {
                 };
                 bands.push(BoundaryBand {
                     variant,
-                    severity,
+                    action,
                     points: rows.iter().filter_map(point).collect(),
                 });
             }
@@ -301,8 +301,8 @@ impl BandPoint {
 impl Job {
     fn run(&self, row: &mut Row<'_>) -> Found {
         row.restrict()?;
-        let mut found = [None; SEVERITIES.len()];
-        for ((severity, known), found) in SEVERITIES.into_iter().zip(self.known).zip(&mut found) {
+        let mut found = [None; ACTIONS.len()];
+        for ((action, known), found) in ACTIONS.into_iter().zip(self.known).zip(&mut found) {
             let expected = match known {
                 None | Some(RowBoundary::Infeasible) => continue,
                 Some(RowBoundary::Always) => Expected::Unchanged(true),
@@ -312,7 +312,7 @@ impl Job {
                     rising,
                 },
             };
-            let (place, _) = row.expected(Event::Class(severity), expected)?;
+            let (place, _) = row.expected(Event::Class(action), expected)?;
             *found = Some(place);
         }
         Ok(found)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::assessment::{
-    ActionRange, AssessmentInput, Assumption, RemainingCapacity, Severity, assess, respond_and_rest,
+    Action, ActionRange, AssessmentInput, Assumption, ResidualCapacity, assess, respond_and_rest,
 };
 use crate::column::{Impact, Model, Report};
 use crate::parameters::{Parameters, parse_override};
@@ -29,7 +29,7 @@ fn map(parameters: &Parameters) -> DamageMap {
 
 /// The plain response to the car with this mass and velocity.
 fn response(parameters: &Parameters, mass: f64, velocity: f64) -> (Impact, Report, bool) {
-    let column = StudyColumn::virgin(parameters).expect("a column");
+    let column = StudyColumn::undamaged(parameters).expect("a column");
     let impact = column
         .impact(None, Some(mass), velocity)
         .expect("an impact");
@@ -38,7 +38,7 @@ fn response(parameters: &Parameters, mass: f64, velocity: f64) -> (Impact, Repor
     let (report, rest) = respond_and_rest(&properties, &impact, duration).expect("a response");
     let model = Model::new(&properties.before(&impact)).expect("a column");
     let remaining =
-        RemainingCapacity::compute(parameters, &model, rest.as_ref()).expect("a capacity");
+        ResidualCapacity::compute(parameters, &model, rest.as_ref()).expect("a capacity");
     let input = AssessmentInput::of_response(parameters, &model, &impact, &report, remaining);
     let assessment = assess(&input);
     let names = ["base_shear", "base_moment", "base_uplift"];
@@ -102,12 +102,12 @@ fn a_band_ends_where_the_range_of_the_verdict_does() {
     assert!(bands.not_varied.is_empty(), "{:?}", bands.not_varied);
     // At most 14 changes, 4 classes, the rows, and 10 responses for each.
     assert!(bands.responses < 14 * 4 * 3 * 10, "{}", bands.responses);
-    let column = StudyColumn::virgin(&parameters).expect("a column");
+    let column = StudyColumn::undamaged(&parameters).expect("a column");
     let mut compared = 0;
-    for severity in [Severity::Restrict, Severity::Evacuate] {
-        let band = bands.in_row(0, severity, 1).expect("a band");
+    for action in [Action::Restrict, Action::Evacuate] {
+        let band = bands.in_row(0, action, 1).expect("a band");
         let boundary = refined
-            .value_at(&map, 0, severity, 1800.0)
+            .value_at(&map, 0, action, 1800.0)
             .expect("a boundary");
         assert!(
             band.low <= boundary && boundary <= band.high,
@@ -118,25 +118,25 @@ fn a_band_ends_where_the_range_of_the_verdict_does() {
                 .impact(None, Some(1800.0), velocity)
                 .expect("an impact");
             let properties = parameters.column_properties();
-            let verdict = (column.severity(&impact).expect("a response"), false);
+            let verdict = (column.action(&impact).expect("a response"), false);
             let range =
-                ActionRange::of_severity(&parameters, &properties, &impact, verdict, &mut || true);
+                ActionRange::of_action(&parameters, &properties, &impact, verdict, &mut || true);
             let all = range.expect("a range").variations;
             let changed = all.iter().filter(|it| it.assumption != Assumption::Speed);
-            let reached: Vec<bool> = changed.map(|it| it.severity >= severity).collect();
+            let reached: Vec<bool> = changed.map(|it| it.action >= action).collect();
             (
-                reached.contains(&true) || verdict.0 >= severity,
+                reached.contains(&true) || verdict.0 >= action,
                 reached.contains(&false),
             )
         };
         if band.low_by.is_some() {
-            assert!(!found(0.97 * band.low).0, "{severity:?} {band:?}");
-            assert!(found(1.03 * band.low).0, "{severity:?} {band:?}");
+            assert!(!found(0.97 * band.low).0, "{action:?} {band:?}");
+            assert!(found(1.03 * band.low).0, "{action:?} {band:?}");
             compared += 1;
         }
         if band.high_by.is_some() && band.high < 29.0 {
-            assert!(found(0.97 * band.high).1, "{severity:?} {band:?}");
-            assert!(!found(1.03 * band.high).1, "{severity:?} {band:?}");
+            assert!(found(0.97 * band.high).1, "{action:?} {band:?}");
+            assert!(!found(1.03 * band.high).1, "{action:?} {band:?}");
             compared += 1;
         }
     }

@@ -2,8 +2,8 @@
 
 use super::axis::AxisValue;
 use super::map::{DamageMap, MapCell};
-use super::study_column::Screening;
-use crate::assessment::Severity;
+use super::study_column::Evaluation;
+use crate::assessment::Action;
 use crate::results::outcome_word;
 
 /// A column of a table in a file.
@@ -47,24 +47,24 @@ type ResultColumn = (
     ColumnKind,
     &'static str,
     &'static str,
-    fn(&Screening) -> TableValue<'static>,
+    fn(&Evaluation) -> TableValue<'static>,
 );
 
 /// What is written of every impact that was computed.
 const RESULTS: [ResultColumn; 13] = [
     (
-        "severity",
+        "action",
         ColumnKind::Text,
         "",
-        "what has to be done: none, inspect, restrict, prop or evacuate",
-        |it| TableValue::Text(Some(Severity::name(it.severity))),
+        "what has to be done: none, inspect, restrict, shore or evacuate",
+        |it| TableValue::Text(Some(Action::name(it.action))),
     ),
     (
-        "severity_level",
+        "action_level",
         ColumnKind::Whole,
         "",
-        "the severity as a number, from 0 (none) to 4 (evacuate)",
-        |it| TableValue::Whole(Some(it.severity as u64)),
+        "the action as a number, from 0 (none) to 4 (evacuate)",
+        |it| TableValue::Whole(Some(it.action as u64)),
     ),
     (
         "deciding_criterion",
@@ -77,7 +77,7 @@ const RESULTS: [ResultColumn; 13] = [
         "outcome",
         ColumnKind::Text,
         "",
-        "elastic, plastic, collapsed or severed",
+        "elastic, plastic, collapsed or fractured",
         |it| TableValue::Text(Some(outcome_word(it.outcome))),
     ),
     (
@@ -102,25 +102,25 @@ const RESULTS: [ResultColumn; 13] = [
         |it| TableValue::Number(Some(it.peak_contact_force)),
     ),
     (
-        "remaining_capacity_n",
+        "residual_capacity_n",
         ColumnKind::Number,
         "N",
         "largest force of the push-down; 0 where the column carries nothing",
-        |it| TableValue::Number(Some(it.remaining_capacity)),
+        |it| TableValue::Number(Some(it.residual_capacity)),
     ),
     (
         "capacity_ratio",
         ColumnKind::Number,
         "",
-        "force of the push-down over that of the virgin column",
+        "force of the push-down over that of the undamaged column",
         |it| TableValue::Number(Some(it.capacity_ratio)),
     ),
     (
-        "capacity_reserve",
+        "reserve",
         ColumnKind::Number,
         "",
-        "N_u, this ratio times the buckling resistance about the strong axis, over N_Ed; missing without a compressive load",
-        |it| TableValue::Number(it.capacity_reserve),
+        "N_u, this ratio times the buckling resistance about the strong axis, over the applied load N; missing without a compressive load",
+        |it| TableValue::Number(it.reserve),
     ),
     (
         "max_plastic_rotation_rad",
@@ -210,7 +210,7 @@ impl DamageMap {
         let results = RESULTS
             .iter()
             .map(|(_, kind, .., value)| match (&cell.result, kind) {
-                (Ok(screening), _) => value(screening),
+                (Ok(evaluation), _) => value(evaluation),
                 (Err(_), ColumnKind::Whole) => TableValue::Whole(None),
                 (Err(_), ColumnKind::Number) => TableValue::Number(None),
                 (Err(_), ColumnKind::Text) => TableValue::Text(None),

@@ -1,7 +1,7 @@
 //! The cells of a map as pictures need them, in a bounded memory.
 
 use super::map::{DamageMap, MapCell};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
 /// Most points along an axis of a picture; of a finer map, a picture shows every second, third, ... one.
 const MAX_POINTS: u64 = 400;
@@ -23,7 +23,7 @@ pub struct MapGrid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridCell {
     /// What has to be done.
-    pub severity: Severity,
+    pub action: Action,
     /// Residual displacement of the impact point \[m\]; `None` where the column does not stand.
     pub residual_v1: Option<f64>,
 }
@@ -52,7 +52,7 @@ impl MapGrid {
         let (place, strides) = (cell.place, (self.row_stride, self.column_stride));
         let is_shown =
             place.row.is_multiple_of(strides.0) && place.column.is_multiple_of(strides.1);
-        let Some(screening) = cell.result.as_ref().ok().filter(|_| is_shown) else {
+        let Some(evaluation) = cell.result.as_ref().ok().filter(|_| is_shown) else {
             return;
         };
         let (row, column) = (
@@ -61,8 +61,8 @@ impl MapGrid {
         );
         let index = (place.variant * self.rows.len() + row) * self.columns.len() + column;
         self.cells[index] = Some(GridCell {
-            severity: screening.severity,
-            residual_v1: screening.residual_v1,
+            action: evaluation.action,
+            residual_v1: evaluation.residual_v1,
         });
     }
 

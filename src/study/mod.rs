@@ -1,7 +1,7 @@
 //! Studies: many impacts on a column, computed on all processors.
 //!
-//! [`StudyColumn`] is a column that is prepared once for many impacts; [`StudyColumn::screen`] follows one impact and
-//! reduces it to the numbers that a study compares, a [`Screening`]. [`Batch`] spreads any number of them over the
+//! [`StudyColumn`] is a column that is prepared once for many impacts; [`StudyColumn::evaluate`] follows one impact and
+//! reduces it to the numbers that a study compares, a [`Evaluation`]. [`Batch`] spreads any number of them over the
 //! processors, in an order that does not depend on how many there are, and can be interrupted. [`DamageMap`] is the plane of
 //! two quantities, [`DamageMap::refine`] finds the boundaries of its classes alone, [`CriticalSearch`] how fast a vehicle may
 //! be, [`vehicle_limits`] the same for every vehicle of the catalogue. Without the feature `study`, which takes all processors,
@@ -11,10 +11,10 @@
 //! use column_twin::parameters::Parameters;
 //! use column_twin::study::StudyColumn;
 //!
-//! let column = StudyColumn::virgin(&Parameters::default())?;
+//! let column = StudyColumn::undamaged(&Parameters::default())?;
 //! let impact = column.impact(Some("mid_car"), None, 10.0)?;
-//! let screening = column.screen(&impact)?;
-//! assert!(screening.max_v1 > 0.0);
+//! let evaluation = column.evaluate(&impact)?;
+//! assert!(evaluation.max_v1 > 0.0);
 //! # Ok::<(), column_twin::study::StudyError>(())
 //! ```
 
@@ -51,7 +51,7 @@ pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis
 #[cfg(feature = "study")]
 pub use batch::{Batch, BatchEnd};
 pub use critical::{
-    CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity, SEVERITIES,
+    ACTIONS, CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity,
 };
 #[cfg(feature = "study")]
 pub use fleet_kinds::{FleetKinds, part_of};
@@ -67,7 +67,7 @@ pub use map_grid::{GridCell, MapGrid};
 pub use refine::{BoundaryPoint, ClassBoundary, LimitBoundary, RefinedMap, RowFault};
 #[cfg(feature = "study")]
 pub use row_search::{Limit, RefineError, RowBoundary};
-pub use study_column::{Glance, Screening, StudyColumn, StudyError};
+pub use study_column::{Evaluation, Glance, StudyColumn, StudyError};
 #[cfg(feature = "study")]
 pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits, vehicle_limits_on};

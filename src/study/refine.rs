@@ -1,4 +1,4 @@
-//! The boundaries of the severity classes of a map, computed only where the classes change.
+//! The boundaries of the action classes of a map, computed only where the classes change.
 
 use std::sync::atomic::AtomicU64;
 
@@ -8,7 +8,7 @@ use super::axis::MapAxis;
 use super::batch::{Batch, BatchEnd};
 use super::map::DamageMap;
 use super::row_search::{Event, Expected, Limit, RefineError, Row, RowBoundary, Scale};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
 /// Intervals between the rows that are scanned from one end to the other.
 const SCANNED_INTERVALS: u64 = 4;
@@ -18,10 +18,10 @@ const LEAST_INTERVALS: u64 = 8;
 /// Events that have a boundary: classes and limits.
 const EVENTS: usize = Event::ALL.len();
 
-/// The boundaries of the severity classes.
+/// The boundaries of the action classes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RefinedMap {
-    /// One for each variant and each of [`SEVERITIES`](super::SEVERITIES), variant by variant.
+    /// One for each variant and each of [`ACTIONS`](super::ACTIONS), variant by variant.
     pub boundaries: Vec<ClassBoundary>,
     /// Where a web yields in shear and where the base fails, for each variant that has such a limit.
     pub limits: Vec<LimitBoundary>,
@@ -47,13 +47,13 @@ pub struct RowFault {
     pub computed: Option<[f64; 2]>,
 }
 
-/// The boundary of one class: along it, the severity changes between less than `severity` and at least `severity`.
+/// The boundary of one class: along it, the action changes between less than `action` and at least `action`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClassBoundary {
     /// Number of the variant.
     pub variant: usize,
     /// The class.
-    pub severity: Severity,
+    pub action: Action,
     /// Where it is in the rows that were computed, in their order. Between two rows it is known to 1 % by interpolation,
     /// logarithmic along an axis whose values are all above 0.
     pub points: Vec<BoundaryPoint>,
@@ -87,13 +87,13 @@ impl RefinedMap {
         &self,
         map: &DamageMap,
         variant: usize,
-        severity: Severity,
+        action: Action,
         row_value: f64,
     ) -> Option<f64> {
         let boundary = self
             .boundaries
             .iter()
-            .find(|it| it.variant == variant && it.severity == severity)?;
+            .find(|it| it.variant == variant && it.action == action)?;
         point_at(map, &boundary.points, row_value)
     }
 
@@ -119,13 +119,13 @@ impl RefinedMap {
         &self,
         map: &DamageMap,
         variant: usize,
-        severity: Severity,
+        action: Action,
         row_value: f64,
     ) -> bool {
         let boundary = self
             .boundaries
             .iter()
-            .find(|it| it.variant == variant && it.severity == severity);
+            .find(|it| it.variant == variant && it.action == action);
         let distance = |point: &&BoundaryPoint| {
             let number = map.rows().number(point.row).unwrap_or(point.row as f64);
             (number - row_value).abs()
@@ -195,11 +195,11 @@ struct Trace {
 }
 
 impl DamageMap {
-    /// The boundaries of the severity classes, to 1 % along the axis of the columns, with a small part of the responses of the map.
+    /// The boundaries of the action classes, to 1 % along the axis of the columns, with a small part of the responses of the map.
     ///
     /// Five rows are scanned from their lowest value, in ratios of at most 1.2 along an axis whose values are above 0, until
     /// every class has changed; the first change counts, as for
-    /// [`CriticalSearch`](super::CriticalSearch). Severity need not grow along a row, and a class may come in bands; below the boundary that was
+    /// [`CriticalSearch`](super::CriticalSearch). Action need not grow along a row, and a class may come in bands; below the boundary that was
     /// found, a lower band is looked for in eight steps of 2 %. In the rows between them, each boundary is searched around the place that
     /// interpolation lets expect. Halves of an interval between two rows are computed in turn, down to the rows of the map, until the
     /// boundary of the middle row is within 1 % of the expected one. Islands of another class that no scan meets are not found.
@@ -212,7 +212,7 @@ impl DamageMap {
     /// boundaries are those of the part that can.
     ///
     /// ```
-    /// use column_twin::assessment::Severity;
+    /// use column_twin::assessment::Action;
     /// use column_twin::parameters::Parameters;
     /// use column_twin::study::{Batch, DamageMap, MapAxis};
     ///
@@ -220,8 +220,8 @@ impl DamageMap {
     /// let map = DamageMap::new(&Parameters::default(), None, axes)?;
     /// let refined = map.refine(&Batch::default())?;
     /// assert!(refined.complete && refined.responses < map.len());
-    /// let evacuate = refined.boundaries.last().expect("one for each severity");
-    /// assert_eq!(evacuate.severity, Severity::Evacuate);
+    /// let evacuate = refined.boundaries.last().expect("one for each action");
+    /// assert_eq!(evacuate.action, Action::Evacuate);
     /// let place = evacuate.points[1].place.value().expect("a boundary");
     /// assert!((1.0..20.0).contains(&place));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -302,9 +302,9 @@ impl DamageMap {
                 let point = |(row, place)| BoundaryPoint { row, place };
                 let points: Vec<_> = known.into_iter().map(point).collect();
                 match event {
-                    Event::Class(severity) => boundaries.push(ClassBoundary {
+                    Event::Class(action) => boundaries.push(ClassBoundary {
                         variant,
-                        severity,
+                        action,
                         points,
                     }),
                     Event::Limit(limit) if sought[variant][index] => limits.push(LimitBoundary {

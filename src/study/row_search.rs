@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use serde::Serialize;
 
 use super::axis::{AxisValue, MapAxis};
-use super::critical::{CRITICAL_TOLERANCE, SEVERITIES};
+use super::critical::{ACTIONS, CRITICAL_TOLERANCE};
 use super::map::DamageMap;
 use super::study_column::Glance;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
 /// Intervals of the scan of a row whose axis is not logarithmic.
 const LINEAR_INTERVALS: u32 = 12;
@@ -30,12 +30,12 @@ pub enum RowBoundary {
         below: f64,
         /// The upper value.
         at: f64,
-        /// Whether the severity is reached at the upper value, and not at the lower one.
+        /// Whether the action is reached at the upper value, and not at the lower one.
         rising: bool,
     },
-    /// The severity is reached in the whole row, or in the part of it that can be computed, as far as it was looked at.
+    /// The action is reached in the whole row, or in the part of it that can be computed, as far as it was looked at.
     Always,
-    /// The severity is not reached in the row, as far as it was looked at.
+    /// The action is not reached in the row, as far as it was looked at.
     Never,
     /// No impact of the row can be computed, such as those of a column that cannot bear its load, or one between others
     /// that can.
@@ -84,7 +84,7 @@ impl From<rayon::ThreadPoolBuildError> for RefineError {
     }
 }
 
-/// Something other than a class of severity that has a boundary in a map.
+/// Something other than a class of action that has a boundary in a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
@@ -120,18 +120,18 @@ impl Limit {
 /// What has a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Event {
-    /// The severity is at least that of a class.
-    Class(Severity),
+    /// The action is at least that of a class.
+    Class(Action),
     Limit(Limit),
 }
 
 impl Event {
     /// Every one: the classes, then the limits.
-    pub const ALL: [Self; SEVERITIES.len() + Limit::ALL.len()] = [
-        Self::Class(SEVERITIES[0]),
-        Self::Class(SEVERITIES[1]),
-        Self::Class(SEVERITIES[2]),
-        Self::Class(SEVERITIES[3]),
+    pub const ALL: [Self; ACTIONS.len() + Limit::ALL.len()] = [
+        Self::Class(ACTIONS[0]),
+        Self::Class(ACTIONS[1]),
+        Self::Class(ACTIONS[2]),
+        Self::Class(ACTIONS[3]),
         Self::Limit(Limit::ALL[0]),
         Self::Limit(Limit::ALL[1]),
     ];
@@ -139,7 +139,7 @@ impl Event {
     /// Whether an impact leads to it.
     pub fn holds(self, glance: Glance) -> bool {
         match self {
-            Self::Class(severity) => glance.severity >= severity,
+            Self::Class(action) => glance.action >= action,
             Self::Limit(Limit::WebYields) => glance.web_yields,
             Self::Limit(Limit::BaseFails) => glance.base_fails,
         }
@@ -329,8 +329,8 @@ impl<'a> Row<'a> {
     pub(super) fn scan(&mut self) -> Result<(), RefineError> {
         for place in self.scan_places() {
             self.glance(place)?;
-            let has_changed = |severity| self.first_change(Event::Class(severity)).is_some();
-            if SEVERITIES.into_iter().all(has_changed) {
+            let has_changed = |action| self.first_change(Event::Class(action)).is_some();
+            if ACTIONS.into_iter().all(has_changed) {
                 break;
             }
         }

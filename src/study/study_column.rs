@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde::Serialize;
 
 use crate::assessment::{
-    AssessedResponse, ConnectedBase, PreparedAssessment, Severity, largest_plastic_rotation,
+    Action, AssessedResponse, ConnectedBase, PreparedAssessment, largest_plastic_rotation,
 };
 use crate::column::{
     CapacityError, ColumnProperties, End, HINGES, Impact, ImpactSpecification, Model, Outcome,
@@ -28,9 +28,9 @@ struct Promise {
     /// the surface it grows about twice as fast as the displacement.
     near_yield: f64,
     /// Plastic rotation below which many small flows at the crests of a vibration make a column too sensitive whose strength
-    /// depends on the rate and that a compliant vehicle strikes \[rad\].
+    /// depends on the rate and that a deformable vehicle strikes \[rad\].
     sensitive_with_rate: f64,
-    /// Whether it knows how far a column has moved whose strength depends on the rate when a hinge tears.
+    /// Whether it knows how far a column has moved whose strength depends on the rate when a hinge fractures.
     tears_with_rate: bool,
 }
 
@@ -97,12 +97,12 @@ pub struct StudyColumn {
 
 /// What one impact leads to, as far as a study compares it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Screening {
+pub struct Evaluation {
     /// What has to be done.
-    pub severity: Severity,
+    pub action: Action,
     /// Name of the criterion that decides.
     pub deciding_criterion: &'static str,
-    /// Whether the column yields, collapses or tears.
+    /// Whether the column yields, collapses or fractures.
     pub outcome: Outcome,
     /// Largest displacement of the impact point \[m\].
     pub max_v1: f64,
@@ -110,12 +110,12 @@ pub struct Screening {
     pub residual_v1: Option<f64>,
     /// Largest contact force \[N\].
     pub peak_contact_force: f64,
-    /// `N_u`: remaining axial capacity \[N\]; 0 if the column carries nothing.
-    pub remaining_capacity: f64,
-    /// `N_u` over that of the virgin column.
+    /// `N_u`: residual axial capacity \[N\]; 0 if the column carries nothing.
+    pub residual_capacity: f64,
+    /// `N_u` over that of the undamaged column.
     pub capacity_ratio: f64,
     /// `N_u` over the load that the column carries; `None` where that is not compressive.
-    pub capacity_reserve: Option<f64>,
+    pub reserve: Option<f64>,
     /// Largest plastic rotation, of hinges 1a and 1b together \[rad\].
     pub max_plastic_rotation: f64,
     /// Largest plastic shear angle of the web of a bar \[rad\]; above 0 the web has yielded in shear.
@@ -129,19 +129,19 @@ pub struct Screening {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Glance {
     /// What has to be done.
-    pub severity: Severity,
+    pub action: Action,
     /// Whether the web of a bar yields in shear.
     pub web_yields: bool,
     /// Whether the connection of the base fails.
     pub base_fails: bool,
 }
 
-impl From<&Screening> for Glance {
-    fn from(screening: &Screening) -> Self {
+impl From<&Evaluation> for Glance {
+    fn from(evaluation: &Evaluation) -> Self {
         Self {
-            severity: screening.severity,
-            web_yields: screening.max_plastic_shear > 0.0,
-            base_fails: screening.base_utilisation.is_some_and(|it| it > 1.0),
+            action: evaluation.action,
+            web_yields: evaluation.max_plastic_shear > 0.0,
+            base_fails: evaluation.base_utilisation.is_some_and(|it| it > 1.0),
         }
     }
 }
@@ -169,11 +169,11 @@ pub enum StudyError {
 }
 
 impl StudyColumn {
-    /// The virgin column.
+    /// The undamaged column.
     ///
     /// # Errors
     /// Properties that make no column, or an imperfection out of its range.
-    pub fn virgin(parameters: &Parameters) -> Result<Self, StudyError> {
+    pub fn undamaged(parameters: &Parameters) -> Result<Self, StudyError> {
         let model = Model::new(&parameters.column_properties()).map_err(SimulationError::from)?;
         Self::at_rest(parameters, model, State::at_rest(&model))
     }
@@ -201,10 +201,10 @@ impl StudyColumn {
         })
     }
 
-    /// As [`virgin`](Self::virgin), with what the parameters do not say.
+    /// As [`undamaged`](Self::undamaged), with what the parameters do not say.
     ///
     /// # Errors
-    /// As [`virgin`](Self::virgin).
+    /// As [`undamaged`](Self::undamaged).
     pub(super) fn assuming(parameters: &Parameters, assumed: &Assumed) -> Result<Self, StudyError> {
         let own = parameters.column_properties();
         let properties = match assumed {
@@ -347,16 +347,16 @@ impl StudyColumn {
 
     /// What this impact leads to.
     ///
-    /// Severity, deciding criterion and outcome are those of the plain simulation with its full assessment; the largest
-    /// displacement agrees with it within 1e-3, the largest contact force within 3e-3. The remaining capacity is that of the
+    /// Action, deciding criterion and outcome are those of the plain simulation with its full assessment; the largest
+    /// displacement agrees with it within 1e-3, the largest contact force within 3e-3. The residual capacity is that of the
     /// residual state found and agrees within 1e-3. Where the quick response cannot promise that, a finer one is computed, and
     /// where that cannot either, and for a column that is damaged before the impact, the plain one.
     ///
     /// # Errors
     /// An impact that is out of range, or a step that does not converge. A collapse is a result.
-    pub fn screen(&self, impact: &Impact) -> Result<Screening, StudyError> {
+    pub fn evaluate(&self, impact: &Impact) -> Result<Evaluation, StudyError> {
         if let Some(column) = self.before(impact)? {
-            return column.screen(impact);
+            return column.evaluate(impact);
         }
         if self.has_long_steps() {
             for (model, promise) in [(&self.study_model, &QUICK), (&self.fine_model, &FINE)] {
@@ -364,30 +364,30 @@ impl StudyColumn {
                     break;
                 };
                 match self.certain(impact, promise, &response)? {
-                    Certainty::Certain(screening) => return Ok(screening),
+                    Certainty::Certain(evaluation) => return Ok(evaluation),
                     Certainty::CloserLook => {}
                     Certainty::PlainOnly => break,
                 }
             }
         }
-        let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
-        Ok(screening)
+        let (evaluation, _) = self.judged(impact, &self.respond(impact)?)?;
+        Ok(evaluation)
     }
 
-    /// The severity of this impact, without the other numbers of [`screen`](Self::screen): neither does a collapse need its
+    /// The action of this impact, without the other numbers of [`evaluate`](Self::evaluate): neither does a collapse need its
     /// largest displacement, nor a push-down its end.
     ///
     /// # Errors
-    /// As [`screen`](Self::screen).
-    pub fn severity(&self, impact: &Impact) -> Result<Severity, StudyError> {
-        Ok(self.glance(impact)?.severity)
+    /// As [`evaluate`](Self::evaluate).
+    pub fn action(&self, impact: &Impact) -> Result<Action, StudyError> {
+        Ok(self.glance(impact)?.action)
     }
 
-    /// As [`severity`](Self::severity), also whether a web yields in shear and whether the base fails, from the same response. Of
-    /// a column that collapses or tears these are as far as it was followed.
+    /// As [`action`](Self::action), also whether a web yields in shear and whether the base fails, from the same response. Of
+    /// a column that collapses or fractures these are as far as it was followed.
     ///
     /// # Errors
-    /// As [`screen`](Self::screen).
+    /// As [`evaluate`](Self::evaluate).
     pub fn glance(&self, impact: &Impact) -> Result<Glance, StudyError> {
         if let Some(column) = self.before(impact)? {
             return column.glance(impact);
@@ -403,34 +403,34 @@ impl StudyColumn {
                 max_v1: quick.max_v1,
                 base: quick.base,
             };
-            if let Some(severity) = self.certain_severity(impact, &quick, &response)? {
+            if let Some(action) = self.certain_action(impact, &quick, &response)? {
                 let base = self.assessment.base_utilisation(&response);
                 return Ok(Glance {
-                    severity,
+                    action,
                     web_yields: largest_shear(&response) > 0.0,
                     base_fails: base.is_some_and(|it| it > 1.0),
                 });
             }
         }
-        let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
-        Ok(Glance::from(&screening))
+        let (evaluation, _) = self.judged(impact, &self.respond(impact)?)?;
+        Ok(Glance::from(&evaluation))
     }
 
-    /// Whether there are responses in long steps: the paper's scheme has none, and their bounds were found on virgin columns.
+    /// Whether there are responses in long steps: the paper's scheme has none, and their bounds were found on undamaged columns.
     fn has_long_steps(&self) -> bool {
         self.model.properties.scheme == Scheme::ConservingMidpoint
             && self.rest.plastic == PerBar::default()
     }
 
-    /// The severity after a quick response; `None` if the plain one might have another.
-    fn certain_severity(
+    /// The action after a quick response; `None` if the plain one might have another.
+    fn certain_action(
         &self,
         impact: &Impact,
         quick: &StudyResponse,
         response: &AssessedResponse,
-    ) -> Result<Option<Severity>, StudyError> {
+    ) -> Result<Option<Action>, StudyError> {
         let at_limit = match quick.outcome {
-            Outcome::Collapsed | Outcome::Severed => return Ok(Some(Severity::Evacuate)),
+            Outcome::Collapsed | Outcome::Fractured => return Ok(Some(Action::Evacuate)),
             Outcome::Elastic => quick.utilisation_sum > QUICK.near_yield,
             Outcome::Plastic => largest_flow(quick) < BARELY_PLASTIC,
         };
@@ -441,7 +441,7 @@ impl StudyColumn {
             return Ok(None);
         };
         let assessment = &self.assessment;
-        Ok(assessment.severity(&self.model, impact, response, &rest, NEAR_LIMIT)?)
+        Ok(assessment.action(&self.model, impact, response, &rest, NEAR_LIMIT)?)
     }
 
     /// The response, which ends as soon as nothing can change any more.
@@ -453,7 +453,7 @@ impl StudyColumn {
         model.respond(&self.rest, impact, self.parameters.response_duration())
     }
 
-    /// The screening by a response in long steps, if the plain one would have the same.
+    /// The evaluation by a response in long steps, if the plain one would have the same.
     fn certain(
         &self,
         impact: &Impact,
@@ -467,10 +467,10 @@ impl StudyColumn {
         let at_limit = match response.outcome {
             // Its largest displacement has no limit for short steps.
             Outcome::Collapsed => return Ok(Certainty::PlainOnly),
-            Outcome::Severed if rates && impact.vehicle.is_none() => {
+            Outcome::Fractured if rates && impact.vehicle.is_none() => {
                 return Ok(Certainty::PlainOnly);
             }
-            Outcome::Severed => rates && !promise.tears_with_rate,
+            Outcome::Fractured => rates && !promise.tears_with_rate,
             Outcome::Elastic => response.utilisation_sum > promise.near_yield,
             Outcome::Plastic => {
                 let largest = largest_flow(response);
@@ -481,10 +481,10 @@ impl StudyColumn {
         if at_limit {
             return Ok(Certainty::CloserLook);
         }
-        let (screening, least_margin) = self.judged(impact, &Ended::from(response))?;
+        let (evaluation, least_margin) = self.judged(impact, &Ended::from(response))?;
         Ok(
-            match least_margin > NEAR_LIMIT || response.outcome == Outcome::Severed {
-                true => Certainty::Certain(screening),
+            match least_margin > NEAR_LIMIT || response.outcome == Outcome::Fractured {
+                true => Certainty::Certain(evaluation),
                 false => Certainty::PlainOnly,
             },
         )
@@ -496,28 +496,28 @@ impl StudyColumn {
         Ok(Ended::from(&response))
     }
 
-    /// The screening of a response, and the least margin of its criteria.
-    fn judged(&self, impact: &Impact, ended: &Ended) -> Result<(Screening, f64), CapacityError> {
+    /// The evaluation of a response, and the least margin of its criteria.
+    fn judged(&self, impact: &Impact, ended: &Ended) -> Result<(Evaluation, f64), CapacityError> {
         let Ended { response, rest, .. } = ended;
         let remaining = self.assessment.remaining(&self.model, rest.as_ref())?;
         let verdict = self
             .assessment
             .verdict(&self.model, impact, response, remaining);
-        let screening = Screening {
-            severity: verdict.severity,
+        let evaluation = Evaluation {
+            action: verdict.action,
             deciding_criterion: verdict.deciding_criterion,
             outcome: response.outcome,
             max_v1: response.max_v1,
             residual_v1: response.residual_v1,
             peak_contact_force: ended.peak_contact_force,
-            remaining_capacity: remaining.now.force,
+            residual_capacity: remaining.now.force,
             capacity_ratio: remaining.ratio,
-            capacity_reserve: remaining.reserve,
+            reserve: remaining.reserve,
             max_plastic_rotation: largest_plastic_rotation(&response.plastic_rotation),
             max_plastic_shear: largest_shear(response),
             base_utilisation: self.assessment.base_utilisation(response),
         };
-        Ok((screening, verdict.least_margin))
+        Ok((evaluation, verdict.least_margin))
     }
 }
 
@@ -548,7 +548,7 @@ impl From<&StudyResponse> for Ended {
 /// What a response in long steps says of the plain one.
 enum Certainty {
     /// It would lead to the same.
-    Certain(Screening),
+    Certain(Evaluation),
     /// Shorter steps may tell.
     CloserLook,
     /// Only the plain one tells.

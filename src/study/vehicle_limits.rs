@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::critical::{CriticalSearch, CriticalVelocity};
 use super::study_column::StudyColumn;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::column::Impact;
 use crate::parameters::vehicle_catalogue;
 
@@ -14,7 +14,7 @@ use crate::parameters::vehicle_catalogue;
 pub const LIMIT_VELOCITIES: [f64; 2] = [0.5, 50.0];
 
 /// The critical velocities of one vehicle with one mass: those from which on an impact leaves a column with at least a
-/// severity, rounded down to the largest velocity at which the search has found a lower severity.
+/// action, rounded down to the largest velocity at which the search has found a lower action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleLimits {
@@ -22,36 +22,36 @@ pub struct VehicleLimits {
     pub vehicle: Arc<str>,
     /// Its mass \[kg\].
     pub mass: f64,
-    /// Velocity up to which people may stay near the column: that of [`Severity::Restrict`] \[m/s\]. 0: the column has this
-    /// severity already, or the lowest velocity of [`LIMIT_VELOCITIES`] leads to it. `None`: no velocity of the search does.
+    /// Velocity up to which people may stay near the column: that of [`Action::Restrict`] \[m/s\]. 0: the column has this
+    /// action already, or the lowest velocity of [`LIMIT_VELOCITIES`] leads to it. `None`: no velocity of the search does.
     pub restrict: Option<f64>,
-    /// Velocity up to which people may stay in the building: the same for [`Severity::Evacuate`] \[m/s\].
+    /// Velocity up to which people may stay in the building: the same for [`Action::Evacuate`] \[m/s\].
     pub evacuate: Option<f64>,
 }
 
 /// The critical velocities of the vehicle of the parameters with their mass, then of every vehicle of the catalogue with its
-/// own mass, on a column that has a severity at rest already. Each is the result of a [`CriticalSearch`] over
+/// own mass, on a column that has an action at rest already. Each is the result of a [`CriticalSearch`] over
 /// [`LIMIT_VELOCITIES`].
 ///
 /// The vehicle touches the column at once: a gap would only add the time in which it approaches. A response that cannot be
-/// computed to its end counts as [`Severity::Evacuate`]. A vehicle that the parameters do not
+/// computed to its end counts as [`Action::Evacuate`]. A vehicle that the parameters do not
 /// allow is left out. `go_on` is asked before each response; once it returns false, the result is `None`.
 ///
 /// ```
-/// use column_twin::assessment::Severity;
+/// use column_twin::assessment::Action;
 /// use column_twin::parameters::{Parameters, vehicle_catalogue};
 /// use column_twin::study::{StudyColumn, vehicle_limits};
 ///
-/// let column = StudyColumn::virgin(&Parameters::default())?;
+/// let column = StudyColumn::undamaged(&Parameters::default())?;
 /// // Where everybody has to leave already, no response is computed.
-/// let limits = vehicle_limits(&column, Severity::Evacuate, &mut || true).expect("computed");
+/// let limits = vehicle_limits(&column, Action::Evacuate, &mut || true).expect("computed");
 /// assert_eq!(limits.len(), 1 + vehicle_catalogue().len());
 /// assert!(limits.iter().all(|it| it.evacuate == Some(0.0)));
 /// # Ok::<(), column_twin::study::StudyError>(())
 /// ```
 pub fn vehicle_limits(
     column: &StudyColumn,
-    at_rest: Severity,
+    at_rest: Action,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<VehicleLimits>> {
     vehicle_limits_on(column, &mut |_| None, at_rest, go_on)
@@ -62,7 +62,7 @@ pub fn vehicle_limits(
 pub fn vehicle_limits_on(
     column: &StudyColumn,
     elsewhere: &mut dyn FnMut(&str) -> Option<Arc<StudyColumn>>,
-    at_rest: Severity,
+    at_rest: Action,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<VehicleLimits>> {
     let configured = column.parameters().settings().vehicle.name.as_str();
@@ -101,33 +101,33 @@ pub fn vehicle_limits_on(
     Some(known.into_iter().map(|(_, limits)| limits).collect())
 }
 
-/// The velocities of a vehicle that lead to [`Severity::Restrict`] and [`Severity::Evacuate`].
+/// The velocities of a vehicle that lead to [`Action::Restrict`] and [`Action::Evacuate`].
 fn search(
     column: &StudyColumn,
     impact: Impact,
-    at_rest: Severity,
+    at_rest: Action,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<[Option<f64>; 2]> {
-    const SEVERITIES: [Severity; 2] = [Severity::Restrict, Severity::Evacuate];
-    let ahead = SEVERITIES.map(|it| it > at_rest);
-    let wanted = &SEVERITIES[ahead.iter().filter(|it| !**it).count()..];
+    const ACTIONS: [Action; 2] = [Action::Restrict, Action::Evacuate];
+    let ahead = ACTIONS.map(|it| it > at_rest);
+    let wanted = &ACTIONS[ahead.iter().filter(|it| !**it).count()..];
     let [lowest, highest] = LIMIT_VELOCITIES;
     let mut search = CriticalSearch::new(lowest, highest);
     while let Some(velocity) = search.next_for(wanted).filter(|_| !wanted.is_empty()) {
         if !go_on() {
             return None;
         }
-        let screening = column.screen(&Impact { velocity, ..impact });
+        let evaluation = column.evaluate(&Impact { velocity, ..impact });
         search.record(
             velocity,
-            screening.map_or(Severity::Evacuate, |it| it.severity),
+            evaluation.map_or(Action::Evacuate, |it| it.action),
         );
     }
-    Some(SEVERITIES.map(|severity| {
-        if severity <= at_rest {
+    Some(ACTIONS.map(|action| {
+        if action <= at_rest {
             return Some(0.0);
         }
-        match search.critical_velocity(severity) {
+        match search.critical_velocity(action) {
             CriticalVelocity::Between { below, .. } => Some(below),
             CriticalVelocity::AtMost { .. } => Some(0.0),
             CriticalVelocity::Above { .. } => None,

@@ -1,4 +1,4 @@
-//! The response to an impact under way: its outputs, and what is foreseen of its end.
+//! The response to an impact under way: its outputs, and what is predicted of its end.
 
 use std::sync::Arc;
 
@@ -47,8 +47,8 @@ pub(super) struct ActiveResponse {
 #[derive(Debug)]
 pub(super) struct LastResponse {
     pub response: Box<ActiveResponse>,
-    /// The twin before it, as long as it can be resumed.
-    pub before: Option<BeforeResponse>,
+    /// The twin before it, as long as it can be resumed; in memory of its own, because most columns of a fleet have none.
+    pub before: Option<Box<BeforeResponse>>,
 }
 
 /// What a response that is over has changed in the twin.

@@ -1,4 +1,4 @@
-//! The remaining capacity of the column at rest, and its assessment.
+//! The residual capacity of the column at rest, and its assessment.
 
 use std::sync::Arc;
 
@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::plant::{Condition, Plant};
 use super::what_if::Striking;
 use crate::assessment::{
-    AssessedImpact, Assessment, AssessmentInput, BaseDemand, RemainingCapacity, Utilisation,
-    assess, imperfection,
+    AssessedImpact, Assessment, AssessmentInput, BaseDemand, ResidualCapacity, Utilisation, assess,
+    imperfection,
 };
 use crate::column::{Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport};
 use crate::parameters::Parameters;
@@ -62,28 +62,28 @@ impl LastImpact {
 /// The assessment of the column at rest, with the capacity behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assessed {
-    /// Virgin and present capacity, and what they mean for the load.
-    pub remaining: RemainingCapacity,
-    /// Severity and criteria.
+    /// Undamaged and present capacity, and what they mean for the load.
+    pub remaining: ResidualCapacity,
+    /// Action and criteria.
     pub assessment: Assessment,
 }
 
-/// Capacities of a column: virgin, and as it is.
+/// Capacities of a column: undamaged, and as it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Capacities {
-    pub virgin: Capacity,
+    pub undamaged: Capacity,
     pub now: Capacity,
 }
 
-/// A virgin capacity with all that it depends on, so that it is computed once per column.
+/// An undamaged capacity with all that it depends on, so that it is computed once per column.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct VirginCapacity {
+pub(super) struct UndamagedCapacity {
     model: Model,
     imperfection: f64,
     capacity: Capacity,
 }
 
-impl VirginCapacity {
+impl UndamagedCapacity {
     /// The capacity, if it is that of this column.
     fn of(&self, model: &Model, imperfection: f64) -> Option<Capacity> {
         let is_same = self.model == *model && self.imperfection == imperfection;
@@ -96,18 +96,18 @@ impl VirginCapacity {
 pub(super) struct PushDowns {
     at_rest: Plant,
     imperfection: f64,
-    virgin: Option<Capacity>,
+    undamaged: Option<Capacity>,
     under_way: Option<PushDown>,
 }
 
 impl PushDowns {
-    /// `known` is a virgin capacity that may be that of this column.
-    pub fn new(at_rest: Plant, imperfection: f64, known: Option<&VirginCapacity>) -> Self {
-        let virgin = known.and_then(|known| known.of(&at_rest.model, imperfection));
+    /// `known` is an undamaged capacity that may be that of this column.
+    pub fn new(at_rest: Plant, imperfection: f64, known: Option<&UndamagedCapacity>) -> Self {
+        let undamaged = known.and_then(|known| known.of(&at_rest.model, imperfection));
         Self {
             at_rest,
             imperfection,
-            virgin,
+            undamaged,
             under_way: None,
         }
     }
@@ -126,18 +126,20 @@ impl PushDowns {
                 state,
                 condition,
             } = &self.at_rest;
-            let virgin_state = State::at_rest(model);
-            let wanted = match (self.virgin, condition) {
-                (None, _) => &virgin_state,
-                (Some(virgin), _) => {
-                    let done = |now| Some(Some(Capacities { virgin, now }));
+            let undamaged_state = State::at_rest(model);
+            let wanted = match (self.undamaged, condition) {
+                (None, _) => &undamaged_state,
+                (Some(undamaged), _) => {
+                    let done = |now| Some(Some(Capacities { undamaged, now }));
                     match condition {
                         Condition::Collapsed => {
                             return done(Capacity::none(CapacityEnd::NoEquilibrium));
                         }
-                        Condition::Severed => return done(Capacity::none(CapacityEnd::Severed)),
+                        Condition::Fractured => {
+                            return done(Capacity::none(CapacityEnd::Fractured));
+                        }
                         Condition::Faulted(_) => return Some(None),
-                        Condition::Standing if *state == virgin_state => return done(virgin),
+                        Condition::Standing if *state == undamaged_state => return done(undamaged),
                         Condition::Standing => state,
                     }
                 }
@@ -159,11 +161,11 @@ impl PushDowns {
                 continue;
             };
             self.under_way = None;
-            match self.virgin {
-                None => self.virgin = Some(capacity),
-                Some(virgin) => {
+            match self.undamaged {
+                None => self.undamaged = Some(capacity),
+                Some(undamaged) => {
                     return Some(Some(Capacities {
-                        virgin,
+                        undamaged,
                         now: capacity,
                     }));
                 }
@@ -171,12 +173,12 @@ impl PushDowns {
         }
     }
 
-    /// The virgin capacity, for [`PushDowns::new`] of the same column.
-    pub fn virgin(&self) -> Option<VirginCapacity> {
-        Some(VirginCapacity {
+    /// The undamaged capacity, for [`PushDowns::new`] of the same column.
+    pub fn undamaged(&self) -> Option<UndamagedCapacity> {
+        Some(UndamagedCapacity {
             model: self.at_rest.model,
             imperfection: self.imperfection,
-            capacity: self.virgin?,
+            capacity: self.undamaged?,
         })
     }
 }
@@ -195,11 +197,11 @@ pub(super) fn assessed(
         condition,
     } = at_rest;
     let standing = (*condition == Condition::Standing).then_some(state);
-    let Capacities { virgin, now } = *capacities;
-    let remaining = RemainingCapacity::new(parameters, model, standing, virgin, now);
+    let Capacities { undamaged, now } = *capacities;
+    let remaining = ResidualCapacity::new(parameters, model, standing, undamaged, now);
     let mut input = AssessmentInput::of_state(parameters, model, state, remaining);
     input.collapsed = *condition == Condition::Collapsed;
-    input.severed = *condition == Condition::Severed;
+    input.fractured = *condition == Condition::Fractured;
     if *condition != Condition::Standing {
         input.residual_v1 = None;
     }
@@ -216,13 +218,13 @@ pub(super) fn assessed(
     })
 }
 
-/// The assessment of a column at rest, computed at once; `None` if the column or its last response cannot be computed. The virgin capacity is kept
+/// The assessment of a column at rest, computed at once; `None` if the column or its last response cannot be computed. The undamaged capacity is kept
 /// in `known`.
 pub(super) fn assess_at_once(
     parameters: &Parameters,
     at_rest: &Plant,
     last: Option<&LastImpact>,
-    known: &mut Option<VirginCapacity>,
+    known: &mut Option<UndamagedCapacity>,
 ) -> Option<Arc<Assessed>> {
     if last.is_some_and(|last| !last.is_complete) {
         return None;
@@ -230,6 +232,6 @@ pub(super) fn assess_at_once(
     let imperfection = imperfection(parameters);
     let mut push_downs = PushDowns::new(at_rest.clone(), imperfection, known.as_ref());
     let capacities = push_downs.advance(&mut u64::MAX.clone())?;
-    *known = push_downs.virgin();
+    *known = push_downs.undamaged();
     Some(assessed(parameters, at_rest, last, &capacities?))
 }

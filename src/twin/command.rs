@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::calibration::Calibration;
-use super::refusal::Refusal;
+use super::damage_correction::DamageCorrection;
+use super::rejection::Rejection;
 use crate::assessment::VerdictRange;
 use crate::column::ImpactSpecification;
 use crate::exact_number;
@@ -33,11 +33,11 @@ pub enum Command {
     /// another column. The twin counts and reports it like any other.
     RejectedChange {
         /// Why it was rejected.
-        refusal: Refusal,
+        rejection: Rejection,
         /// The sender, for logs.
         source: Arc<str>,
     },
-    /// Return to the virgin column.
+    /// Return to the undamaged column.
     Reset {
         /// The sender, for logs.
         source: Arc<str>,
@@ -63,13 +63,13 @@ pub enum Command {
     /// What the sensors say about an impact, which another thread has computed. It is a command, so that the journal tells
     /// from when on, and what made it so.
     Estimate(Arc<EstimateRecord>),
-    /// Somebody says whether an impact that the sensors have felt is one.
+    /// Somebody says whether an impact that the sensors have detected is one.
     DecideEstimate(EstimateDecision),
     /// The damage of the column at rest is to meet what was measured on the column.
-    Calibrate(ResidualMeasurement),
+    CorrectDamage(ResidualMeasurement),
 }
 
-/// Whether an impact that the sensors have felt is an impact of the column.
+/// Whether an impact that the sensors have detected is an impact of the column.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EstimateDecision {
@@ -81,7 +81,7 @@ pub struct EstimateDecision {
     pub source: Arc<str>,
 }
 
-/// What was measured on the column at rest, relative to the virgin column.
+/// What was measured on the column at rest, relative to the undamaged column.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResidualMeasurement {
@@ -142,8 +142,8 @@ pub enum Accepted {
     /// It holds now.
     Applied,
     /// The damage was compared with a measurement, and corrected where it did not agree.
-    Calibrated(Calibration),
-    /// It is the same impact as one that the sensors have felt, and is kept as evidence.
+    CorrectDamaged(DamageCorrection),
+    /// It is the same impact as one that the sensors have detected, and is kept as evidence.
     Merged,
     /// It is valid and will be applied when the present response has ended, unless the column cannot take it then: another
     /// impact may have damaged it.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::command::Accepted;
 use super::lifecycle::Twin;
 use super::plant::Plant;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::column::ColumnProperties;
 use crate::parameters::Parameters;
 use crate::standing::{is_same_height, with_impact_height};
@@ -17,7 +17,7 @@ use crate::study::{StudyColumn, VehicleLimits, vehicle_limits_on};
 pub struct CriticalVelocityTask {
     pub(super) parameters: Arc<Parameters>,
     pub(super) at_rest: Plant,
-    pub(super) severity: Severity,
+    pub(super) action: Action,
 }
 
 impl CriticalVelocityTask {
@@ -51,7 +51,7 @@ impl CriticalVelocityTask {
             others.push((height, Arc::clone(&there)));
             Some(there)
         };
-        vehicle_limits_on(&column, &mut elsewhere, self.severity, go_on).map(Arc::from)
+        vehicle_limits_on(&column, &mut elsewhere, self.action, go_on).map(Arc::from)
     }
 }
 
@@ -79,7 +79,7 @@ impl Twin {
         Some(CriticalVelocityTask {
             parameters: Arc::clone(self.parameters.current()),
             at_rest: self.at_rest.clone(),
-            severity: self.assessed.as_ref()?.assessment.severity,
+            action: self.assessed.as_ref()?.assessment.action,
         })
     }
 

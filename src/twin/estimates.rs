@@ -1,4 +1,4 @@
-//! What the sensors have felt: the newest estimate, what has become of it, and which events may be the same impact. Knows
+//! What the sensors have detected: the newest estimate, what has become of it, and which events may be the same impact. Knows
 //! nothing of the mechanics.
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::time::{Nanos, seconds};
 /// Events whose instants of contact are remembered, because an estimate of the same impact may follow.
 const MAX_CONTACTS: usize = 16;
 
-/// What has become of an impact that the sensors have felt.
+/// What has become of an impact that the sensors have detected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Decision {
@@ -22,13 +22,13 @@ pub enum Decision {
     Accepted,
     /// An event has reported it, and the twin follows the event.
     Merged,
-    /// Somebody has said that it is none.
-    Rejected,
+    /// An operator has declined it: it is no impact.
+    Declined,
     /// The column could not take it.
-    Refused,
+    Rejected,
 }
 
-/// An impact that the sensors have felt.
+/// An impact that the sensors have detected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SensedImpact {
@@ -47,7 +47,7 @@ struct Contact {
     instant: Nanos,
 }
 
-/// What the sensors have felt since the last reset.
+/// What the sensors have detected since the last reset.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Estimates {
@@ -93,7 +93,7 @@ pub(super) fn is_sure_enough(record: &EstimateRecord, settings: &EstimationSetti
     // False where anything is not a number.
     high - low <= settings.momentum_width * mean
         && certainty >= settings.yield_certainty
-        && estimate.effective_responses >= FEWEST_RESPONSES
+        && estimate.effective_sample_size >= FEWEST_RESPONSES
 }
 
 impl Estimates {
@@ -105,7 +105,7 @@ impl Estimates {
         };
     }
 
-    /// The newest impact that the sensors have felt.
+    /// The newest impact that the sensors have detected.
     pub(super) fn newest(&self) -> Option<&SensedImpact> {
         self.newest.as_ref()
     }
@@ -148,7 +148,7 @@ impl Estimates {
         }
     }
 
-    /// The newest impact that the sensors have felt, if an event with this instant of contact is the same.
+    /// The newest impact that the sensors have detected, if an event with this instant of contact is the same.
     pub(super) fn same_impact(&mut self, instant: Nanos, window: f64) -> Option<&mut SensedImpact> {
         let newest = self.newest.as_mut()?;
         is_within(newest.contact(), instant, window).then_some(newest)

@@ -8,8 +8,8 @@ use super::estimates::{Decision, Sequence, contact, is_sure_enough};
 use super::lifecycle::Twin;
 use super::output::{EstimateOutput, MergedEvent, NoticeLevel, Output, Outputs};
 use super::plant::Struck;
-use super::refusal::{Refusal, RefusalCode};
-use super::registry::{PendingImpact, RefusedInput, check_not_ahead, printable};
+use super::registry::{PendingImpact, RejectedInput, check_not_ahead, printable};
+use super::rejection::{Rejection, RejectionCode};
 use super::what_if::Striking;
 use crate::column::Phase;
 use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
@@ -44,7 +44,7 @@ impl Twin {
             Decision::Pending
                 if accept == AcceptEstimates::Automatic && (is_sure || record.is_final) =>
             {
-                // A refusal was counted and given out.
+                // A rejection was counted and given out.
                 let _ = self.accept_newest(now, out);
             }
             _ => {}
@@ -69,16 +69,16 @@ impl Twin {
             }
         };
         let text = format!(
-            "the sensors have felt an impact, \"{}\"; {next}",
+            "the sensors have detected an impact, \"{}\"; {next}",
             record.event_id
         );
         out.notice(NoticeLevel::Warning, now, text);
     }
 
-    /// What has become of the newest impact that the sensors have felt.
+    /// What has become of the newest impact that the sensors have detected.
     fn decision(&self) -> Decision {
         let newest = self.estimates.newest();
-        newest.map_or(Decision::Rejected, |it| it.decision)
+        newest.map_or(Decision::Declined, |it| it.decision)
     }
 
     fn decide(&mut self, decision: Decision) {
@@ -113,7 +113,7 @@ impl Twin {
 
     // Acceptance
 
-    /// Executes what somebody has decided.
+    /// Executes what an operator has decided.
     ///
     /// # Errors
     /// There is nothing to decide, or the column cannot take the impact.
@@ -122,12 +122,12 @@ impl Twin {
         decision: &EstimateDecision,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<Accepted, Refusal> {
+    ) -> Result<Accepted, Rejection> {
         self.check_decision(decision)?;
         let outcome = match decision.accept {
             true => self.accept_newest(now, out),
             false => {
-                self.decide(Decision::Rejected);
+                self.decide(Decision::Declined);
                 Ok(())
             }
         };
@@ -135,11 +135,11 @@ impl Twin {
             let verdict = match (decision.accept, &outcome) {
                 (true, Ok(())) => "confirmed",
                 (true, Err(_)) => "confirmed, but cannot be taken,",
-                (false, _) => "rejected",
+                (false, _) => "declined",
             };
             let id = &newest.record.event_id;
             let text = format!(
-                "the impact \"{id}\" that the sensors have felt is {verdict} by {}",
+                "the impact \"{id}\" that the sensors have detected is {verdict} by {}",
                 decision.source
             );
             out.notice(NoticeLevel::Info, now, text);
@@ -148,18 +148,18 @@ impl Twin {
         outcome.map(|()| Accepted::Applied)
     }
 
-    fn check_decision(&self, decision: &EstimateDecision) -> Result<(), Refusal> {
+    fn check_decision(&self, decision: &EstimateDecision) -> Result<(), Rejection> {
         let not_pending =
-            |reason: String| Err(Refusal::new(RefusalCode::EstimateNotPending, reason));
+            |reason: String| Err(Rejection::new(RejectionCode::EstimateNotPending, reason));
         let wanted = decision.event_id.as_str();
         let Some(newest) = self.estimates.newest() else {
-            let reason = "the sensors have felt no impact since the start or the last reset";
+            let reason = "the sensors have detected no impact since the start or the last reset";
             return not_pending(reason.to_owned());
         };
         let id = &newest.record.event_id;
         if !wanted.is_empty() && *wanted != **id {
             return not_pending(format!(
-                "the newest impact that the sensors have felt is \"{id}\", not \"{}\"; only the newest can be decided",
+                "the newest impact that the sensors have detected is \"{id}\", not \"{}\"; only the newest can be decided",
                 printable(wanted)
             ));
         }
@@ -175,12 +175,12 @@ impl Twin {
                 "\"{id}\" is the same impact as the event \"{}\", which the twin follows",
                 event.as_deref().unwrap_or_default()
             )),
-            (_, Decision::Pending | Decision::Rejected | Decision::Refused) => Ok(()),
+            (_, Decision::Pending | Decision::Declined | Decision::Rejected) => Ok(()),
         }
     }
 
-    /// Makes the newest impact that the sensors have felt an impact of the twin, or counts and gives out why that cannot be.
-    fn accept_newest(&mut self, now: Nanos, out: &mut impl Outputs) -> Result<(), Refusal> {
+    /// Makes the newest impact that the sensors have detected an impact of the twin, or counts and gives out why that cannot be.
+    fn accept_newest(&mut self, now: Nanos, out: &mut impl Outputs) -> Result<(), Rejection> {
         let Some(newest) = self.estimates.newest() else {
             return Ok(());
         };
@@ -190,10 +190,10 @@ impl Twin {
                 self.decide(Decision::Accepted);
                 Ok(())
             }
-            Err(refusal) => {
-                self.decide(Decision::Refused);
-                self.refuse_impact(&record.event_id, refusal.clone(), now, out);
-                Err(refusal)
+            Err(rejection) => {
+                self.decide(Decision::Rejected);
+                self.reject_impact(&record.event_id, rejection.clone(), now, out);
+                Err(rejection)
             }
         }
     }
@@ -203,7 +203,7 @@ impl Twin {
         record: &EstimateRecord,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let stamp = contact(record);
         self.registry.check_event_id(&record.event_id)?;
         check_not_ahead(stamp, now, self.parameters.current())?;
@@ -235,9 +235,9 @@ impl Twin {
         match replaced {
             Ok(Some((pending, struck))) => self.replace(pending, struck, now, out),
             Ok(None) => {}
-            Err(refusal) => {
+            Err(rejection) => {
                 let text = format!(
-                    "a later estimate of impact \"{}\" cannot be followed: {refusal}",
+                    "a later estimate of impact \"{}\" cannot be followed: {rejection}",
                     record.event_id
                 );
                 out.notice(NoticeLevel::Warning, now, text);
@@ -252,7 +252,7 @@ impl Twin {
         &self,
         response: &ActiveResponse,
         record: &EstimateRecord,
-    ) -> Result<Option<(PendingImpact, Struck)>, Refusal> {
+    ) -> Result<Option<(PendingImpact, Struck)>, Rejection> {
         let before = &response.before;
         let is_at_rest = before.state.sample(&before.model).phase == Phase::Idle;
         let stamp = match is_at_rest {
@@ -280,12 +280,12 @@ impl Twin {
     fn replace_pending(
         &mut self,
         record: &EstimateRecord,
-    ) -> Result<Option<(PendingImpact, Struck)>, Refusal> {
+    ) -> Result<Option<(PendingImpact, Struck)>, Rejection> {
         let striking = self.snapshot().checked(vehicle_name(record), record.best)?;
         let Some(pending) = self.registry.pending_mut(&record.event_id) else {
             let reason =
                 "another impact, a reset or a change of the column has come after its response";
-            return Err(Refusal::new(RefusalCode::EstimateNotPending, reason));
+            return Err(Rejection::new(RejectionCode::EstimateNotPending, reason));
         };
         pending.striking = striking;
         Ok(None)
@@ -323,7 +323,7 @@ impl Twin {
 
     // Events that are the same impact
 
-    /// Whether an event is the same impact as an accepted one that the sensors have felt. It counts as evidence for later
+    /// Whether an event is the same impact as an accepted one that the sensors have detected. It counts as evidence for later
     /// estimates then; its mass does if its sender has given one.
     pub(super) fn merge(
         &mut self,
@@ -350,7 +350,7 @@ impl Twin {
         self.status.set_changed();
         self.journal.set_checkpoint_due();
         let text = format!(
-            "impact event \"{event_id}\" is merged with \"{estimate_id}\", the same impact, which the sensors have felt"
+            "impact event \"{event_id}\" is merged with \"{estimate_id}\", the same impact, which the sensors have detected"
         );
         out.notice(NoticeLevel::Info, now, text);
         out.put(Output::Merged(MergedEvent {
@@ -374,7 +374,7 @@ impl Twin {
         true
     }
 
-    /// An event was accepted: it is the impact that the sensors have felt or may still report.
+    /// An event was accepted: it is the impact that the sensors have detected or may still report.
     pub(super) fn link(
         &mut self,
         event_id: &Arc<str>,
@@ -386,11 +386,11 @@ impl Twin {
         self.link_with_event(now, out);
     }
 
-    /// Links an impact that the sensors have felt, and that was not decided, with the event that is the same impact, if there
+    /// Links an impact that the sensors have detected, and that was not decided, with the event that is the same impact, if there
     /// is one.
     fn link_with_event(&mut self, now: Nanos, out: &mut impl Outputs) {
         let window = self.estimation().merge_window;
-        let open = |it: Decision| matches!(it, Decision::Pending | Decision::Refused);
+        let open = |it: Decision| matches!(it, Decision::Pending | Decision::Rejected);
         let Some(contact) = self
             .estimates
             .newest()
@@ -404,7 +404,7 @@ impl Twin {
         };
         if let Some(newest) = self.estimates.newest_mut() {
             let text = format!(
-                "the impact \"{}\" that the sensors have felt is that of impact event \"{event_id}\", which the twin follows",
+                "the impact \"{}\" that the sensors have detected is that of impact event \"{event_id}\", which the twin follows",
                 newest.record.event_id
             );
             out.notice(NoticeLevel::Info, now, text);
@@ -413,21 +413,21 @@ impl Twin {
         self.decide(Decision::Merged);
     }
 
-    /// Refuses a request whose sender gets an answer.
-    pub(super) fn refuse_request(
+    /// Rejects a request whose sender gets an answer.
+    pub(super) fn reject_request(
         &mut self,
-        what: RefusedInput,
-        refusal: Refusal,
+        what: RejectedInput,
+        rejection: Rejection,
         source: &Arc<str>,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Refusal {
+    ) -> Rejection {
         self.status.set_changed();
-        let refused = self
+        let rejected = self
             .registry
-            .refuse_request(what, refusal.clone(), source, now);
-        out.put(Output::Refused(refused));
-        refusal
+            .reject_request(what, rejection.clone(), source, now);
+        out.put(Output::Rejected(rejected));
+        rejection
     }
 }
 

@@ -14,8 +14,8 @@ use super::status::StatusClock;
 use crate::time::Nanos;
 
 impl Twin {
-    /// The twin of another virgin column that differs from this virgin one by its names only, without computing its equilibrium
-    /// and its capacity again. `None` if this one is not virgin, or if the columns differ.
+    /// The twin of another undamaged column that differs from this undamaged one by its names only, without computing its equilibrium
+    /// and its capacity again. `None` if this one is not undamaged, or if the columns differ.
     #[must_use]
     pub fn sibling(
         &self,
@@ -23,12 +23,12 @@ impl Twin {
         stopwatch: Stopwatch,
         now: Nanos,
     ) -> Option<Self> {
-        let is_virgin = self.response.is_none()
+        let is_undamaged = self.response.is_none()
             && self.journal.responses == 0
             && self.registry.life.impacts_since_reset == 0
             && self.at_rest.condition == Condition::Standing
             && !self.at_rest.is_damaged();
-        if !is_virgin || !self.parameters().differs_by_names_only(&parameters) {
+        if !is_undamaged || !self.parameters().differs_by_names_only(&parameters) {
             return None;
         }
         let mut twin = Self {
@@ -37,7 +37,7 @@ impl Twin {
             parameters: ParameterSet::new(parameters),
             at_rest: self.at_rest.clone(),
             assessed: self.assessed.clone(),
-            virgin: self.virgin,
+            undamaged: self.undamaged,
             critical: None,
             judged: None,
             response: None,
@@ -103,7 +103,7 @@ impl CriticalVelocityTask {
     #[must_use]
     pub fn has_the_result_of(&self, other: &Self) -> bool {
         self.at_rest == other.at_rest
-            && self.severity == other.severity
+            && self.action == other.action
             && self.parameters.differs_by_names_only(&other.parameters)
     }
 }

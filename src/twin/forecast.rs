@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::active_response::BegunImpact;
-use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
+use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assessed};
 use super::output::{
     ForecastEnd, NoticeLevel, Output, Outputs, ReportOutput, Verdicts, WithdrawnForecast,
     WithdrawnImpact,
@@ -25,7 +25,7 @@ pub(super) struct Forecast {
     /// The copy that runs ahead, until nothing remains to be computed.
     ahead: Option<LookAhead>,
     /// What it has found, for the report.
-    foreseen: Option<Foreseen>,
+    predicted: Option<Predicted>,
     was_given_out: bool,
     error_estimate: Option<f64>,
     /// Something else has ended the response.
@@ -34,7 +34,7 @@ pub(super) struct Forecast {
 
 /// The end of a response, known in advance.
 #[derive(Debug)]
-pub(super) struct Foreseen {
+pub(super) struct Predicted {
     pub report: Report,
     /// The column at rest after it.
     pub at_rest: Plant,
@@ -60,7 +60,7 @@ impl Forecast {
     pub fn new(ahead: LookAhead) -> Self {
         Self {
             ahead: Some(ahead),
-            foreseen: None,
+            predicted: None,
             was_given_out: false,
             error_estimate: None,
             is_superseded: false,
@@ -71,7 +71,7 @@ impl Forecast {
     pub fn none() -> Self {
         Self {
             ahead: None,
-            foreseen: None,
+            predicted: None,
             was_given_out: false,
             error_estimate: None,
             is_superseded: false,
@@ -94,20 +94,20 @@ impl Forecast {
     }
 
     /// What it has found.
-    pub fn foreseen(&self) -> Option<&Foreseen> {
-        self.foreseen.as_ref()
+    pub fn predicted(&self) -> Option<&Predicted> {
+        self.predicted.as_ref()
     }
 
-    pub fn take_foreseen(&mut self) -> Option<Foreseen> {
-        self.foreseen.take()
+    pub fn take_predicted(&mut self) -> Option<Predicted> {
+        self.predicted.take()
     }
 
     /// Carries it on by at most `budget` steps, which are taken from it, and gives out what is found: the forecast when the
-    /// response and the remaining capacity are known, and again when the error of the time step is known. Returns at the first.
+    /// response and the residual capacity are known, and again when the error of the time step is known. Returns at the first.
     pub fn advance(
         &mut self,
         impact: &BegunImpact,
-        virgin: &mut Option<VirginCapacity>,
+        undamaged: &mut Option<UndamagedCapacity>,
         budget: &mut u64,
         stopwatch: &dyn Fn() -> u64,
         now: Nanos,
@@ -124,17 +124,17 @@ impl Forecast {
                     at_rest,
                     has_residual,
                     capacities,
-                    virgin: found,
+                    undamaged: found,
                 } => {
                     let last_step = ahead.step();
-                    *virgin = found.or(*virgin);
+                    *undamaged = found.or(*undamaged);
                     let last = LastImpact::new(
                         &impact.striking,
                         &report,
                         None,
                         impact.base_before.as_ref(),
                     );
-                    let foreseen = Foreseen {
+                    let predicted = Predicted {
                         report,
                         at_rest: at_rest.clone(),
                         assessed: capacities
@@ -142,10 +142,10 @@ impl Forecast {
                         error_estimate: None,
                         compute_nanos,
                     };
-                    put_forecast(impact, &foreseen, self.is_superseded, out);
-                    let assessed = foreseen.assessed.as_deref();
+                    put_forecast(impact, &predicted, self.is_superseded, out);
+                    let assessed = predicted.assessed.as_deref();
                     out.verdict("forecast", &impact.event_id, assessed, now);
-                    self.foreseen = Some(foreseen);
+                    self.predicted = Some(predicted);
                     self.was_given_out = true;
                     return Some(Completed {
                         last_step,
@@ -158,11 +158,11 @@ impl Forecast {
                 Outlook::Refined(estimate) => {
                     self.ahead = None;
                     self.error_estimate = estimate;
-                    if let Some(foreseen) = &mut self.foreseen {
-                        foreseen.error_estimate = estimate;
-                        foreseen.compute_nanos = compute_nanos;
+                    if let Some(predicted) = &mut self.predicted {
+                        predicted.error_estimate = estimate;
+                        predicted.compute_nanos = compute_nanos;
                         if estimate.is_some() {
-                            put_forecast(impact, foreseen, self.is_superseded, out);
+                            put_forecast(impact, predicted, self.is_superseded, out);
                         }
                     }
                 }
@@ -181,17 +181,17 @@ impl Forecast {
 
 fn put_forecast(
     impact: &BegunImpact,
-    foreseen: &Foreseen,
+    predicted: &Predicted,
     is_superseded: bool,
     out: &mut impl Outputs,
 ) {
-    let Foreseen {
+    let Predicted {
         report,
         assessed,
         error_estimate,
         compute_nanos,
         ..
-    } = foreseen;
+    } = predicted;
     let output = impact.report_output(*report, assessed.clone(), *error_estimate, *compute_nanos);
     out.put(Output::Forecast(ReportOutput {
         is_superseded,
@@ -305,7 +305,7 @@ impl SupersededForecasts {
     /// Carries the oldest ones on by at most `budget` steps, which are taken from it.
     pub fn advance(
         &mut self,
-        virgin: &mut Option<VirginCapacity>,
+        undamaged: &mut Option<UndamagedCapacity>,
         budget: &mut u64,
         stopwatch: &dyn Fn() -> u64,
         now: Nanos,
@@ -316,7 +316,7 @@ impl SupersededForecasts {
                 impact, forecast, ..
             } = &mut **oldest;
             while forecast
-                .advance(impact, virgin, budget, stopwatch, now, out)
+                .advance(impact, undamaged, budget, stopwatch, now, out)
                 .is_some()
             {}
             if forecast.is_running() {

@@ -41,7 +41,7 @@ impl Twin {
         Some((steps as u64).saturating_sub(reached))
     }
 
-    /// Carries the forecasts on by at most `max_steps`. Each is given out when the response and the remaining capacity are
+    /// Carries the forecasts on by at most `max_steps`. Each is given out when the response and the residual capacity are
     /// known, and again when the error of the time step is known. The present response comes first.
     pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
         let mut budget = max_steps;
@@ -62,8 +62,8 @@ impl Twin {
                 forecast,
                 ..
             } = &mut **response;
-            let (virgin, stopwatch) = (&mut self.virgin, &self.stopwatch);
-            let Some(completed) = forecast.advance(impact, virgin, budget, stopwatch, now, out)
+            let (undamaged, stopwatch) = (&mut self.undamaged, &self.stopwatch);
+            let Some(completed) = forecast.advance(impact, undamaged, budget, stopwatch, now, out)
             else {
                 return;
             };
@@ -88,8 +88,9 @@ impl Twin {
     }
 
     fn carry_superseded_forecasts(&mut self, budget: &mut u64, now: Nanos, out: &mut impl Outputs) {
-        let (virgin, stopwatch) = (&mut self.virgin, &self.stopwatch);
-        self.superseded.advance(virgin, budget, stopwatch, now, out);
+        let (undamaged, stopwatch) = (&mut self.undamaged, &self.stopwatch);
+        self.superseded
+            .advance(undamaged, budget, stopwatch, now, out);
         self.superseded.put_withdrawn(out);
     }
 

@@ -8,8 +8,8 @@ use super::forecast::Forecast;
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs};
 use super::plant::{Plant, Struck};
-use super::refusal::{Refusal, RefusalCode};
 use super::registry::{PendingImpact, check_column_id, check_stamp};
+use super::rejection::{Rejection, RejectionCode};
 use super::timeline::{History, LookAhead, Timeline};
 use super::what_if::Striking;
 use crate::assessment::imperfection;
@@ -26,7 +26,7 @@ impl Twin {
         command: &ImpactCommand,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<Accepted, Refusal> {
+    ) -> Result<Accepted, Rejection> {
         let ImpactCommand {
             event_id,
             column_id,
@@ -63,7 +63,7 @@ impl Twin {
     ///
     /// # Errors
     /// The impact would be rejected.
-    pub fn check_impact(&self, command: &ImpactCommand, now: Nanos) -> Result<Striking, Refusal> {
+    pub fn check_impact(&self, command: &ImpactCommand, now: Nanos) -> Result<Striking, Rejection> {
         check_column_id(self.registry.column_id(), &command.column_id)?;
         self.registry.check_event_id(&command.event_id)?;
         check_stamp(command.stamp.min(now), now, self.parameters.current())?;
@@ -84,7 +84,7 @@ impl Twin {
         struck: Struck,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let (stamp, impact) = (pending.stamp, pending.striking.impact);
         let event_id = Arc::clone(&pending.event_id);
         let response = self.response.as_ref().map(|response| &response.timeline);
@@ -105,7 +105,7 @@ impl Twin {
                      send impacts in the order of their stamps",
                     seconds(first.abs_diff(stamp))
                 );
-                return Err(Refusal::new(RefusalCode::StampOutOfOrder, reason));
+                return Err(Rejection::new(RejectionCode::StampOutOfOrder, reason));
             }
         }
         self.registry.accept(event_id);
@@ -186,26 +186,26 @@ impl Twin {
         let height = snapshot.height_of_impact(&pending.striking.vehicle, pending.height);
         match snapshot.strike(pending.striking.impact, height) {
             Ok(struck) => self.begin(pending, snapshot.plant, struck, now, out),
-            Err(refusal) => {
+            Err(rejection) => {
                 self.registry.withdraw();
-                let reason = refusal.tagged();
+                let reason = rejection.tagged();
                 self.superseded
                     .take_none((&pending).into(), ForecastEnd::Rejected, &reason);
-                self.refuse_impact(&pending.event_id, refusal, now, out);
+                self.reject_impact(&pending.event_id, rejection, now, out);
             }
         }
     }
 
-    pub(super) fn refuse_impact(
+    pub(super) fn reject_impact(
         &mut self,
         event_id: &str,
-        refusal: Refusal,
+        rejection: Rejection,
         now: Nanos,
         out: &mut impl Outputs,
     ) {
         self.status.set_changed();
-        let refused = self.registry.refuse_impact(event_id, refusal, now);
-        out.put(Output::Refused(refused));
+        let rejected = self.registry.reject_impact(event_id, rejection, now);
+        out.put(Output::Rejected(rejected));
     }
 
     /// Begins the response of `struck` to an impact; `before` is the column without it.
@@ -240,7 +240,7 @@ impl Twin {
             last.response.timeline.into_history()
         });
         let parameters = Arc::clone(self.parameters.current());
-        let ahead = LookAhead::new(struck, imperfection(&parameters), self.virgin);
+        let ahead = LookAhead::new(struck, imperfection(&parameters), self.undamaged);
         self.response = Some(Box::new(ActiveResponse {
             impact: BegunImpact {
                 stamp,

@@ -2,7 +2,7 @@
 //! it was given, and how far it had come by then.
 //!
 //! A twin that is made from a [`Checkpoint`] and given the same commands at the same [`Position`]s gives out the same
-//! states, reports and status, bit for bit. Stamps of refusals and notices, and compute times, are not among them.
+//! states, reports and status, bit for bit. Stamps of rejections and notices, and compute times, are not among them.
 //!
 //! A checkpoint does not contain the course of the last response. Where a late impact belongs into that response
 //! ([`CommandRecord::taken_back`]), a twin that began at the checkpoint cannot follow.
@@ -15,8 +15,8 @@ use super::command::Command;
 use super::estimates::Estimates;
 use super::plant::Condition;
 use super::range::JudgedImpact;
-use super::refusal::Refusal;
-use super::registry::{Counts, LastRefusal, Life};
+use super::registry::{Counts, LastRejection, Life};
+use super::rejection::Rejection;
 use crate::column::{Impact, State};
 use crate::parameters::Parameters;
 use crate::study::VehicleLimits;
@@ -72,14 +72,14 @@ pub struct Checkpoint {
     /// The last impact with the range of its verdict; `None` without one, and in recordings of programs that know no range.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judged: Option<JudgedImpact>,
-    /// What the sensors have felt.
+    /// What the sensors have detected.
     pub estimates: Estimates,
     /// What it has been through since the last reset.
     pub life: Life,
     /// Counts since the start of the program.
     pub counts: Counts,
-    /// The last refusal since the start of the program.
-    pub last_refusal: Option<LastRefusal>,
+    /// The last rejection since the start of the program.
+    pub last_rejection: Option<LastRejection>,
     /// Identifiers of accepted impacts, the oldest first.
     pub seen_ids: Vec<Arc<str>>,
 }
@@ -96,8 +96,8 @@ pub struct CommandRecord {
     pub position: Position,
     /// The command.
     pub command: Command,
-    /// Why it was refused; `None`: it was accepted.
-    pub refusal: Option<Refusal>,
+    /// Why it was rejected; `None`: it was accepted.
+    pub rejection: Option<Rejection>,
     /// An accepted impact, of an event or of an estimate, with what the parameters and the catalogue of vehicles have added, so that a program with another
     /// catalogue notices.
     pub impact: Option<Impact>,
@@ -195,7 +195,7 @@ impl JournalClock {
     pub fn command(
         &mut self,
         command: Command,
-        refusal: Option<Refusal>,
+        rejection: Option<Rejection>,
         position: Position,
         now: Nanos,
     ) -> Journal {
@@ -204,7 +204,7 @@ impl JournalClock {
             now,
             position,
             command,
-            refusal,
+            rejection,
             impact: self.impact.take(),
             taken_back: std::mem::take(&mut self.taken_back),
         }))

@@ -3,19 +3,19 @@
 use std::sync::Arc;
 
 use super::active_response::{ActiveResponse, BeforeResponse, LastResponse};
-use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once};
+use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assess_at_once};
 use super::command::{Accepted, Command};
 use super::critical::KnownCriticalVelocities;
 use super::estimates::Estimates;
-use super::forecast::{Foreseen, SupersededForecasts};
+use super::forecast::{Predicted, SupersededForecasts};
 use super::impacts::NO_REPORT;
 use super::journal::{Journal, JournalClock, StatusRecord};
 use super::output::{NoticeLevel, Output, Outputs, ReportOutput, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::range::Judged;
-use super::refusal::Refusal;
-use super::registry::{RefusedInput, Registry};
+use super::registry::{Registry, RejectedInput};
+use super::rejection::Rejection;
 use super::saved_state::SavedState;
 use super::status::{Judgement, Status, StatusClock, TwinPhase};
 use super::timeline::Advanced;
@@ -37,8 +37,8 @@ pub struct Twin {
     pub(super) at_rest: Plant,
     /// Its assessment; `None` if it cannot be computed.
     pub(super) assessed: Option<Arc<Assessed>>,
-    /// Virgin capacity of the last column that was assessed.
-    pub(super) virgin: Option<VirginCapacity>,
+    /// Undamaged capacity of the last column that was assessed.
+    pub(super) undamaged: Option<UndamagedCapacity>,
     /// Its critical velocities; `None` until they are computed.
     pub(super) critical: Option<KnownCriticalVelocities>,
     /// The last impact with the range of its verdict, if that has one.
@@ -52,7 +52,7 @@ pub struct Twin {
     /// The last response that is over.
     pub(super) last: Option<LastResponse>,
     pub(super) journal: JournalClock,
-    /// What the sensors have felt.
+    /// What the sensors have detected.
     pub(super) estimates: Estimates,
     pub(super) status: StatusClock,
     pub(super) solver: SolverStatistics,
@@ -69,7 +69,7 @@ pub struct SolverStatistics {
 }
 
 impl Twin {
-    /// The twin of the column with these parameters: virgin, or with the damage that [`state_file::load`](super::state_file::load) returned for
+    /// The twin of the column with these parameters: undamaged, or with the damage that [`state_file::load`](super::state_file::load) returned for
     /// the same parameters.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl Twin {
         let mut registry = Registry::new(&parameters.settings().column_id);
         let properties = parameters.column_properties();
         let at_rest = match saved {
-            None => Plant::virgin(&properties)?,
+            None => Plant::undamaged(&properties)?,
             Some(saved) => {
                 registry.restore_seen_ids(&saved.seen_ids);
                 registry.life = saved.life();
@@ -96,7 +96,7 @@ impl Twin {
             parameters: ParameterSet::new(parameters),
             at_rest,
             assessed: None,
-            virgin: None,
+            undamaged: None,
             critical: None,
             judged: None,
             response: None,
@@ -127,7 +127,7 @@ impl Twin {
             self.parameters.current(),
             &self.at_rest,
             self.registry.life.last_impact.as_ref(),
-            &mut self.virgin,
+            &mut self.undamaged,
         );
     }
 
@@ -193,7 +193,7 @@ impl Twin {
             column_id: Arc::clone(self.registry.column_id()),
             parameters: Arc::clone(self.parameters.current()),
             plant,
-            virgin: self.virgin,
+            undamaged: self.undamaged,
             base_before: self.registry.life.base_before(),
         }
     }
@@ -202,25 +202,27 @@ impl Twin {
     /// [`Twin::run_ahead`].
     ///
     /// # Errors
-    /// The command is refused and has changed nothing; the refusal has been counted and given out.
+    /// The command is rejected and has changed nothing; the rejection has been counted and given out.
     pub fn handle(
         &mut self,
         command: Command,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<Accepted, Refusal> {
+    ) -> Result<Accepted, Rejection> {
         self.report_checkpoint(now, out);
         let position = self.position();
         let result = match &command {
-            Command::Impact(impact) => self.take_impact(impact, now, out).inspect_err(|refusal| {
-                let refusal = refusal.clone();
-                self.refuse_impact(&impact.event_id, refusal, now, out);
-            }),
+            Command::Impact(impact) => {
+                self.take_impact(impact, now, out).inspect_err(|rejection| {
+                    let rejection = rejection.clone();
+                    self.reject_impact(&impact.event_id, rejection, now, out);
+                })
+            }
             Command::SetParameters { changes, source } => self
                 .set_parameters(changes, source, now, out)
-                .map_err(|refusal| self.refuse_change(refusal, source, now, out)),
-            Command::RejectedChange { refusal, source } => {
-                Err(self.refuse_change(refusal.clone(), source, now, out))
+                .map_err(|rejection| self.reject_change(rejection, source, now, out)),
+            Command::RejectedChange { rejection, source } => {
+                Err(self.reject_change(rejection.clone(), source, now, out))
             }
             Command::Reset { source } => {
                 self.reset(source, now, out);
@@ -234,21 +236,25 @@ impl Twin {
             Command::VerdictRange(range) => Ok(self.take_range(range)),
             Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
             Command::DecideEstimate(decision) => {
-                self.decide_estimate(decision, now, out).map_err(|refusal| {
-                    let what = RefusedInput::Estimate;
-                    self.refuse_request(what, refusal, &decision.source, now, out)
-                })
+                self.decide_estimate(decision, now, out)
+                    .map_err(|rejection| {
+                        let what = RejectedInput::Estimate;
+                        self.reject_request(what, rejection, &decision.source, now, out)
+                    })
             }
-            Command::Calibrate(measured) => self.calibrate(measured, now, out).map_err(|refusal| {
-                let what = RefusedInput::Calibration;
-                self.refuse_request(what, refusal, &measured.source, now, out)
-            }),
+            Command::CorrectDamage(measured) => {
+                self.correct_damage(measured, now, out)
+                    .map_err(|rejection| {
+                        let what = RejectedInput::DamageCorrection;
+                        self.reject_request(what, rejection, &measured.source, now, out)
+                    })
+            }
         };
-        let refusal = result.as_ref().err().cloned();
+        let rejection = result.as_ref().err().cloned();
         let has_range = matches!(command, Command::VerdictRange(_))
             && result.as_ref().is_ok_and(|it| *it == Accepted::Applied);
         out.put(Output::Journal(
-            self.journal.command(command, refusal, position, now),
+            self.journal.command(command, rejection, position, now),
         ));
         self.superseded.put_withdrawn(out);
         self.put_estimate(out);
@@ -336,7 +342,7 @@ impl Twin {
     fn phase(&self) -> TwinPhase {
         match (&self.at_rest.condition, &self.response) {
             (Condition::Collapsed, _) => TwinPhase::Collapsed,
-            (Condition::Severed, _) => TwinPhase::Severed,
+            (Condition::Fractured, _) => TwinPhase::Fractured,
             (Condition::Faulted(_), _) => TwinPhase::Faulted,
             (Condition::Standing, None) => TwinPhase::Idle,
             (Condition::Standing, Some(response)) => {
@@ -446,24 +452,24 @@ impl Twin {
         response.put_state(Some(condition.final_phase()), out);
         let settled = plant.settled(residual, condition);
         // The look-ahead followed the same response. Without a forecast, because of its length, the assessment is made here.
-        let foreseen: Option<Foreseen> = response
+        let predicted: Option<Predicted> = response
             .forecast
-            .take_foreseen()
+            .take_predicted()
             .filter(|it| it.report == report);
-        let error_estimate = foreseen.as_ref().and_then(|it| it.error_estimate);
+        let error_estimate = predicted.as_ref().and_then(|it| it.error_estimate);
         let last = LastImpact::new(
             &response.impact.striking,
             &report,
             error_estimate,
             response.impact.base_before.as_ref(),
         );
-        let assessed = match foreseen {
-            Some(foreseen) => foreseen.assessed,
+        let assessed = match predicted {
+            Some(predicted) => predicted.assessed,
             None => assess_at_once(
                 &response.impact.parameters,
                 &settled,
                 Some(&last),
-                &mut self.virgin,
+                &mut self.undamaged,
             ),
         };
         let output = ReportOutput {
@@ -535,12 +541,12 @@ impl Twin {
         self.solver.newton_iterations += response.newton_iterations();
         self.last = Some(LastResponse {
             response,
-            before: Some(BeforeResponse {
+            before: Some(Box::new(BeforeResponse {
                 plastic_work: self.registry.life.plastic_work_since_reset,
                 at_rest: std::mem::replace(&mut self.at_rest, settled),
                 assessed: self.assessed.clone(),
                 last_impact: self.registry.life.last_impact.replace(last),
-            }),
+            })),
         });
         self.registry.life.plastic_work_since_reset += added;
         self.status.set_changed();
@@ -554,7 +560,7 @@ impl Twin {
         {
             self.begin_pending(self.at_rest.clone(), next, now, out);
             if self.response.is_none() {
-                self.save(now, out); // it was refused: fewer impacts than were saved
+                self.save(now, out); // it was rejected: fewer impacts than were saved
             }
         }
         if self.is_completing {
@@ -590,7 +596,7 @@ mod tests {
         twin.handle(command, now, out).is_ok()
     }
 
-    /// A step that did not converge once made the twin refuse everything until it was reset. No impact is known that does
+    /// A step that did not converge once made the twin reject everything until it was reset. No impact is known that does
     /// this any more, so the error is given here.
     #[test]
     fn a_step_that_does_not_converge_leaves_the_twin_in_service() {

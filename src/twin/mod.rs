@@ -11,15 +11,15 @@
 //! | `plant` | the column and what strikes it: state, step, equilibrium, condition | clock, identifiers |
 //! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the look-ahead | identifiers |
 //! | `forecast` | the forecasts, also of responses that have ended before their time | |
-//! | `assessed` | remaining capacity and assessment of the column at rest | clock, identifiers |
+//! | `assessed` | residual capacity and assessment of the column at rest | clock, identifiers |
 //! | `critical` | critical velocities of the column at rest: what is to be computed, and the result | clock, identifiers |
 //! | `range` | range of the verdict on an impact: what is to be computed, and the result | clock |
 //! | `background` | which of what another thread computes comes first | threads |
 //! | `impacts` | how an impact meets the column: at rest, in motion, or in a response that is over | |
-//! | `estimates` | what the sensors have felt, and what has become of it | mechanics, clock |
+//! | `estimates` | what the sensors have detected, and what has become of it | mechanics, clock |
 //! | `estimation` | from an estimate to an impact | threads, sensors |
-//! | `calibration` | corrects the damage by a measurement on the column at rest | |
-//! | `registry` | identifiers, refusals, counts, impacts that are still to come | mechanics |
+//! | `correction` | corrects the damage by a measurement on the column at rest | |
+//! | `registry` | identifiers, rejections, counts, impacts that are still to come | mechanics |
 //! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
 //! | `journal` | what a recording needs, numbered | what the entries mean |
 //! | [`Twin`] | the order in which these act on a command and on the clock | |
@@ -34,10 +34,10 @@
 //! - A second impact meets the moving column as it was at the last step at or before the impact's stamp. If it arrives
 //!   late, the column is taken back to that step, and the samples since then are recomputed under the new event. A
 //!   response that is over is resumed in the same way, until the next one begins or a parameter of the column changes.
-//! - An impact that is earlier than the one to which the column is responding is refused. Once that response is over,
+//! - An impact that is earlier than the one to which the column is responding is rejected. Once that response is over,
 //!   the impact meets the column as the response left it: a checkpoint does not contain the time of the last impact.
-//! - An impact that is still to come is accepted, and refused after all if the column cannot take it when it comes, for
-//!   example because it has collapsed by then. It then counts as refused only.
+//! - An impact that is still to come is accepted, and rejected after all if the column cannot take it when it comes, for
+//!   example because it has collapsed by then. It then counts as rejected only.
 //! - Forecast and result have the same assessment, by the parameters that held when the response began. The column at rest is
 //!   assessed by those that hold then.
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no longer
@@ -48,32 +48,32 @@
 //!   any of these changes, and not shown during a response.
 //! - The range of a verdict belongs to one impact on a column at rest without damage. It is computed behind the forecast, and
 //!   forecast or report are given out once more with it ([`Output::Ranged`]). It is not awaited any more once another impact, a
-//!   reset, a calibration or a change of parameters comes.
+//!   reset, a correction of the damage or a change of parameters comes.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
 //!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
 //!   damage it.
-//! - An impact that the sensors have felt becomes one of the twin as `estimation.accept` says, with the identifier, the mean
+//! - An impact that the sensors have detected becomes one of the twin as `estimation.accept` says, with the identifier, the mean
 //!   instant of contact and the best single impact of its estimate, at the height of the parameters, or at that of damaged
 //!   hinges. It meets the column as a late event would.
 //! - A later estimate of an accepted impact replaces it under the same identifier: the column goes back to what it was
 //!   before the impact and responds to the new one. Samples up to the instant that was reached before are not given out
 //!   again; forecasts and a report of before no longer hold ([`Output::Replaced`]). This ends with the final estimate, and
-//!   when another impact, a reset, a calibration or a change of the column comes after the response. On a column that was
+//!   when another impact, a reset, a correction of the damage or a change of the column comes after the response. On a column that was
 //!   moving already, the instant of contact stays that of the first accepted estimate.
 //! - An event whose instant of contact is within `estimation.merge_window` of that of an accepted estimate is the same
 //!   impact: it is counted as merged, its identifier is remembered, and the twin goes on with the estimate. An event for an
 //!   estimate that was not accepted is the impact, and the estimate is decided with it.
-//! - A calibration multiplies the plastic deformation of all hinges of the column at rest by one factor; it changes neither
+//! - A correction of the damage multiplies the plastic deformation of all hinges of the column at rest by one factor; it changes neither
 //!   the counts nor the work of the impacts.
-//! - A reset makes the column virgin and forgets the identifiers of its impacts, and what the sensors have felt before. The last sample of a response that a
+//! - A reset makes the column undamaged and forgets the identifiers of its impacts, and what the sensors have detected before. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
 mod active_response;
 mod assessed;
 mod background;
-mod calibration;
 mod command;
 mod critical;
+mod damage_correction;
 mod estimates;
 mod estimation;
 mod fleet_member;
@@ -87,8 +87,8 @@ mod parameter_set;
 mod plant;
 mod range;
 mod reconfiguration;
-mod refusal;
 mod registry;
+mod rejection;
 mod reproduction;
 mod saved_state;
 mod seen_ids;
@@ -99,9 +99,9 @@ mod what_if;
 
 pub use assessed::{Assessed, LastImpact};
 pub use background::{BackgroundKind, BackgroundTask};
-pub use calibration::{CALIBRATION_FACTORS, Calibration};
 pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, ResidualMeasurement};
 pub use critical::CriticalVelocityTask;
+pub use damage_correction::{CORRECTION_FACTORS, DamageCorrection};
 pub use estimates::{Decision, Estimates};
 #[cfg(feature = "record")]
 pub(crate) use estimation::vehicle_name;
@@ -119,11 +119,11 @@ pub use plant::Condition;
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;
 pub use range::{JudgedImpact, RangeTask};
-pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{
-    Counts, LastRefusal, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Refused, RefusedInput,
+    Counts, LastRejection, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Rejected, RejectedInput,
     event_id_fault,
 };
+pub use rejection::{MAX_REASON_CHARS, Rejection, RejectionCode};
 pub use saved_state::{SavedState, SavedStateError};
 pub use seen_ids::MAX_SEEN_IDS;
 pub use status::{RestingColumn, Status, TwinPhase};

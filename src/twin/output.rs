@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::assessed::Assessed;
-use super::calibration::Calibration;
 use super::command::Accepted;
+use super::damage_correction::DamageCorrection;
 use super::estimates::Decision;
 use super::journal::Journal;
-use super::registry::Refused;
+use super::registry::Rejected;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
 use super::what_if::Striking;
@@ -36,15 +36,15 @@ pub enum Output {
     /// The impact with this identifier is another one than was known so far: its estimate has changed. Forecasts and a report
     /// that were given out before no longer hold, and others follow.
     Replaced(Arc<str>),
-    /// An event is the same impact as one that the sensors have felt: evidence for its estimate.
+    /// An event is the same impact as one that the sensors have detected: evidence for its estimate.
     Merged(MergedEvent),
     /// The damage of the column was compared with a measurement.
-    Calibrated(Calibration),
+    CorrectDamaged(DamageCorrection),
     /// The state of the twin itself: on every change, and at least once per [`STATUS_PERIOD`](super::STATUS_PERIOD).
     Status(Status),
-    /// A command was refused and has changed nothing.
-    Refused(Refused),
-    /// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.
+    /// A command was rejected and has changed nothing.
+    Rejected(Rejected),
+    /// Parameters were changed, or a change waits for the end of a response, or one that waited was rejected.
     ParametersChanged(ParametersChanged),
     /// For the log.
     Notice(Notice),
@@ -63,7 +63,7 @@ pub struct StateOutput {
     pub event_id: Arc<str>,
     /// That of the sample; in the last sample of a response `Rest`, `Collapsed` or `Faulted`.
     pub phase: TwinPhase,
-    /// The values. `percussion` is the sum since the sample before.
+    /// The values. `impact_impulse` is the sum since the sample before.
     pub sample: Sample,
     /// Undeformed lengths of the bars: an impact at another height than the parameters' has moved hinges 1a and 1b.
     /// `None` where only messages are known, which do not contain them: as the parameters have them.
@@ -154,7 +154,7 @@ pub struct EstimateOutput {
     pub merged_event_id: Option<Arc<str>>,
 }
 
-/// An event that is the same impact as one that the sensors have felt.
+/// An event that is the same impact as one that the sensors have detected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedEvent {
     /// Its identifier.
@@ -185,7 +185,7 @@ pub struct WithdrawnImpact {
 pub enum ForecastEnd {
     /// Another impact has hit the moving column; its forecast and its report include what this one did.
     Superseded,
-    /// A reset has made the column virgin.
+    /// A reset has made the column undamaged.
     Reset,
     /// The twin was stopped.
     Stopped,
@@ -195,14 +195,14 @@ pub enum ForecastEnd {
     NotComputed,
 }
 
-/// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.
+/// Parameters were changed, or a change waits for the end of a response, or one that waited was rejected.
 #[derive(Debug, Clone)]
 pub struct ParametersChanged {
     /// When.
     pub stamp: Nanos,
-    /// The parameters that have new values, or will have; of a refused change, those that keep theirs.
+    /// The parameters that have new values, or will have; of a rejected change, those that keep theirs.
     pub names: Vec<String>,
-    /// Whether the new values apply now or wait; `Unchanged` if the change had waited and was refused.
+    /// Whether the new values apply now or wait; `Unchanged` if the change had waited and was rejected.
     pub change: Accepted,
     /// The parameters that wait for the end of the response now.
     pub waiting: Vec<String>,
@@ -250,7 +250,7 @@ pub trait Outputs {
     }
 }
 
-/// The lines of the log about the severity of a forecast or a result.
+/// The lines of the log about the action of a forecast or a result.
 pub(super) trait Verdicts {
     /// Takes what an impact will have done, or has done, to the column.
     fn verdict(&mut self, kind: &str, event_id: &str, assessed: Option<&Assessed>, now: Nanos);
@@ -262,17 +262,17 @@ impl<O: Outputs> Verdicts for O {
             let text = format!("{kind} of impact \"{event_id}\": the column cannot be assessed");
             return self.notice(NoticeLevel::Error, now, text);
         };
-        let severity = match assessment.severity {
-            assessment::Severity::None => NoticeLevel::Info,
-            assessment::Severity::Inspect | assessment::Severity::Restrict => NoticeLevel::Warning,
-            assessment::Severity::Prop | assessment::Severity::Evacuate => NoticeLevel::Error,
+        let action = match assessment.action {
+            assessment::Action::None => NoticeLevel::Info,
+            assessment::Action::Inspect | assessment::Action::Restrict => NoticeLevel::Warning,
+            assessment::Action::Shore | assessment::Action::Evacuate => NoticeLevel::Error,
         };
         let text = format!(
-            "{kind} of impact \"{event_id}\": severity {}; {}",
-            assessment.severity_in_words(),
+            "{kind} of impact \"{event_id}\": action {}; {}",
+            assessment.action_in_words(),
             assessment.reason
         );
-        self.notice(severity, now, text);
+        self.notice(action, now, text);
     }
 }
 

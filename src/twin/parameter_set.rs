@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::refusal::{Refusal, RefusalCode};
+use super::rejection::{Rejection, RejectionCode};
 use super::saved_state::fingerprint;
 use crate::parameters::{Applies, DeclaredParameter, Parameters, Value};
 
@@ -62,7 +62,7 @@ impl ParameterSet {
     ///
     /// # Errors
     /// The changes are invalid, or for parameters that are read-only while the node runs.
-    pub fn plan(&self, changes: &[(String, Value)]) -> Result<PlannedChange, Refusal> {
+    pub fn plan(&self, changes: &[(String, Value)]) -> Result<PlannedChange, Rejection> {
         let latest = self
             .waiting
             .as_ref()
@@ -92,7 +92,7 @@ impl ParameterSet {
         &mut self,
         parameters: &Arc<Parameters>,
         changes: &[(String, Value)],
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         match &mut self.waiting {
             Some(waiting) => {
                 let current = Arc::new(changed(&self.current, changes)?);
@@ -130,10 +130,10 @@ fn names_of(parameters: &[DeclaredParameter<'_>]) -> Vec<String> {
 }
 
 /// `from` with some values changed, validated as a whole.
-fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters, Refusal> {
+fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters, Rejection> {
     let changed = from
         .with_changes(changes.iter().cloned())
-        .map_err(|faults| Refusal::new(RefusalCode::ParametersInvalid, faults.in_one_line()))?;
+        .map_err(|faults| Rejection::new(RejectionCode::ParametersInvalid, faults.in_one_line()))?;
     let mut read_only = changed.changed_from(from);
     read_only.retain(|it| it.row.applies == Applies::Restart);
     if read_only.is_empty() {
@@ -145,5 +145,5 @@ fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters,
         "{} cannot be changed while the node runs; restart it with the new value",
         names_of(&read_only).join(", ")
     );
-    Err(Refusal::new(RefusalCode::ParametersReadOnly, reason))
+    Err(Rejection::new(RejectionCode::ParametersReadOnly, reason))
 }

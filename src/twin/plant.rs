@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::refusal::{Refusal, RefusalCode};
+use super::rejection::{Rejection, RejectionCode};
 use crate::column::{
     ColumnProperties, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow, Progress, Report,
     Response, Scheme, ShearProperties, State, StepError, carried_over, residual_state,
@@ -20,8 +20,8 @@ pub enum Condition {
     Standing,
     /// It has collapsed.
     Collapsed,
-    /// A hinge of it is severed.
-    Severed,
+    /// A hinge of it is fractured.
+    Fractured,
     /// It cannot be computed any further, for this reason.
     Faulted(Arc<str>),
 }
@@ -45,16 +45,16 @@ pub(super) struct Struck {
 }
 
 impl Plant {
-    /// The virgin column at rest under its load.
+    /// The undamaged column at rest under its load.
     ///
     /// # Errors
     /// The column is impossible, or does not stand under its load.
-    pub fn virgin(properties: &ColumnProperties) -> Result<Self, ModelError> {
-        Model::new(properties).map(Self::virgin_of)
+    pub fn undamaged(properties: &ColumnProperties) -> Result<Self, ModelError> {
+        Model::new(properties).map(Self::undamaged_of)
     }
 
-    /// The virgin column of a model at rest under its load.
-    pub fn virgin_of(model: Model) -> Self {
+    /// The undamaged column of a model at rest under its load.
+    pub fn undamaged_of(model: Model) -> Self {
         Self {
             model,
             state: State::at_rest(&model),
@@ -109,27 +109,27 @@ impl Plant {
         &self,
         from: &ColumnProperties,
         to: &ColumnProperties,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, Rejection> {
         if self.condition != Condition::Standing {
             if from == to {
                 return Ok(self.clone());
             }
-            if self.condition == Condition::Severed {
+            if self.condition == Condition::Fractured {
                 let reason =
-                    "a hinge or web of the column is severed; reset the twin first (~/reset)";
-                return Err(Refusal::new(RefusalCode::ColumnSevered, reason));
+                    "a hinge or web of the column is fractured; reset the twin first (~/reset)";
+                return Err(Rejection::new(RejectionCode::ColumnFractured, reason));
             }
             let reason =
                 "the column has collapsed or cannot be computed; reset the twin first (~/reset)";
-            return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
+            return Err(Rejection::new(RejectionCode::ColumnCollapsed, reason));
         }
         if !self.is_damaged() {
-            return Self::virgin(to).map_err(impossible);
+            return Self::undamaged(to).map_err(impossible);
         }
         if make_of(from) != make_of(to) {
             let reason = "the column is damaged, and the damage belongs to its lengths, section, steel, resistances, hinges and \
                           supports; reset the twin before changing them (~/reset)";
-            return Err(Refusal::new(RefusalCode::ColumnDamaged, reason));
+            return Err(Rejection::new(RejectionCode::ColumnDamaged, reason));
         }
         let model =
             Model::new(&with_impact_height(to, self.impact_height())).map_err(impossible)?;
@@ -144,7 +144,7 @@ impl Plant {
         if statics(&model) != statics(&self.model) {
             changed.state = equilibrium(&model, &self.state).ok_or_else(|| {
                 let reason = "with these values the damaged column has no equilibrium";
-                Refusal::new(RefusalCode::NoEquilibrium, reason)
+                Rejection::new(RejectionCode::NoEquilibrium, reason)
             })?;
         }
         Ok(changed)
@@ -161,7 +161,7 @@ impl Plant {
         properties: &ColumnProperties,
         impact: Impact,
         max_duration: f64,
-    ) -> Result<Struck, Refusal> {
+    ) -> Result<Struck, Rejection> {
         self.check_standing()?;
         let (model, mut state) = self.with_hinges_at_impact(properties)?;
         let at_rest = match bumper_of(&model.properties) > 0.0 {
@@ -173,7 +173,7 @@ impl Plant {
             false => model,
         };
         let response = Response::begin(&model, &mut state, impact, max_duration)
-            .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error))?;
+            .map_err(|error| Rejection::new(RejectionCode::ImpactOutOfRange, error))?;
         Ok(Struck {
             model,
             state,
@@ -184,24 +184,24 @@ impl Plant {
 
     /// # Errors
     /// The column does not stand.
-    pub fn check_standing(&self) -> Result<(), Refusal> {
+    pub fn check_standing(&self) -> Result<(), Rejection> {
         let (code, reason) = match &self.condition {
             Condition::Standing => return Ok(()),
             Condition::Collapsed => (
-                RefusalCode::ColumnCollapsed,
+                RejectionCode::ColumnCollapsed,
                 "the column has collapsed; reset the twin first (~/reset)".to_owned(),
             ),
-            Condition::Severed => (
-                RefusalCode::ColumnSevered,
-                "a hinge or web of the column is severed; reset the twin first (~/reset)"
+            Condition::Fractured => (
+                RejectionCode::ColumnFractured,
+                "a hinge or web of the column is fractured; reset the twin first (~/reset)"
                     .to_owned(),
             ),
             Condition::Faulted(fault) => (
-                RefusalCode::TwinFaulted,
+                RejectionCode::TwinFaulted,
                 format!("the twin cannot continue ({fault}); reset it first (~/reset)"),
             ),
         };
-        Err(Refusal::new(code, reason))
+        Err(Rejection::new(code, reason))
     }
 
     /// The column at rest with the plastic deformation of all hinges multiplied by a factor, in the equilibrium that this
@@ -237,7 +237,7 @@ impl Plant {
     pub fn with_hinges_at_impact(
         &self,
         properties: &ColumnProperties,
-    ) -> Result<(Model, State), Refusal> {
+    ) -> Result<(Model, State), Rejection> {
         let (present, wanted) = (self.impact_height(), properties.length_below);
         if is_same_height(wanted, present) {
             return self.before_bumper(properties);
@@ -246,7 +246,7 @@ impl Plant {
             let reason = format!(
                 "the impact is {wanted} m above the base, but hinges 1a and 1b are at {present} m, {why}"
             );
-            Err(Refusal::new(RefusalCode::HeightNotPossible, reason))
+            Err(Rejection::new(RejectionCode::HeightNotPossible, reason))
         };
         if self.state.sample(&self.model).phase != Phase::Idle {
             return rejected("where they stay while the column is responding to an impact");
@@ -274,7 +274,7 @@ impl Plant {
     ///
     /// # Errors
     /// The bumper leaves too little of a bar clear, or the damaged column has no equilibrium before it.
-    fn before_bumper(&self, properties: &ColumnProperties) -> Result<(Model, State), Refusal> {
+    fn before_bumper(&self, properties: &ColumnProperties) -> Result<(Model, State), Rejection> {
         let own = &self.model.properties;
         if bumper_of(own) == bumper_of(properties)
             || self.state.sample(&self.model).phase != Phase::Idle
@@ -296,7 +296,7 @@ impl Plant {
             None => {
                 let reason = "the damaged column has no equilibrium before the bumper of this vehicle; reset the twin \
                               (~/reset)";
-                Err(Refusal::new(RefusalCode::NoEquilibrium, reason))
+                Err(Rejection::new(RejectionCode::NoEquilibrium, reason))
             }
         }
     }
@@ -319,8 +319,8 @@ fn with_bumper(properties: &ColumnProperties, bumper_height: f64) -> ColumnPrope
     }
 }
 
-fn impossible(error: ModelError) -> Refusal {
-    Refusal::new(RefusalCode::ColumnImpossible, error)
+fn impossible(error: ModelError) -> Rejection {
+    Rejection::new(RejectionCode::ColumnImpossible, error)
 }
 
 impl Struck {
@@ -376,7 +376,7 @@ impl Struck {
 pub(super) fn condition_after(end: End, residual: Option<&State>) -> Condition {
     match (end, residual) {
         (End::Collapsed, _) => Condition::Collapsed,
-        (End::Severed, _) => Condition::Severed,
+        (End::Fractured, _) => Condition::Fractured,
         (_, Some(_)) => Condition::Standing,
         (_, None) => no_equilibrium(),
     }
@@ -465,7 +465,7 @@ pub mod failing_step {
     pub(super) fn steps_before(state: &mut State, max_steps: u64) -> Result<u64, StepError> {
         match FAILING.get() {
             Some(step) if step == state.step => {
-                state.percussion = 0.0;
+                state.impact_impulse = 0.0;
                 Err(StepError::NotConverged {
                     step,
                     part_secs: 1e-9,

@@ -3,7 +3,7 @@
 //! more with the result; another thread computes it.
 //!
 //! Only the impact on a column at rest without damage has a range, as everywhere else: how a damaged column has hardened
-//! with another strength is not known. What would be computed for an impact that another one, a reset, a calibration or a
+//! with another strength is not known. What would be computed for an impact that another one, a reset, a correction of the damage or a
 //! change of parameters has overtaken is not awaited any more.
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::lifecycle::Twin;
 use super::output::{NoticeLevel, Output, Outputs, RangedReport, ReportOutput};
 use super::plant::{Condition, Plant};
 use super::what_if::Striking;
-use crate::assessment::{ActionRange, Severity, VerdictRange};
+use crate::assessment::{Action, ActionRange, VerdictRange};
 use crate::column::{ColumnProperties, Impact, Report};
 use crate::parameters::Parameters;
 use crate::time::Nanos;
@@ -30,12 +30,12 @@ pub struct RangeTask {
     parameters: Arc<Parameters>,
     properties: ColumnProperties,
     impact: Impact,
-    /// The severity of the verdict, and whether more than that may have to be done.
-    verdict: (Severity, bool),
+    /// The action of the verdict, and whether more than that may have to be done.
+    verdict: (Action, bool),
 }
 
 impl RangeTask {
-    /// Computes the range, see [`ActionRange::of_severity`]; `go_on` is asked before each response, and `None` is the result once
+    /// Computes the range, see [`ActionRange::of_action`]; `go_on` is asked before each response, and `None` is the result once
     /// it returns false.
     pub fn compute(&self, go_on: &mut dyn FnMut() -> bool) -> Option<Arc<VerdictRange>> {
         let Self {
@@ -45,7 +45,7 @@ impl RangeTask {
             verdict,
             ..
         } = self;
-        let range = ActionRange::of_severity(parameters, properties, impact, *verdict, go_on)?;
+        let range = ActionRange::of_action(parameters, properties, impact, *verdict, go_on)?;
         Some(Arc::new(range.ends))
     }
 
@@ -75,7 +75,7 @@ impl RangeTask {
                 ..parameters.column_properties()
             },
             impact,
-            verdict: (assessment.severity, assessment.at_least),
+            verdict: (assessment.action, assessment.at_least),
         }
     }
 }
@@ -184,7 +184,7 @@ impl ActiveResponse {
         if self.range.is_some() || self.forecast.is_running() || !has_range(&self.before) {
             return None;
         }
-        self.forecast.foreseen()?.assessed.as_ref()
+        self.forecast.predicted()?.assessed.as_ref()
     }
 
     fn range_task(&self, response: u64) -> Option<RangeTask> {
@@ -206,14 +206,14 @@ impl ActiveResponse {
 
     /// The forecast with the range of its verdict.
     fn ranged_forecast(&self) -> Option<ReportOutput> {
-        let foreseen = self.forecast.foreseen()?;
+        let predicted = self.forecast.predicted()?;
         Some(ReportOutput {
             range: self.range.clone(),
             ..self.impact.report_output(
-                foreseen.report,
-                foreseen.assessed.clone(),
-                foreseen.error_estimate,
-                foreseen.compute_nanos,
+                predicted.report,
+                predicted.assessed.clone(),
+                predicted.error_estimate,
+                predicted.compute_nanos,
             )
         })
     }

@@ -6,7 +6,7 @@ use super::command::Accepted;
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
-use super::refusal::Refusal;
+use super::rejection::Rejection;
 use crate::parameters::{Parameters, Value};
 use crate::time::Nanos;
 use crate::time::seconds;
@@ -25,7 +25,7 @@ impl Twin {
         source: &Arc<str>,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<Accepted, Refusal> {
+    ) -> Result<Accepted, Rejection> {
         let planned = self.parameters.plan(changes)?;
         if planned.names.is_empty() {
             self.registry.counts.parameters_accepted += 1;
@@ -69,25 +69,25 @@ impl Twin {
         wanted: &Parameters,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let from = self.parameters.current().column_properties();
-        let Some(at_rest) = self.foreseen_at_rest(now, out) else {
+        let Some(at_rest) = self.predicted_at_rest(now, out) else {
             return Ok(());
         };
         at_rest
             .with_properties(&from, &wanted.column_properties())
             .map(|_| ())
-            .map_err(|Refusal { code, reason }| {
+            .map_err(|Rejection { code, reason }| {
                 let reason = format!(
                     "the change cannot take effect when the response to the impact ends: by then, {reason}"
                 );
-                Refusal::new(code, reason)
+                Rejection::new(code, reason)
             })
     }
 
     /// The column as the response under way will leave it. Its forecast is completed for this, so that the answer does not
     /// depend on how far it had come; `None` for a response that may be too long, or cannot be computed.
-    fn foreseen_at_rest(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<&Plant> {
+    fn predicted_at_rest(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<&Plant> {
         let response = self.response.as_ref()?;
         let step = seconds(response.timeline.plant().model.properties.step_nanos);
         if response.impact.parameters.response_duration() / step > MAX_FORESEEN_STEPS {
@@ -95,17 +95,17 @@ impl Twin {
         }
         let is_unknown = |it: &Self| {
             let response = it.response.as_ref();
-            response.is_some_and(|it| it.forecast.foreseen().is_none() && it.forecast.is_running())
+            response.is_some_and(|it| it.forecast.predicted().is_none() && it.forecast.is_running())
         };
         while is_unknown(self) {
             self.run_ahead(FORESEEING_SLICE, now, out);
         }
-        let foreseen = self.response.as_ref()?.forecast.foreseen()?;
-        Some(&foreseen.at_rest)
+        let predicted = self.response.as_ref()?.forecast.predicted()?;
+        Some(&predicted.at_rest)
     }
 
     /// The column at rest with other parameters.
-    fn column_with(&self, wanted: &Parameters) -> Result<Plant, Refusal> {
+    fn column_with(&self, wanted: &Parameters) -> Result<Plant, Rejection> {
         let from = self.parameters.current().column_properties();
         self.at_rest
             .with_properties(&from, &wanted.column_properties())
@@ -135,10 +135,10 @@ impl Twin {
                 self.parameters.replace(waiting.parameters);
                 Accepted::Applied
             }
-            Err(Refusal { code, reason }) => {
+            Err(Rejection { code, reason }) => {
                 let reason =
                     format!("the change that waited for the end of the response: {reason}");
-                self.refuse_change(Refusal::new(code, reason), &waiting.source, now, out);
+                self.reject_change(Rejection::new(code, reason), &waiting.source, now, out);
                 Accepted::Unchanged
             }
         };
@@ -153,17 +153,17 @@ impl Twin {
         }));
     }
 
-    pub(super) fn refuse_change(
+    pub(super) fn reject_change(
         &mut self,
-        refusal: Refusal,
+        rejection: Rejection,
         source: &Arc<str>,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Refusal {
+    ) -> Rejection {
         self.status.set_changed();
-        let refused = self.registry.refuse_change(refusal.clone(), source, now);
-        out.put(Output::Refused(refused));
-        refusal
+        let rejected = self.registry.reject_change(rejection.clone(), source, now);
+        out.put(Output::Rejected(rejected));
+        rejection
     }
 
     pub(super) fn reset(&mut self, source: &str, now: Nanos, out: &mut impl Outputs) {
@@ -192,13 +192,13 @@ impl Twin {
         self.estimates.reset(now);
         // The parameters were checked when they came; if they failed now, the old model would still be a column.
         let properties = self.parameters.current().column_properties();
-        self.at_rest =
-            Plant::virgin(&properties).unwrap_or_else(|_| Plant::virgin_of(self.at_rest.model));
+        self.at_rest = Plant::undamaged(&properties)
+            .unwrap_or_else(|_| Plant::undamaged_of(self.at_rest.model));
         self.apply_waiting_parameters(now, out);
         self.assess();
         self.forget_other_critical_velocities();
         self.forget_range();
-        let text = format!("reset by {source}: the column is virgin");
+        let text = format!("reset by {source}: the column is undamaged");
         out.notice(NoticeLevel::Info, now, text);
         self.status.set_changed();
         self.journal.set_checkpoint_due();

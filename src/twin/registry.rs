@@ -1,4 +1,4 @@
-//! The registry: identifiers and stamps of impacts, what was accepted and refused, impacts that are still to come, and
+//! The registry: identifiers and stamps of impacts, what was accepted and rejected, impacts that are still to come, and
 //! what the column has been through since the last reset. Knows nothing of the mechanics.
 
 use std::sync::Arc;
@@ -6,9 +6,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
-use super::calibration::Calibration;
+use super::damage_correction::DamageCorrection;
 use super::output::WithdrawnImpact;
-use super::refusal::{Refusal, RefusalCode, truncated};
+use super::rejection::{Rejection, RejectionCode, truncated};
 use super::seen_ids::SeenIds;
 use super::what_if::Striking;
 use crate::assessment::BaseDemand;
@@ -25,20 +25,20 @@ pub const MAX_IMPACTS_AHEAD: usize = 8;
 
 const CHECK_CLOCKS: &str = "check that the sender and the twin have the same clock";
 
-/// What was accepted and refused since the start of the program.
+/// What was accepted and rejected since the start of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Counts {
-    /// Impact events accepted, and impacts accepted that the sensors have felt.
+    /// Impact events accepted, and impacts accepted that the sensors have detected.
     pub events_accepted: u64,
-    /// Impact events that are the same impact as one that the sensors have felt: neither accepted nor refused.
+    /// Impact events that are the same impact as one that the sensors have detected: neither accepted nor rejected.
     pub events_merged: u64,
-    /// Impact events refused.
-    pub events_refused: u64,
+    /// Impact events rejected.
+    pub events_rejected: u64,
     /// Changes of parameters accepted.
     pub parameters_accepted: u64,
-    /// Changes of parameters refused.
-    pub parameters_refused: u64,
+    /// Changes of parameters rejected.
+    pub parameters_rejected: u64,
 }
 
 /// What the column has been through since the last reset, in responses that have ended.
@@ -47,8 +47,8 @@ pub struct Counts {
 pub struct Life {
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
-    /// Refused impacts since the last reset.
-    pub refused_since_reset: u64,
+    /// Rejected impacts since the last reset.
+    pub rejected_since_reset: u64,
     /// Work dissipated in the hinges since the last reset \[J\].
     pub plastic_work_since_reset: f64,
     /// The last accepted impact; empty before the first.
@@ -57,47 +57,47 @@ pub struct Life {
     #[serde(default)]
     pub last_impact: Option<LastImpact>,
     /// Measurements by which the damage was corrected or confirmed since the last reset.
-    pub calibrations_since_reset: u32,
+    pub corrections_since_reset: u32,
     /// The last of them.
-    pub last_calibration: Option<Calibration>,
+    pub last_correction: Option<DamageCorrection>,
     /// Whether the column may have a damage that the twin does not know, because its state file could not be used.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_damage_unknown: bool,
 }
 
-/// The last refusal since the start of the program.
+/// The last rejection since the start of the program.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct LastRefusal {
+pub struct LastRejection {
     /// Why.
-    pub refusal: Refusal,
-    /// Identifier of the refused impact, shortened where it is too long; empty for a change of parameters.
+    pub rejection: Rejection,
+    /// Identifier of the rejected impact, shortened where it is too long; empty for a change of parameters.
     pub event_id: Arc<str>,
 }
 
-/// Which kind of command was refused.
+/// Which kind of command was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RefusedInput {
+pub enum RejectedInput {
     /// An impact event.
     Impact,
     /// A change of parameters.
     Parameters,
-    /// A decision about an impact that the sensors have felt. It is not counted.
+    /// A decision about an impact that the sensors have detected. It is not counted.
     Estimate,
     /// A correction of the damage. It is not counted.
-    Calibration,
+    DamageCorrection,
 }
 
-/// A command that was refused and has changed nothing.
+/// A command that was rejected and has changed nothing.
 #[derive(Debug, Clone)]
-pub struct Refused {
+pub struct Rejected {
     /// When.
     pub stamp: Nanos,
     /// What.
-    pub what: RefusedInput,
+    pub what: RejectedInput,
     /// Why, for its sender.
-    pub refusal: Refusal,
-    /// Identifier of a refused impact, shortened where it is too long; otherwise empty.
+    pub rejection: Rejection,
+    /// Identifier of a rejected impact, shortened where it is too long; otherwise empty.
     pub event_id: Arc<str>,
     /// The sender of anything but an impact; otherwise empty.
     pub source: Arc<str>,
@@ -138,7 +138,7 @@ pub(super) struct Registry {
     pending: Vec<PendingImpact>,
     pub counts: Counts,
     pub life: Life,
-    pub last_refusal: Option<LastRefusal>,
+    pub last_rejection: Option<LastRejection>,
 }
 
 impl Registry {
@@ -149,7 +149,7 @@ impl Registry {
             pending: Vec::new(),
             counts: Counts::default(),
             life: Life::default(),
-            last_refusal: None,
+            last_rejection: None,
         }
     }
 
@@ -169,13 +169,13 @@ impl Registry {
 
     /// # Errors
     /// The identifier is not a valid one, or was used before.
-    pub fn check_event_id(&self, id: &str) -> Result<(), Refusal> {
+    pub fn check_event_id(&self, id: &str) -> Result<(), Rejection> {
         if let Some(reason) = event_id_fault(id) {
-            return Err(Refusal::new(RefusalCode::EventIdInvalid, reason));
+            return Err(Rejection::new(RejectionCode::EventIdInvalid, reason));
         }
         if self.seen.contains(id) {
             let reason = "an impact with this event_id was accepted before; give every impact its own identifier";
-            return Err(Refusal::new(RefusalCode::EventIdRepeated, reason));
+            return Err(Rejection::new(RejectionCode::EventIdRepeated, reason));
         }
         Ok(())
     }
@@ -187,13 +187,13 @@ impl Registry {
         self.life.impacts_since_reset = self.life.impacts_since_reset.saturating_add(1);
     }
 
-    /// Takes note of an event that is the same impact as one that the sensors have felt.
+    /// Takes note of an event that is the same impact as one that the sensors have detected.
     pub fn merge(&mut self, event_id: Arc<str>) {
         self.seen.remember(event_id);
         self.counts.events_merged += 1;
     }
 
-    /// Takes an acceptance back: the impact was still to come and is refused after all, so that no impact is counted
+    /// Takes an acceptance back: the impact was still to come and is rejected after all, so that no impact is counted
     /// twice.
     pub fn withdraw(&mut self) {
         let accepted = &mut self.counts.events_accepted;
@@ -202,48 +202,53 @@ impl Registry {
         *since_reset = since_reset.saturating_sub(1);
     }
 
-    /// Counts a refused impact.
-    pub fn refuse_impact(&mut self, event_id: &str, refusal: Refusal, now: Nanos) -> Refused {
-        self.counts.events_refused += 1;
-        self.life.refused_since_reset += 1;
+    /// Counts a rejected impact.
+    pub fn reject_impact(&mut self, event_id: &str, rejection: Rejection, now: Nanos) -> Rejected {
+        self.counts.events_rejected += 1;
+        self.life.rejected_since_reset += 1;
         let event_id = printable(event_id).into();
-        self.refuse(RefusedInput::Impact, refusal, event_id, "".into(), now)
+        self.reject(RejectedInput::Impact, rejection, event_id, "".into(), now)
     }
 
-    /// Counts a refused change of parameters.
-    pub fn refuse_change(&mut self, refusal: Refusal, source: &Arc<str>, now: Nanos) -> Refused {
-        self.counts.parameters_refused += 1;
-        let source = Arc::clone(source);
-        self.refuse(RefusedInput::Parameters, refusal, "".into(), source, now)
-    }
-
-    /// Keeps a refused request, whose sender has an answer, as the last refusal.
-    pub fn refuse_request(
+    /// Counts a rejected change of parameters.
+    pub fn reject_change(
         &mut self,
-        what: RefusedInput,
-        refusal: Refusal,
+        rejection: Rejection,
         source: &Arc<str>,
         now: Nanos,
-    ) -> Refused {
-        self.refuse(what, refusal, "".into(), Arc::clone(source), now)
+    ) -> Rejected {
+        self.counts.parameters_rejected += 1;
+        let source = Arc::clone(source);
+        self.reject(RejectedInput::Parameters, rejection, "".into(), source, now)
     }
 
-    fn refuse(
+    /// Keeps a rejected request, whose sender has an answer, as the last rejection.
+    pub fn reject_request(
         &mut self,
-        what: RefusedInput,
-        refusal: Refusal,
+        what: RejectedInput,
+        rejection: Rejection,
+        source: &Arc<str>,
+        now: Nanos,
+    ) -> Rejected {
+        self.reject(what, rejection, "".into(), Arc::clone(source), now)
+    }
+
+    fn reject(
+        &mut self,
+        what: RejectedInput,
+        rejection: Rejection,
         event_id: Arc<str>,
         source: Arc<str>,
         now: Nanos,
-    ) -> Refused {
-        self.last_refusal = Some(LastRefusal {
-            refusal: refusal.clone(),
+    ) -> Rejected {
+        self.last_rejection = Some(LastRejection {
+            rejection: rejection.clone(),
             event_id: Arc::clone(&event_id),
         });
-        Refused {
+        Rejected {
             stamp: now,
             what,
-            refusal,
+            rejection,
             event_id,
             source,
         }
@@ -253,12 +258,12 @@ impl Registry {
     ///
     /// # Errors
     /// Too many are kept already.
-    pub fn keep_pending(&mut self, impact: PendingImpact) -> Result<(), Refusal> {
+    pub fn keep_pending(&mut self, impact: PendingImpact) -> Result<(), Rejection> {
         if self.pending.len() == MAX_IMPACTS_AHEAD {
             let reason = format!(
                 "{MAX_IMPACTS_AHEAD} accepted impacts are still to come; send impacts when they happen"
             );
-            return Err(Refusal::new(RefusalCode::TooManyImpactsAhead, reason));
+            return Err(Rejection::new(RejectionCode::TooManyImpactsAhead, reason));
         }
         let place = self
             .pending
@@ -312,7 +317,7 @@ impl Registry {
 
 /// # Errors
 /// Another column is meant.
-pub(super) fn check_column_id(own: &str, found: &str) -> Result<(), Refusal> {
+pub(super) fn check_column_id(own: &str, found: &str) -> Result<(), Rejection> {
     if own == found {
         return Ok(());
     }
@@ -320,7 +325,7 @@ pub(super) fn check_column_id(own: &str, found: &str) -> Result<(), Refusal> {
         "column_id is \"{}\", but this is the twin of column \"{own}\"",
         printable(found)
     );
-    Err(Refusal::new(RefusalCode::OtherColumn, reason))
+    Err(Rejection::new(RejectionCode::OtherColumn, reason))
 }
 
 /// Why no event can have this identifier; `None` if one can.
@@ -345,10 +350,10 @@ pub(super) fn check_stamp(
     stamp: Nanos,
     now: Nanos,
     parameters: &Parameters,
-) -> Result<(), Refusal> {
+) -> Result<(), Rejection> {
     if stamp == INVALID_STAMP {
-        return Err(Refusal::new(
-            RefusalCode::ImpactOutOfRange,
+        return Err(Rejection::new(
+            RejectionCode::ImpactOutOfRange,
             INVALID_STAMP_REASON,
         ));
     }
@@ -357,14 +362,14 @@ pub(super) fn check_stamp(
     if stamp == 0 && now != 0 && off > tolerance.max_age {
         let reason = "the stamp is zero, as in a message in which it was not set; set header.stamp to the time of the impact \
                       (with ros2 topic pub: `stamp: now`)";
-        return Err(Refusal::new(RefusalCode::StampTooOld, reason));
+        return Err(Rejection::new(RejectionCode::StampTooOld, reason));
     }
     if stamp <= now && off > tolerance.max_age {
         let reason = format!(
             "the stamp is {off} s old; event.max_age is {} s; {CHECK_CLOCKS}",
             tolerance.max_age
         );
-        return Err(Refusal::new(RefusalCode::StampTooOld, reason));
+        return Err(Rejection::new(RejectionCode::StampTooOld, reason));
     }
     check_not_ahead(stamp, now, parameters)
 }
@@ -375,19 +380,19 @@ pub(super) fn check_not_ahead(
     stamp: Nanos,
     now: Nanos,
     parameters: &Parameters,
-) -> Result<(), Refusal> {
+) -> Result<(), Rejection> {
     let tolerance = &parameters.settings().event;
     let off = seconds(stamp.abs_diff(now));
     if now == 0 && off > tolerance.max_ahead {
         let reason = "the clock of the twin is zero: use_sim_time is true, but no message on /clock has arrived";
-        return Err(Refusal::new(RefusalCode::StampTooFarAhead, reason));
+        return Err(Rejection::new(RejectionCode::StampTooFarAhead, reason));
     }
     if stamp > now && off > tolerance.max_ahead {
         let reason = format!(
             "the stamp is {off} s ahead; event.max_ahead is {} s; {CHECK_CLOCKS}",
             tolerance.max_ahead
         );
-        return Err(Refusal::new(RefusalCode::StampTooFarAhead, reason));
+        return Err(Rejection::new(RejectionCode::StampTooFarAhead, reason));
     }
     Ok(())
 }

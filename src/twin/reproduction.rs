@@ -31,7 +31,7 @@ impl Twin {
         twin.registry.restore_seen_ids(&from.seen_ids);
         twin.registry.life = from.life.clone();
         twin.registry.counts = from.counts;
-        twin.registry.last_refusal = from.last_refusal.clone();
+        twin.registry.last_rejection = from.last_rejection.clone();
         twin.estimates = from.estimates.clone();
         twin.journal = JournalClock::continuing(from);
         twin.assess();
@@ -61,7 +61,7 @@ impl Twin {
             estimates: self.estimates.clone(),
             life: self.registry.life.clone(),
             counts: self.registry.counts,
-            last_refusal: self.registry.last_refusal.clone(),
+            last_rejection: self.registry.last_rejection.clone(),
             seen_ids: self.registry.seen_ids(),
         })
     }

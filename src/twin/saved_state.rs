@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::assessed::LastImpact;
-use super::calibration::Calibration;
+use super::damage_correction::DamageCorrection;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
@@ -19,11 +19,9 @@ use crate::time::Nanos;
 /// Format name in every state file.
 const FORMAT: &str = "column_twin state";
 
-/// The format version that this program writes.
-const VERSION: u32 = 2;
-
-/// The oldest version that it reads: version 1 knows neither accumulated rotations nor the last impact.
-const OLDEST_VERSION: u32 = 1;
+/// The format version that this program writes, and the only one that it reads: the names of version 2 and of those before it are
+/// others.
+const VERSION: u32 = 3;
 
 /// The damage of the column, and the impacts that caused it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,9 +41,8 @@ pub struct SavedState {
     pub displacement: Displacement,
     /// Plastic deformation of the hinges.
     pub plastic: PerBar<PlasticFlow>,
-    /// Accumulated plastic rotations \[rad\]; `None` in files of version 1, where they are the absolute plastic rotations.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accumulated_rotation: Option<PerBar<[f64; 2]>>,
+    /// Accumulated plastic rotations \[rad\].
+    pub accumulated_rotation: PerBar<[f64; 2]>,
     /// Hardening of the webs; `None` where no web has yielded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub webs: Option<PerBar<WebState>>,
@@ -54,18 +51,18 @@ pub struct SavedState {
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
     /// Rejected impacts since the last reset.
-    pub refused_since_reset: u64,
+    pub rejected_since_reset: u64,
     /// Identifier of the last accepted impact; empty if there was none.
     pub last_event_id: Arc<str>,
-    /// The last impact; `None` before the first, and in files of version 1.
+    /// The last impact; `None` before the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_impact: Option<LastImpact>,
     /// Measurements by which the damage was corrected or confirmed since the last reset.
     #[serde(default, skip_serializing_if = "is_zero")]
-    pub calibrations_since_reset: u32,
+    pub corrections_since_reset: u32,
     /// The last of them; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub last_calibration: Option<Calibration>,
+    pub last_correction: Option<DamageCorrection>,
     /// Whether the column may have a further damage, because an earlier state file could not be used; until the next reset.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_damage_unknown: bool,
@@ -79,9 +76,15 @@ pub enum SavedStateError {
     /// The text is not JSON of the expected form.
     #[error("it is truncated, or not a state file of column_twin: {0}")]
     Malformed(String),
-    /// The text has another format or version.
+    /// An earlier version of the program wrote the text.
     #[error(
-        "it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {OLDEST_VERSION} to {VERSION}"
+        "an earlier version of column_twin wrote it (format version {0}; this one reads version {VERSION}): examine the column and \
+         call ~/reset if it is undamaged, or go on with the program that wrote the file"
+    )]
+    EarlierVersion(u32),
+    /// The text has another format, or a later version.
+    #[error(
+        "it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {VERSION}"
     )]
     OtherVersion {
         /// The format found.
@@ -135,12 +138,12 @@ impl SavedState {
     ) -> Self {
         let Life {
             impacts_since_reset,
-            refused_since_reset,
+            rejected_since_reset,
             plastic_work_since_reset,
             last_event_id,
             last_impact,
-            calibrations_since_reset,
-            last_calibration,
+            corrections_since_reset,
+            last_correction,
             is_damage_unknown,
         } = registry.life.clone();
         Self {
@@ -151,15 +154,15 @@ impl SavedState {
             impact_height: plant.impact_height(),
             displacement: plant.state.displacement,
             plastic: plant.state.plastic,
-            accumulated_rotation: Some(plant.state.accumulated_rotation()),
+            accumulated_rotation: plant.state.accumulated_rotation(),
             webs: plant.state.sheared_webs(),
             plastic_work_since_reset,
             impacts_since_reset,
-            refused_since_reset,
+            rejected_since_reset,
             last_event_id,
             last_impact,
-            calibrations_since_reset,
-            last_calibration,
+            corrections_since_reset,
+            last_correction,
             is_damage_unknown,
             seen_ids: registry.seen_ids(),
         }
@@ -169,12 +172,12 @@ impl SavedState {
     pub(super) fn life(&self) -> Life {
         Life {
             impacts_since_reset: self.impacts_since_reset,
-            refused_since_reset: self.refused_since_reset,
+            rejected_since_reset: self.rejected_since_reset,
             plastic_work_since_reset: self.plastic_work_since_reset,
             last_event_id: Arc::clone(&self.last_event_id),
             last_impact: self.last_impact.clone(),
-            calibrations_since_reset: self.calibrations_since_reset,
-            last_calibration: self.last_calibration,
+            corrections_since_reset: self.corrections_since_reset,
+            last_correction: self.last_correction,
             is_damage_unknown: self.is_damage_unknown,
         }
     }
@@ -189,16 +192,12 @@ impl SavedState {
 
     /// The column at rest that was saved.
     fn standing(&self) -> StandingColumn {
-        let absolute = || PerBar {
-            below: self.plastic.below.rotation.map(f64::abs),
-            above: self.plastic.above.rotation.map(f64::abs),
-        };
         StandingColumn {
             impact_height: self.impact_height,
             damage: Some(Damage {
                 displacement: self.displacement,
                 plastic: self.plastic,
-                accumulated_rotation: self.accumulated_rotation.unwrap_or_else(absolute),
+                accumulated_rotation: self.accumulated_rotation,
                 webs: self.webs,
             }),
         }
@@ -224,7 +223,10 @@ impl SavedState {
     pub fn from_json(text: &str, parameters: &Parameters) -> Result<Self, SavedStateError> {
         let malformed = |error: serde_json::Error| SavedStateError::Malformed(error.to_string());
         let Header { format, version } = serde_json::from_str(text).map_err(malformed)?;
-        if format != FORMAT || !(OLDEST_VERSION..=VERSION).contains(&version) {
+        if format == FORMAT && version < VERSION {
+            return Err(SavedStateError::EarlierVersion(version));
+        }
+        if format != FORMAT || version != VERSION {
             let format = printable(&format);
             return Err(SavedStateError::OtherVersion { format, version });
         }
@@ -239,15 +241,14 @@ impl SavedState {
                 expected: expected.clone(),
             });
         }
-        let found = &*read.content.fingerprint;
-        if found != fingerprint(parameters) && found != fingerprint_without_shear(parameters) {
+        if *read.content.fingerprint != *fingerprint(parameters) {
             return Err(SavedStateError::OtherParameters(expected.clone()));
         }
         Ok(read.content)
     }
 }
 
-/// Files without a calibration are those of programs that know none.
+/// Files without a correction of the damage are those of programs that know none.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "serde passes a reference"
@@ -258,19 +259,7 @@ fn is_zero(number: &u32) -> bool {
 
 /// Digest of the properties to which a damage belongs: lengths, section, steel, resistances, hinges and supports.
 pub(super) fn fingerprint(parameters: &Parameters) -> String {
-    fingerprint_of(&parameters.column_properties())
-}
-
-/// As [`fingerprint`], by programs that do not know shear.
-fn fingerprint_without_shear(parameters: &Parameters) -> String {
-    fingerprint_of(&ColumnProperties {
-        shear: None,
-        ..parameters.column_properties()
-    })
-}
-
-fn fingerprint_of(properties: &ColumnProperties) -> String {
-    let json = serde_json::to_string(&make_of(properties)).unwrap_or_default();
+    let json = serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
     Hexadecimal(&Sha256::digest(json)).to_string()
 }
 

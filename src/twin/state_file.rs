@@ -21,11 +21,11 @@ const MAX_REJECTED: u32 = 100;
 /// The outcome of reading a state file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Loaded {
-    /// There is no file: the column is virgin.
+    /// There is no file: the column is undamaged.
     Absent,
     /// The saved damage of this column.
     Damage(Box<SavedState>),
-    /// The file cannot be used, so the column is virgin. The caller must report this.
+    /// The file cannot be used, so the column is undamaged. The caller must report this.
     Rejected {
         /// Why.
         reason: String,
@@ -345,13 +345,16 @@ mod tests {
         let root = tempfile::tempdir().expect("a folder");
         let folder = root.path().join("state");
         let fleet = reserve_folder(&folder).expect("free");
-        for refused in [
+        for rejected in [
             reserve_folder(&folder),
             reserve(&folder.join("column.json")),
         ] {
-            let refused = refused.expect_err("taken").to_string();
-            assert!(refused.contains("is in use by"), "{refused}");
-            assert!(refused.contains("set another state.directory"), "{refused}");
+            let rejected = rejected.expect_err("taken").to_string();
+            assert!(rejected.contains("is in use by"), "{rejected}");
+            assert!(
+                rejected.contains("set another state.directory"),
+                "{rejected}"
+            );
         }
         drop(fleet);
         let twins = ["a.json", "b.json"].map(|it| reserve(&folder.join(it)).expect("free"));

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use super::STATUS_PERIOD;
 use super::assessed::Assessed;
-use super::calibration::Calibration;
+use super::damage_correction::DamageCorrection;
 use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
-use super::refusal::RefusalCode;
-use super::registry::{Counts, LastRefusal, Registry};
+use super::registry::{Counts, LastRejection, Registry};
+use super::rejection::RejectionCode;
 use crate::assessment::VerdictRange;
 use crate::column::{HINGES, Phase, Sample, VehicleReport, WEBS};
 use crate::study::VehicleLimits;
@@ -30,8 +30,8 @@ pub enum TwinPhase {
     Rest,
     /// The column has lost its shape or its equilibrium; the twin waits for a reset.
     Collapsed,
-    /// A hinge of the column is severed; the twin waits for a reset.
-    Severed,
+    /// A hinge of the column is fractured; the twin waits for a reset.
+    Fractured,
     /// The twin cannot continue and waits for a reset.
     Faulted,
 }
@@ -53,13 +53,13 @@ impl Condition {
         match self {
             Self::Standing => TwinPhase::Rest,
             Self::Collapsed => TwinPhase::Collapsed,
-            Self::Severed => TwinPhase::Severed,
+            Self::Fractured => TwinPhase::Fractured,
             Self::Faulted(_) => TwinPhase::Faulted,
         }
     }
 }
 
-/// The state of the twin itself: what it has accepted and refused, and the damage of the column. A copy costs no memory:
+/// The state of the twin itself: what it has accepted and rejected, and the damage of the column. A copy costs no memory:
 /// its texts are shared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Status {
@@ -71,22 +71,22 @@ pub struct Status {
     pub event_id: Arc<str>,
     /// Counts since the start of the program.
     pub counts: Counts,
-    /// Why the last event or change of parameters was refused, for programs; `None` if none was.
-    pub last_refusal_code: Option<RefusalCode>,
+    /// Why the last event or change of parameters was rejected, for programs; `None` if none was.
+    pub last_rejection_code: Option<RejectionCode>,
     /// The same in words; empty if none was.
-    pub last_refusal_reason: Arc<str>,
-    /// Identifier of the last refused event; empty if none was, or if it was a change of parameters.
-    pub last_refusal_event_id: Arc<str>,
+    pub last_rejection_reason: Arc<str>,
+    /// Identifier of the last rejected event; empty if none was, or if it was a change of parameters.
+    pub last_rejection_event_id: Arc<str>,
     /// Why the twin cannot continue; empty unless `phase` is `Faulted`.
     pub fault: Arc<str>,
-    /// The impact that the sensors have felt and that waits for somebody to confirm it; empty if there is none.
+    /// The impact that the sensors have detected and that waits for somebody to confirm it; empty if there is none.
     pub waiting_estimate: Arc<str>,
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
     /// Measurements by which the damage was corrected or confirmed since the last reset.
-    pub calibrations_since_reset: u32,
+    pub corrections_since_reset: u32,
     /// The last of them; `None` without one.
-    pub last_calibration: Option<Calibration>,
+    pub last_correction: Option<DamageCorrection>,
     /// Whether the column may have a damage that the twin does not know, because its state file could not be used.
     pub is_damage_unknown: bool,
     /// `v1` of the column at rest: the visible damage \[m\].
@@ -111,6 +111,8 @@ pub struct Status {
     pub vehicle: VehicleReport,
     /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
     pub error_estimate: Option<f64>,
+    /// Undeformed lengths of the bars: those of the response, or of the column at rest.
+    pub lengths: Lengths,
     /// The column, for displays; `None` during a response.
     pub at_rest: Option<RestingColumn>,
 }
@@ -126,7 +128,7 @@ pub struct RestingColumn {
     pub is_unseen: bool,
 }
 
-/// What is known about the column at rest, and about what the sensors have felt.
+/// What is known about the column at rest, and about what the sensors have detected.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Judgement<'a> {
     /// Its assessment.
@@ -159,26 +161,26 @@ impl Status {
         let Sample { hinges, webs, .. } = sample;
         let life = &registry.life;
         let last = life.last_impact.as_ref();
-        let refused = registry.last_refusal.as_ref();
-        let text = |text: fn(&LastRefusal) -> &Arc<str>| {
-            refused.map(|it| Arc::clone(text(it))).unwrap_or_default()
+        let rejected = registry.last_rejection.as_ref();
+        let text = |text: fn(&LastRejection) -> &Arc<str>| {
+            rejected.map(|it| Arc::clone(text(it))).unwrap_or_default()
         };
         Self {
             stamp: now,
             phase,
             event_id: Arc::clone(&life.last_event_id),
             counts: registry.counts,
-            last_refusal_code: refused.map(|it| it.refusal.code),
-            last_refusal_reason: text(|it| &it.refusal.reason),
-            last_refusal_event_id: text(|it| &it.event_id),
+            last_rejection_code: rejected.map(|it| it.rejection.code),
+            last_rejection_reason: text(|it| &it.rejection.reason),
+            last_rejection_event_id: text(|it| &it.event_id),
             fault: match &at_rest.condition {
                 Condition::Faulted(reason) => Arc::clone(reason),
-                Condition::Standing | Condition::Collapsed | Condition::Severed => Arc::default(),
+                Condition::Standing | Condition::Collapsed | Condition::Fractured => Arc::default(),
             },
             waiting_estimate: judgement.waiting_estimate.cloned().unwrap_or_default(),
             impacts_since_reset: life.impacts_since_reset,
-            calibrations_since_reset: life.calibrations_since_reset,
-            last_calibration: life.last_calibration,
+            corrections_since_reset: life.corrections_since_reset,
+            last_correction: life.last_correction,
             is_damage_unknown: life.is_damage_unknown,
             residual_v1: sample_at_rest.v1,
             residual_u2: sample_at_rest.u2,
@@ -191,6 +193,7 @@ impl Status {
             range: judgement.range.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
             error_estimate: last.and_then(|it| it.error_estimate),
+            lengths: Lengths::from(&struck.map_or(&at_rest.model, |it| &it.model).properties),
             at_rest: struck.is_none().then(|| RestingColumn {
                 sample: sample_at_rest,
                 lengths: Lengths::from(&at_rest.model.properties),

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
+use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assessed};
 use super::plant::{Condition, Plant, Struck};
-use super::refusal::{Refusal, RefusalCode};
 use super::registry::check_column_id;
+use super::rejection::{Rejection, RejectionCode};
 use super::timeline::{LookAhead, Outlook};
 use crate::assessment::{BaseDemand, imperfection};
 use crate::column::{
@@ -28,7 +28,7 @@ pub struct ColumnSnapshot {
     pub(super) column_id: Arc<str>,
     pub(super) parameters: Arc<Parameters>,
     pub(super) plant: Plant,
-    pub(super) virgin: Option<VirginCapacity>,
+    pub(super) undamaged: Option<UndamagedCapacity>,
     /// What earlier impacts have put into the base.
     pub(super) base_before: Option<BaseDemand>,
 }
@@ -101,22 +101,22 @@ impl ColumnSnapshot {
     /// and an empty `vehicle` that of the parameters; `stopwatch` gives monotonic nanoseconds.
     ///
     /// # Errors
-    /// The impact would be refused, or its response cannot be computed to its end.
+    /// The impact would be rejected, or its response cannot be computed to its end.
     pub fn predict(
         &self,
         column_id: &str,
         vehicle: &str,
         specification: &ImpactSpecification,
         stopwatch: &dyn Fn() -> u64,
-    ) -> Result<Prediction, Refusal> {
+    ) -> Result<Prediction, Rejection> {
         if !column_id.is_empty() {
             check_column_id(&self.column_id, column_id)?;
         }
         let striking = self.complete(vehicle, specification)?;
         let height = self.height_of_impact(&striking.vehicle, specification.height);
         let struck = self.strike(striking.impact, height)?;
-        let mut ahead = LookAhead::new(struck, imperfection(&self.parameters), self.virgin);
-        let not_computed = |reason| Err(Refusal::new(RefusalCode::NotComputed, reason));
+        let mut ahead = LookAhead::new(struck, imperfection(&self.parameters), self.undamaged);
+        let not_computed = |reason| Err(Rejection::new(RejectionCode::NotComputed, reason));
         let mut budget = u64::MAX;
         let (report, at_rest, capacities) = match ahead.run(&mut budget, stopwatch) {
             Outlook::Over {
@@ -154,12 +154,12 @@ impl ColumnSnapshot {
     /// that of the parameters.
     ///
     /// # Errors
-    /// The impact would be refused.
+    /// The impact would be rejected.
     pub fn struck(
         &self,
         vehicle: &str,
         specification: &ImpactSpecification,
-    ) -> Result<(Model, State, Response), Refusal> {
+    ) -> Result<(Model, State, Response), Rejection> {
         let striking = self.complete(vehicle, specification)?;
         let Struck {
             model,
@@ -183,8 +183,8 @@ impl ColumnSnapshot {
         &self,
         vehicle: &str,
         specification: &ImpactSpecification,
-    ) -> Result<Striking, Refusal> {
-        let invalid = |reason| Refusal::new(RefusalCode::VehicleInvalid, reason);
+    ) -> Result<Striking, Rejection> {
+        let invalid = |reason| Rejection::new(RejectionCode::VehicleInvalid, reason);
         let bumper_height = self.parameters.bumper_named(vehicle);
         let (name, vehicle) = self.vehicle_named(vehicle).map_err(invalid)?;
         let impact = specification
@@ -197,8 +197,8 @@ impl ColumnSnapshot {
     ///
     /// # Errors
     /// All numbers that are not finite or out of range; the vehicle is too far away.
-    pub(super) fn checked(&self, vehicle: Arc<str>, impact: Impact) -> Result<Striking, Refusal> {
-        // A mass that is left open is that of a compliant vehicle, which is complete by now.
+    pub(super) fn checked(&self, vehicle: Arc<str>, impact: Impact) -> Result<Striking, Rejection> {
+        // A mass that is left open is that of a deformable vehicle, which is complete by now.
         let open = (impact.mass == 0.0 || impact.mass.is_nan()).then(|| {
             let mass = impact.mass;
             format!("mass = {mass}: is required, because a rigid vehicle has no mass of its own")
@@ -214,7 +214,7 @@ impl ColumnSnapshot {
         .collect();
         if !faults.is_empty() {
             let faults = faults.join("; ");
-            return Err(Refusal::new(RefusalCode::ImpactOutOfRange, faults));
+            return Err(Rejection::new(RejectionCode::ImpactOutOfRange, faults));
         }
         self.check_approach(&impact)?;
         Ok(Striking { vehicle, impact })
@@ -235,7 +235,7 @@ impl ColumnSnapshot {
         }
     }
 
-    /// Where an impact that the sensors have felt meets the column \[m above the base\]: at the hinges, if they are damaged;
+    /// Where an impact that the sensors have detected meets the column \[m above the base\]: at the hinges, if they are damaged;
     /// `None`: where the parameters have it.
     pub(super) fn height_of_estimates(&self) -> Option<f64> {
         let properties = self.parameters.column_properties();
@@ -245,7 +245,7 @@ impl ColumnSnapshot {
 
     /// # Errors
     /// The vehicle would not reach the column within `response.duration`, if the column stood still.
-    fn check_approach(&self, impact: &Impact) -> Result<(), Refusal> {
+    fn check_approach(&self, impact: &Impact) -> Result<(), Rejection> {
         let Impact { gap, velocity, .. } = impact;
         let (approach, longest) = (impact.approach_secs(), self.parameters.response_duration());
         if approach <= longest {
@@ -255,7 +255,7 @@ impl ColumnSnapshot {
             "at {velocity} m/s the vehicle needs {approach} s for the gap of {gap} m; response.duration allows {longest} s: \
              report the impact when the vehicle is nearer, or increase response.duration"
         );
-        Err(Refusal::new(RefusalCode::ApproachTooLong, reason))
+        Err(Rejection::new(RejectionCode::ApproachTooLong, reason))
     }
 
     /// Name and mechanics of a vehicle; `None` is a rigid mass.
@@ -290,13 +290,13 @@ impl ColumnSnapshot {
     ///
     /// # Errors
     /// The column cannot take an impact, or not at this height.
-    pub(super) fn strike(&self, impact: Impact, height: Option<f64>) -> Result<Struck, Refusal> {
+    pub(super) fn strike(&self, impact: Impact, height: Option<f64>) -> Result<Struck, Rejection> {
         let properties = self.properties_for(height)?.before(&impact);
         let max_duration = self.parameters.response_duration();
         self.plant.strike(&properties, impact, max_duration)
     }
 
-    fn properties_for(&self, height: Option<f64>) -> Result<ColumnProperties, Refusal> {
+    fn properties_for(&self, height: Option<f64>) -> Result<ColumnProperties, Rejection> {
         let properties = self.parameters.column_properties();
         let Some(height) = height.filter(|it| !is_same_height(*it, properties.length_below)) else {
             return Ok(properties);
@@ -311,8 +311,8 @@ impl ColumnSnapshot {
             ),
         ];
         match faults.into_iter().flatten().next() {
-            Some(fault) => Err(Refusal::new(
-                RefusalCode::ImpactOutOfRange,
+            Some(fault) => Err(Rejection::new(
+                RejectionCode::ImpactOutOfRange,
                 with_hint_at_nan(format!("{fault}; the column is {whole} m high")),
             )),
             None => Ok(with_impact_height(&properties, height)),

@@ -1,5 +1,5 @@
 //! The layout of the viewer, for a laptop screen: column, panel and log on the left, curves in the middle, yield surfaces on
-//! the right. Crush and force-crush diagram are shown if the vehicle crushes. With sensors, what they feel is in the middle, and the
+//! the right. Crush and force-crush diagram are shown if the vehicle crushes. With sensors, what they detect is in the middle, and the
 //! curves are in a second tab.
 //!
 //! Rerun's blueprint API for Rust can set neither the eye nor the bounds of a view nor the range of an axis. This module
@@ -24,7 +24,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
 use super::branch::entity;
-use super::felt_views::{FeltView, MAX_SENSOR_VIEWS};
+use super::detected_views::{DetectedView, MAX_SENSOR_VIEWS};
 use super::force_crush;
 use super::panel::PANEL;
 use super::plots::{self, PLOTS};
@@ -48,17 +48,17 @@ const MIDDLE: u8 = 3;
 const RIGHT: u8 = 4;
 const BELOW: u8 = 5;
 const CURVES: u8 = 6;
-const FELT: u8 = 7;
+const DETECTED: u8 = 7;
 const SCENE: u8 = 10;
 const LOG: u8 = 11;
 const TEXT: u8 = 12;
 const FORCE_CRUSH: u8 = 13;
 const FIRST_PLOT: u8 = 20;
 const FIRST_HINGE: u8 = 40;
-const FIRST_FELT: u8 = 60;
+const FIRST_DETECTED: u8 = 60;
 
-// The numbers of the views of what is felt: forecast, momentum, severity, and sensors.
-const _: () = assert!(FIRST_FELT as usize + 3 + MAX_SENSOR_VIEWS <= u8::MAX as usize);
+// The numbers of the views of what is detected: forecast, momentum, action, and sensors.
+const _: () = assert!(FIRST_DETECTED as usize + 3 + MAX_SENSOR_VIEWS <= u8::MAX as usize);
 
 /// What the layout of a column depends on.
 pub(super) struct ColumnLayout<'a> {
@@ -68,7 +68,7 @@ pub(super) struct ColumnLayout<'a> {
     pub column_id: Option<&'a str>,
     pub drawing: &'a Drawing,
     pub axes: [[f64; 2]; PLOTS],
-    pub felt: Vec<FeltView>,
+    pub detected: Vec<DetectedView>,
 }
 
 /// Sends the blueprint of a stream that shows one column, and activates it.
@@ -185,8 +185,8 @@ impl Blueprint {
         let drawing = layout.drawing;
         let crushes = drawing.vehicle.is_real();
         match layout.column_id {
-            None => self.layout(crushes, layout.felt.len())?,
-            Some(id) => self.layout_in_fleet(id, crushes, layout.felt.len())?,
+            None => self.layout(crushes, layout.detected.len())?,
+            Some(id) => self.layout_in_fleet(id, crushes, layout.detected.len())?,
         }
         self.scene(drawing, layout.column_id)?;
         self.panel()?;
@@ -196,8 +196,8 @@ impl Blueprint {
                 self.plot(number, axis)?;
             }
         }
-        for (number, view) in (FIRST_FELT..).zip(&layout.felt) {
-            self.felt(number, view)?;
+        for (number, view) in (FIRST_DETECTED..).zip(&layout.detected) {
+            self.detected(number, view)?;
         }
         if crushes {
             self.force_crush(drawing)?;
@@ -228,12 +228,12 @@ impl Blueprint {
             .collect()
     }
 
-    fn felt_views(&self, felt: usize) -> Vec<String> {
-        let felt = (FIRST_FELT..).take(felt);
-        felt.map(|number| self.view_path(number)).collect()
+    fn detected_views(&self, detected: usize) -> Vec<String> {
+        let detected = (FIRST_DETECTED..).take(detected);
+        detected.map(|number| self.view_path(number)).collect()
     }
 
-    fn layout(&self, crushes: bool, felt: usize) -> RecordingStreamResult<()> {
+    fn layout(&self, crushes: bool, detected: usize) -> RecordingStreamResult<()> {
         let left = vertical([self.view_path(SCENE), self.container_path(BELOW)])
             .with_row_shares([0.62_f32, 0.38]);
         self.write(&self.container_path(LEFT), &left)?;
@@ -241,14 +241,14 @@ impl Blueprint {
             horizontal([self.view_path(TEXT), self.view_path(LOG)]).with_col_shares([0.6_f32, 0.4]);
         self.write(&self.container_path(BELOW), &below)?;
         let curves = grid(self.plots(crushes), 2);
-        if felt == 0 {
+        if detected == 0 {
             self.write(&self.container_path(MIDDLE), &curves)?;
         } else {
-            let felt = grid(self.felt_views(felt), 2).with_display_name("Sensors");
-            self.write(&self.container_path(FELT), &felt)?;
+            let detected = grid(self.detected_views(detected), 2).with_display_name("Sensors");
+            self.write(&self.container_path(DETECTED), &detected)?;
             let curves = curves.with_display_name("Column");
             self.write(&self.container_path(CURVES), &curves)?;
-            let both = [self.container_path(FELT), self.container_path(CURVES)];
+            let both = [self.container_path(DETECTED), self.container_path(CURVES)];
             self.write(&self.container_path(MIDDLE), &tabs(both))?;
         }
         self.write(&self.container_path(RIGHT), &vertical(self.hinges()))?;
@@ -262,7 +262,7 @@ impl Blueprint {
         &self,
         column_id: &str,
         crushes: bool,
-        felt: usize,
+        detected: usize,
     ) -> RecordingStreamResult<()> {
         let above = horizontal([self.view_path(SCENE), self.view_path(TEXT)])
             .with_col_shares([0.6_f32, 0.4]);
@@ -272,10 +272,10 @@ impl Blueprint {
         let hinges = grid(self.hinges(), 4).with_display_name("Hinges");
         self.write(&self.container_path(RIGHT), &hinges)?;
         let mut others = vec![self.container_path(CURVES), self.container_path(RIGHT)];
-        if felt > 0 {
-            let felt = grid(self.felt_views(felt), 3).with_display_name("Sensors");
-            self.write(&self.container_path(FELT), &felt)?;
-            others.push(self.container_path(FELT));
+        if detected > 0 {
+            let detected = grid(self.detected_views(detected), 3).with_display_name("Sensors");
+            self.write(&self.container_path(DETECTED), &detected)?;
+            others.push(self.container_path(DETECTED));
         }
         others.push(self.view_path(LOG));
         self.write(&self.container_path(MIDDLE), &tabs(others))?;
@@ -411,7 +411,7 @@ impl Blueprint {
         let id = FIRST_PLOT + number;
         let mut contents = vec![self.content(plot.entity)];
         if usize::from(number) == plots::CONTACT_FORCE {
-            contents.push(self.content(plots::PERCUSSIONS));
+            contents.push(self.content(plots::IMPACT_IMPULSES));
             contents.push(self.content(plots::SPRING_FORCES));
         }
         let origin = entity(&self.root, "plots");
@@ -424,10 +424,10 @@ impl Blueprint {
         self.property(id, "PlotLegend", &legend)
     }
 
-    /// Curves about an impact that the sensors feel.
-    fn felt(&self, id: u8, view: &FeltView) -> RecordingStreamResult<()> {
+    /// Curves about an impact that the sensors detect.
+    fn detected(&self, id: u8, view: &DetectedView) -> RecordingStreamResult<()> {
         let contents: Vec<_> = view.entities.iter().map(|it| self.content(it)).collect();
-        let origin = entity(&self.root, "felt");
+        let origin = entity(&self.root, "detected");
         self.view(id, "TimeSeries", &view.title, &origin, &contents)?;
         if let Some([low, high]) = view.range {
             let axis = ScalarAxis::new()
@@ -510,14 +510,14 @@ pub(super) fn tabs(paths: impl IntoIterator<Item = String>) -> ContainerBlueprin
 
 #[cfg(test)]
 mod tests {
-    use super::super::felt_views::FeltCurves;
+    use super::super::detected_views::DetectedCurves;
     use super::*;
     use crate::parameters::{Parameters, Value};
     use crate::shape::VehicleBody;
     use rerun::log::Chunk;
 
     /// The entities of the blueprint for a vehicle.
-    fn entities(vehicle: VehicleBody, felt: Vec<FeltView>) -> Vec<String> {
+    fn entities(vehicle: VehicleBody, detected: Vec<DetectedView>) -> Vec<String> {
         let mut drawing = Drawing::new(&Parameters::default());
         drawing.vehicle = vehicle;
         let layout = ColumnLayout {
@@ -525,7 +525,7 @@ mod tests {
             column_id: None,
             drawing: &drawing,
             axes: [[0.0, 1.0]; PLOTS],
-            felt,
+            detected,
         };
         let messages = messages(&layout, true).expect("written");
         let chunks = messages.iter().filter_map(|message| match message {
@@ -557,7 +557,7 @@ mod tests {
         }
     }
 
-    /// Views of what is felt exist only where there are sensors.
+    /// Views of what is detected exist only where there are sensors.
     #[test]
     fn sensors_have_views_of_their_own() {
         let names = |count: usize| (0..count).map(|it| format!("s{it}")).collect::<Vec<_>>();
@@ -568,15 +568,15 @@ mod tests {
             });
             let names = ("sensors.names".to_owned(), Value::from(names(count)));
             let sensors = Parameters::from_values(each.chain([names]));
-            FeltCurves::new(&sensors.expect("admissible")).map_or(Vec::new(), |it| it.views())
+            DetectedCurves::new(&sensors.expect("admissible")).map_or(Vec::new(), |it| it.views())
         };
         for (count, views) in [(0, 0), (3, 6), (40, 3 + MAX_SENSOR_VIEWS)] {
             let found = views_of(count);
             assert_eq!(found.len(), views);
             let entities = entities(VehicleBody::rigid_mass(), found);
-            let shown = (FIRST_FELT..u8::MAX).filter(|number| has(&entities, *number));
+            let shown = (FIRST_DETECTED..u8::MAX).filter(|number| has(&entities, *number));
             assert_eq!(shown.count(), views);
-            let has_tabs = entities.contains(&format!("/container/{}", uuid(0, FELT)));
+            let has_tabs = entities.contains(&format!("/container/{}", uuid(0, DETECTED)));
             assert_eq!(has_tabs, views > 0);
         }
     }

@@ -27,11 +27,11 @@ pub(super) fn send(stream: &Branch) -> RecordingStreamResult<()> {
         .with_widths([1.5]);
     stream.log_static(plots::SPRING_FORCES, &lines)?;
     let marks = SeriesPoints::new()
-        .with_names(["percussion (not to scale)"])
+        .with_names(["impact impulse (not to scale)"])
         .with_colors([color(colour::PLASTIC)])
         .with_markers([rerun::components::MarkerShape::Down])
         .with_marker_sizes([6.0]);
-    stream.log_static(plots::PERCUSSIONS, &marks)?;
+    stream.log_static(plots::IMPACT_IMPULSES, &marks)?;
     for hinge in 0..HINGES {
         let path = LineStrips2D::update_fields()
             .with_colors([color(colour::HINGE[hinge])])

@@ -19,8 +19,8 @@ pub(super) struct Curves<'a> {
     pub drawing: &'a Drawing,
     /// The last state of the impact that the curves contain, from which their paths go on.
     pub plotted: Option<Sample>,
-    /// Where a percussion is marked in its plot.
-    pub percussion_mark: f64,
+    /// Where an impact impulse is marked in its plot.
+    pub impact_impulse_mark: f64,
 }
 
 impl Curves<'_> {
@@ -30,7 +30,7 @@ impl Curves<'_> {
     /// The stream rejects the data.
     pub fn send(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         self.curves(batch)?;
-        self.percussions(batch)?;
+        self.impact_impulses(batch)?;
         self.stresses(batch)
     }
 
@@ -110,16 +110,21 @@ impl Curves<'_> {
             .send_columns(force_crush::NOW, times.to_vec(), now.columns(lengths)?)
     }
 
-    fn percussions(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
-        let struck = batch.iter().filter(|(_, it)| it.sample.percussion > 0.0);
+    fn impact_impulses(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+        let struck = batch
+            .iter()
+            .filter(|(_, it)| it.sample.impact_impulse > 0.0);
         let times: Vec<_> = struck.map(|(moment, _)| *moment).collect();
         if times.is_empty() {
             return Ok(());
         }
-        let marks = Scalars::new(vec![self.percussion_mark; times.len()]);
+        let marks = Scalars::new(vec![self.impact_impulse_mark; times.len()]);
         let columns_of_marks = marks.columns(vec![1; times.len()])?;
-        self.branch
-            .send_columns(plots::PERCUSSIONS, time_columns(times), columns_of_marks)
+        self.branch.send_columns(
+            plots::IMPACT_IMPULSES,
+            time_columns(times),
+            columns_of_marks,
+        )
     }
 
     /// The path of each hinge in its yield surface, piece by piece, and its present position.

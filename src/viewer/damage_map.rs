@@ -15,9 +15,9 @@ use super::error::ViewerError;
 use super::file::{WRITE_TIMEOUT, unfinished};
 use super::map_blueprint;
 use super::rerun_types::color;
-use crate::assessment::Severity;
-use crate::shape::{round_number, severity_colour};
-use crate::study::{DamageMap, MapAxis, MapGrid, RefinedMap, SEVERITIES};
+use crate::assessment::Action;
+use crate::shape::{action_colour, round_number};
+use crate::study::{ACTIONS, DamageMap, MapAxis, MapGrid, RefinedMap};
 
 /// Name of this application in the viewer; the layout of the column does not apply to it.
 const APPLICATION: &str = "column_twin_map";
@@ -101,7 +101,7 @@ fn pixels(grid: &MapGrid, variant: usize) -> Vec<u8> {
         .flat_map(|column| {
             (0..grid.rows().len()).flat_map(move |row| {
                 let cell = grid.cell(variant, row, column);
-                cell.map_or(NOT_COMPUTED, |cell| severity_colour(cell.severity))
+                cell.map_or(NOT_COMPUTED, |cell| action_colour(cell.action))
             })
         })
         .collect()
@@ -147,11 +147,11 @@ impl Plane {
         let Some([from, to]) = map.rows().ends() else {
             return Ok(());
         };
-        for severity in SEVERITIES {
+        for action in ACTIONS {
             let places: Vec<_> = (0..=BOUNDARY_POINTS)
                 .map(|point| {
                     let row = from + (to - from) * f64::from(point) / f64::from(BOUNDARY_POINTS);
-                    let column = refined.value_at(map, variant, severity, row)?;
+                    let column = refined.value_at(map, variant, action, row)?;
                     Some(self.place(map, row, column))
                 })
                 .collect();
@@ -164,7 +164,7 @@ impl Plane {
             let lines = LineStrips2D::new(lines)
                 .with_colors(colours)
                 .with_radii([Radius::new_ui_points(1.5)]);
-            let entity = format!("{root}/boundary_{}", severity.name());
+            let entity = format!("{root}/boundary_{}", action.name());
             stream.log_static(entity, &lines)?;
         }
         Ok(())
@@ -224,14 +224,14 @@ fn ticks(axis: &MapAxis) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// The name of the colour of a severity: Markdown in the viewer has no colours.
-fn colour_name(severity: Severity) -> &'static str {
-    match severity {
-        Severity::None => "pale green",
-        Severity::Inspect => "light blue",
-        Severity::Restrict => "amber",
-        Severity::Prop => "orange",
-        Severity::Evacuate => "dark red",
+/// The name of the colour of an action: Markdown in the viewer has no colours.
+fn colour_name(action: Action) -> &'static str {
+    match action {
+        Action::None => "pale green",
+        Action::Inspect => "light blue",
+        Action::Restrict => "amber",
+        Action::Shore => "orange",
+        Action::Evacuate => "dark red",
     }
 }
 
@@ -245,16 +245,12 @@ fn legend(map: &DamageMap, label: &str) -> String {
         }
     };
     let mut text = format!(
-        "**{label}**: severity over {} (across) and {} (upwards).\n\n",
+        "**{label}**: action over {} (across) and {} (upwards).\n\n",
         axis(map.rows()),
         axis(map.columns())
     );
-    for severity in [Severity::None].into_iter().chain(SEVERITIES) {
-        text.push_str(&format!(
-            "- {}: {}\n",
-            severity.name(),
-            colour_name(severity)
-        ));
+    for action in [Action::None].into_iter().chain(ACTIONS) {
+        text.push_str(&format!("- {}: {}\n", action.name(), colour_name(action)));
     }
     text.push_str("\nLines are the boundaries of the classes, to 1 %.\n");
     text

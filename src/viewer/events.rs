@@ -1,7 +1,7 @@
 //! The events of an impact with their times: from a report if there is one, otherwise from the states.
 
 use crate::column::{HINGE_NAMES, HINGES, HingeState, Phase, Sample, WEB_NAMES, WEBS};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 
 use super::scene::force;
 use crate::shape::{HINGE_PLACES, WEB_PLACES};
@@ -52,8 +52,8 @@ impl EventDetector {
             self.touched = true;
             add(sample.time, contact(sample));
         }
-        if sample.percussion > 0.0 {
-            let text = format!("percussion of {:.0} N s", sample.percussion);
+        if sample.impact_impulse > 0.0 {
+            let text = format!("impact impulse of {:.0} N s", sample.impact_impulse);
             add(sample.time, text);
         }
         if !self.has_report {
@@ -97,9 +97,19 @@ impl EventDetector {
 /// The events of a report, unordered.
 fn of_report(report: &ImpactReport) -> Vec<Event> {
     let mut events: Vec<_> = (0..HINGES)
-        .map(|index| (report.first_yield_time[index], first_yield(index)))
+        .map(|index| {
+            (
+                report.first_yield_time.get_or(index, f64::NAN),
+                first_yield(index),
+            )
+        })
         .collect();
-    events.extend((0..WEBS).map(|index| (report.web_first_yield_time[index], first_shear(index))));
+    events.extend((0..WEBS).map(|index| {
+        (
+            report.web_first_yield_time.get_or(index, f64::NAN),
+            first_shear(index),
+        )
+    }));
     events.push((report.max_v1_time, peak(report.max_v1)));
     events.push((report.release_time, separation(report.impactor_rebound)));
     events.push((report.end_time, end(report)));
@@ -143,7 +153,7 @@ fn end(report: &ImpactReport) -> String {
     let residual = 1e3 * report.residual_v1;
     match (report.outcome, report.end) {
         (ImpactReport::COLLAPSED, _) => "collapse".to_owned(),
-        (ImpactReport::SEVERED, _) => "severed: a hinge or web is torn".to_owned(),
+        (ImpactReport::FRACTURED, _) => "fractured: a hinge or web is fractured".to_owned(),
         (_, ImpactReport::END_DURATION_REACHED) => {
             format!("stopped at response.duration; residual v1 = {residual:.1} mm")
         }
@@ -157,7 +167,7 @@ pub fn summary(report: &ImpactReport) -> String {
     let outcome = match report.outcome {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
-        ImpactReport::SEVERED => "SEVERED",
+        ImpactReport::FRACTURED => "FRACTURED",
         _ => "COLLAPSED",
     };
     format!(
@@ -205,7 +215,7 @@ mod tests {
 
     const EVERYTHING: [&str; 9] = [
         "contact",
-        "percussion",
+        "impact impulse",
         "first yield of hinge 3",
         "first yield of hinge 1b",
         "first yield of hinge 1a",

@@ -14,7 +14,7 @@ use super::plots::Ranges;
 use super::stream::{StreamOptions, ViewerStream};
 use super::timeline::nanos;
 use crate::column::{Phase, Sample};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::parameters::Parameters;
 use crate::twin::{StateOutput, TwinPhase};
 
@@ -106,7 +106,7 @@ pub(super) fn options(items: &[ViewerItem], follows: bool) -> StreamOptions {
                 longest = longest.max(state.sample.time);
             }
             ViewerItem::Forecast(it) | ViewerItem::Result(it) => ranges.include_report(&it.report),
-            ViewerItem::Felt(_)
+            ViewerItem::Detected(_)
             | ViewerItem::Rest { .. }
             | ViewerItem::Line { .. }
             | ViewerItem::Parameters(_) => {}

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use super::felt::FeltUpdate;
+use super::detected::DetectedUpdate;
 use crate::column::{
     BaseForces, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WebSample,
 };
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use crate::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 use crate::study::VehicleLimits;
-use crate::twin::{NoticeLevel, Output, RefusedInput, ReportOutput, StateOutput, TwinPhase};
+use crate::twin::{NoticeLevel, Output, RejectedInput, ReportOutput, StateOutput, TwinPhase};
 
 /// Something to show in the viewer. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub enum ViewerItem {
     /// The result of an impact.
     Result(Announcement),
     /// What the sensors say about an impact.
-    Felt(Box<FeltUpdate>),
+    Detected(Box<DetectedUpdate>),
     /// The column at rest, with its accumulated damage.
     Rest {
         /// Time of the item.
@@ -74,7 +74,7 @@ impl Announcement {
 
 impl ViewerItem {
     /// Converts an output of the twin; `None` if it is not shown, or if it is an estimate, which needs the readings:
-    /// [`FeltImpacts`](super::FeltImpacts).
+    /// [`DetectedImpacts`](super::DetectedImpacts).
     #[must_use]
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {
@@ -89,21 +89,21 @@ impl ViewerItem {
                 u2: status.residual_u2,
                 critical_velocities: status.critical_velocities,
             },
-            Output::Refused(it) => Self::Line {
+            Output::Rejected(it) => Self::Line {
                 stamp: it.stamp,
                 level: NoticeLevel::Warning,
                 text: match it.what {
-                    RefusedInput::Impact => {
-                        format!("impact event {:?} rejected: {}", it.event_id, it.refusal)
+                    RejectedInput::Impact => {
+                        format!("impact event {:?} rejected: {}", it.event_id, it.rejection)
                     }
-                    RefusedInput::Parameters => {
-                        format!("parameter change rejected: {}", it.refusal)
+                    RejectedInput::Parameters => {
+                        format!("parameter change rejected: {}", it.rejection)
                     }
-                    RefusedInput::Estimate => {
-                        format!("decision about an estimate rejected: {}", it.refusal)
+                    RejectedInput::Estimate => {
+                        format!("decision about an estimate rejected: {}", it.rejection)
                     }
-                    RefusedInput::Calibration => {
-                        format!("calibration rejected: {}", it.refusal)
+                    RejectedInput::DamageCorrection => {
+                        format!("correction rejected: {}", it.rejection)
                     }
                 },
             },
@@ -126,7 +126,7 @@ impl ViewerItem {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::Calibrated(_)
+            | Output::CorrectDamaged(_)
             | Output::Status(_)
             | Output::Save(_)
             | Output::Journal(_) => return None,
@@ -159,7 +159,7 @@ fn twin_phase(code: u8) -> TwinPhase {
         ColumnState::CONTACT => TwinPhase::Contact,
         ColumnState::REST => TwinPhase::Rest,
         ColumnState::COLLAPSED => TwinPhase::Collapsed,
-        ColumnState::SEVERED => TwinPhase::Severed,
+        ColumnState::FRACTURED => TwinPhase::Fractured,
         ColumnState::FAULTED => TwinPhase::Faulted,
         _ => TwinPhase::Free,
     }
@@ -175,22 +175,22 @@ fn hinge_state(code: u8) -> HingeState {
 
 fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
     let hinge = |index: usize| HingeSample {
-        moment: forces.moment[index],
-        normal_force: forces.normal_force[index],
-        rotation: forces.rotation[index],
-        elongation: forces.elongation[index],
-        plastic_rotation: forces.plastic_rotation[index],
-        plastic_elongation: forces.plastic_elongation[index],
-        utilisation: forces.utilisation[index],
-        dynamic_factor: forces.dynamic_factor[index],
-        state: hinge_state(forces.state[index]),
+        moment: forces.moment.get_or(index, f64::NAN),
+        normal_force: forces.normal_force.get_or(index, f64::NAN),
+        rotation: forces.rotation.get_or(index, f64::NAN),
+        elongation: forces.elongation.get_or(index, f64::NAN),
+        plastic_rotation: forces.plastic_rotation.get_or(index, f64::NAN),
+        plastic_elongation: forces.plastic_elongation.get_or(index, f64::NAN),
+        utilisation: forces.utilisation.get_or(index, f64::NAN),
+        dynamic_factor: forces.dynamic_factor.get_or(index, f64::NAN),
+        state: hinge_state(forces.state.get_or(index, HingeForces::ELASTIC)),
     };
     let web = |index: usize| WebSample {
-        shear_force: forces.shear_force[index],
-        plastic_angle: forces.shear_angle[index],
-        utilisation: forces.shear_utilisation[index],
-        dynamic_factor: forces.web_dynamic_factor[index],
-        state: hinge_state(forces.web_state[index]),
+        shear_force: forces.shear_force.get_or(index, f64::NAN),
+        plastic_angle: forces.shear_angle.get_or(index, f64::NAN),
+        utilisation: forces.shear_utilisation.get_or(index, f64::NAN),
+        dynamic_factor: forces.web_dynamic_factor.get_or(index, f64::NAN),
+        state: hinge_state(forces.web_state.get_or(index, HingeForces::ELASTIC)),
         ..WebSample::default()
     };
     Sample {
@@ -212,7 +212,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         impactor_velocity: state.impactor_velocity,
         gap: state.gap,
         contact_force: state.contact_force,
-        percussion: state.percussion,
+        impact_impulse: state.impact_impulse,
         impulse: state.impulse,
         kinetic_energy: state.kinetic_energy,
         elastic_energy: state.elastic_energy,

@@ -7,8 +7,8 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use super::destination::{Destination, live_options};
+use super::detected::DetectedImpacts;
 use super::error::{ViewerError, ViewerLogger};
-use super::felt::FeltImpacts;
 use super::fleet::{Fact, FleetFeed, FleetStream, ShownFleet};
 use super::item::ViewerItem;
 use super::picture::{FleetSubject, Picture};
@@ -108,10 +108,11 @@ impl LiveViewer {
                 now,
                 log,
             );
-            let mut felt = FeltImpacts::new(Arc::clone(&parameters));
+            let mut detected = DetectedImpacts::new(Arc::clone(&parameters));
             run(destination, outputs, log, stop, |outputs| {
                 let outputs = outputs.into_iter();
-                let items = outputs.filter_map(|(_, it)| item(it, &mut felt, measured.as_deref()));
+                let items =
+                    outputs.filter_map(|(_, it)| item(it, &mut detected, measured.as_deref()));
                 items.collect()
             });
         })
@@ -225,18 +226,18 @@ impl Drop for LiveViewer {
 /// What an output of a single twin shows.
 fn item(
     output: Output,
-    felt: &mut FeltImpacts,
+    detected: &mut DetectedImpacts,
     measured: Option<&RecentBatches>,
 ) -> Option<ViewerItem> {
     if let Output::ParametersChanged(it) = &output {
-        felt.change(Arc::clone(&it.parameters));
+        detected.change(Arc::clone(&it.parameters));
     }
     match &output {
         Output::Estimate(estimate) => {
             let readings =
                 |from, until| measured.map_or_else(Vec::new, |it| it.between(from, until));
-            let update = felt.of_twin(estimate, readings);
-            Some(ViewerItem::Felt(Box::new(update)))
+            let update = detected.of_twin(estimate, readings);
+            Some(ViewerItem::Detected(Box::new(update)))
         }
         _ => ViewerItem::of_twin(output),
     }

@@ -3,7 +3,7 @@
 use super::item::Announcement;
 use super::scene::{Drawing, force};
 use crate::column::{HINGE_NAMES, HINGES};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::printable::is_printable;
 use crate::shape::HINGE_PLACES;
 use crate::study::VehicleLimits;
@@ -66,7 +66,7 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic, no hinge yields",
         ImpactReport::PLASTIC => "plastic, the column does not collapse in the model",
-        ImpactReport::SEVERED => "SEVERED, a hinge or web is torn",
+        ImpactReport::FRACTURED => "FRACTURED, a hinge or web is fractured",
         _ => "COLLAPSED",
     }
 }
@@ -75,7 +75,7 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
 fn verdict(kind: &str, announced: &Announcement) -> String {
     let report = &*announced.report;
     let mut text = format!("## {kind}: {}\n\n", outcome(report));
-    text.push_str(&severity(report));
+    text.push_str(&action(report));
     text.push_str(&format!("Impact {}. ", escaped(&announced.event_id)));
     text.push_str(&hinges(report));
     text.push_str("\n\n");
@@ -84,18 +84,18 @@ fn verdict(kind: &str, announced: &Announcement) -> String {
 }
 
 /// What has to be done, and which criterion decides.
-fn severity(report: &ImpactReport) -> String {
-    let action = match report.severity {
-        ImpactReport::SEVERITY_NONE => "none, no deciding criterion is exceeded",
-        ImpactReport::SEVERITY_INSPECT => "inspect, an engineer has to examine the column",
-        ImpactReport::SEVERITY_RESTRICT => "RESTRICT use and load until the column is examined",
-        ImpactReport::SEVERITY_PROP => "PROP the column now",
-        ImpactReport::SEVERITY_EVACUATE => "EVACUATE",
+fn action(report: &ImpactReport) -> String {
+    let action = match report.action {
+        ImpactReport::ACTION_NONE => "none, no deciding criterion is exceeded",
+        ImpactReport::ACTION_INSPECT => "inspect, an engineer has to examine the column",
+        ImpactReport::ACTION_RESTRICT => "RESTRICT use and load until the column is examined",
+        ImpactReport::ACTION_SHORE => "SHORE the column now",
+        ImpactReport::ACTION_EVACUATE => "EVACUATE",
         _ => "not assessed, only an inspection can tell",
     };
-    let mut text = format!("**Severity: {action}.**");
+    let mut text = format!("**Action: {action}.**");
     // The reason begins with the name of the criterion that decides.
-    let reason = report.severity_reason.trim_end_matches('.');
+    let reason = report.action_reason.trim_end_matches('.');
     if !reason.is_empty() {
         text.push_str(&format!(" {}.", escaped(reason)));
     }
@@ -106,7 +106,7 @@ fn severity(report: &ImpactReport) -> String {
 /// Which hinges yield, in words.
 fn hinges(report: &ImpactReport) -> String {
     let yielded: Vec<_> = (0..HINGES)
-        .filter(|hinge| report.first_yield_time[*hinge].is_finite())
+        .filter(|hinge| report.first_yield_time.get_or(*hinge, f64::NAN).is_finite())
         .map(|hinge| format!("{} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]))
         .collect();
     match &yielded[..] {
@@ -153,9 +153,9 @@ fn rows(report: &ImpactReport) -> Vec<[String; 2]> {
     let capacity = format!(
         "{}, undamaged {}",
         force(report.residual_capacity),
-        force(report.virgin_capacity)
+        force(report.undamaged_capacity)
     );
-    add(report.residual_capacity, "Remaining capacity", capacity);
+    add(report.residual_capacity, "Residual capacity", capacity);
     let reserve = format!("{:.2} times the load", report.reserve);
     add(report.reserve, "Reserve", reserve);
     rows
@@ -246,7 +246,7 @@ pub(super) fn escaped(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::column::{Impact, simulate};
-    use crate::messages::column_twin::PerMass;
+    use crate::messages::column_twin_msgs::PerMass;
     use crate::parameters::Parameters;
     use crate::shape::VehicleBody;
     use crate::viewer::Announcement;
@@ -291,38 +291,41 @@ mod tests {
             "{text}"
         );
         announced.report.outcome = ImpactReport::ELASTIC;
-        announced.report.first_yield_time = [f64::NAN; HINGES];
+        announced.report.first_yield_time = [f64::NAN; HINGES].into();
         let text = panel(&drawing, Told::Result(&announced));
         assert!(text.contains("All hinges stay elastic."), "{text}");
     }
 
-    /// Severity and what decides it, crush and energy of the vehicle, remaining capacity and reserve are in words.
+    /// Action and what decides it, crush and energy of the vehicle, residual capacity and reserve are in words.
     #[test]
-    fn severity_vehicle_and_capacity_are_in_words() {
+    fn action_vehicle_and_capacity_are_in_words() {
         let drawing = Drawing::new(&Parameters::default());
         let mut announced = announced();
         let text = |announced: &Announcement| panel(&drawing, Told::Result(announced));
         let unknown = text(&announced);
-        assert!(unknown.contains("**Severity: not assessed,"), "{unknown}");
+        assert!(unknown.contains("**Action: not assessed,"), "{unknown}");
         assert!(!unknown.contains("capacity") && !unknown.contains("Crush of"));
         let report = &mut announced.report;
-        report.outcome = ImpactReport::SEVERED;
-        report.severity = ImpactReport::SEVERITY_EVACUATE;
-        report.severity_reason = "hinge rotation.".to_owned();
+        report.outcome = ImpactReport::FRACTURED;
+        report.action = ImpactReport::ACTION_EVACUATE;
+        report.action_reason = "hinge rotation.".to_owned();
         report.max_crush = PerMass::first(&[0.62, 0.09, 0.0], 2);
         report.permanent_crush = PerMass::first(&[0.55, 0.01, 0.0], 2);
         report.vehicle_dissipated = PerMass::first(&[150e3, 2e3, 0.0], 2);
-        report.virgin_capacity = 2.7e6;
+        report.undamaged_capacity = 2.7e6;
         report.residual_capacity = 1.1e6;
         report.reserve = 2.2;
         let text = text(&announced);
-        assert_eq!(heading(&text), "## Result: SEVERED, a hinge or web is torn");
+        assert_eq!(
+            heading(&text),
+            "## Result: FRACTURED, a hinge or web is fractured"
+        );
         for part in [
-            "**Severity: EVACUATE.** hinge rotation.",
+            "**Action: EVACUATE.** hinge rotation.",
             "| Crush of spring 1 | 620 mm, permanent 550 mm |",
             "| Crush of spring 2 | 90 mm, permanent 10 mm |",
             "| Energy absorbed by the vehicle | 152.0 kJ |",
-            "| Remaining capacity | 1100 kN, undamaged 2700 kN |",
+            "| Residual capacity | 1100 kN, undamaged 2700 kN |",
             "| Reserve | 2.20 times the load |",
         ] {
             assert!(text.contains(part), "{part}: {text}");

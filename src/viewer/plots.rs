@@ -5,7 +5,7 @@ use rerun::blueprint::components::Corner2D;
 use super::colour::{self, Rgb};
 use super::timeline::nanos;
 use crate::column::{HINGES, Impact, MAX_MASSES, Sample, simulate};
-use crate::messages::column_twin::ImpactReport;
+use crate::messages::column_twin_msgs::ImpactReport;
 use crate::parameters::Parameters;
 use crate::shape::round_number;
 
@@ -50,8 +50,8 @@ pub fn spring_forces(sample: &Sample) -> &[f64] {
     vehicle.force.get(1..vehicle.masses).unwrap_or_default()
 }
 
-/// Entity of the percussions, which are marked in the plot of the contact force.
-pub const PERCUSSIONS: &str = "plots/contact_force/percussions";
+/// Entity of the impact impulses, which are marked in the plot of the contact force.
+pub const IMPACT_IMPULSES: &str = "plots/contact_force/impact_impulses";
 
 /// Index of the plot of the contact force.
 pub const CONTACT_FORCE: usize = 4;
@@ -127,7 +127,7 @@ pub const ALL: [Plot; PLOTS] = [
         title: "Energy, stacked [kJ]",
         per_si: 1e-3,
         curves: &[
-            ("percussions", colour::ENERGIES[0]),
+            ("impact impulses", colour::ENERGIES[0]),
             ("+ vehicle's crush", colour::ENERGIES[1]),
             ("+ damping", colour::ENERGIES[2]),
             ("+ plastic", colour::ENERGIES[3]),
@@ -277,9 +277,9 @@ impl Ranges {
         })
     }
 
-    /// The value at which percussions are marked in the plot of the contact force: near its upper end.
+    /// The value at which impact impulses are marked in the plot of the contact force: near its upper end.
     #[must_use]
-    pub fn percussion_mark(&self) -> f64 {
+    pub fn impact_impulse_mark(&self) -> f64 {
         let [low, high] = self.axes()[CONTACT_FORCE];
         low + 0.93 * (high - low)
     }
@@ -288,12 +288,12 @@ impl Ranges {
 /// The mass of the vehicle, deduced from samples of its impact \[kg\].
 ///
 /// If the column was at rest before the first sample, the vehicle has the kinetic energy that is not the column's; a
-/// percussion has given the column half the impulse times the velocity of the impact point, whose mass is `struck` \[kg\].
+/// impact impulse has given the column half the impulse times the velocity of the impact point, whose mass is `struck` \[kg\].
 /// Otherwise the mass follows from the impulse that the vehicle has lost since the first sample.
 #[must_use]
 pub fn mass_of(first: &Sample, sample: &Sample, struck: f64) -> Option<f64> {
-    let by_percussion = first.impulse / struck;
-    let moved = (first.v1_rate - by_percussion).abs() > 1e-6 * by_percussion.max(1e-6);
+    let by_impact_impulse = first.impulse / struck;
+    let moved = (first.v1_rate - by_impact_impulse).abs() > 1e-6 * by_impact_impulse.max(1e-6);
     let still = !moved && first.u1_rate.abs() + first.u2_rate.abs() < 1e-9;
     let square = first.impactor_velocity * first.impactor_velocity;
     let lost = first.impactor_velocity - sample.impactor_velocity;

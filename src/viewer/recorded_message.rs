@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::felt::FeltUpdate;
+use super::detected::DetectedUpdate;
 use super::item::{Announcement, ViewerItem};
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use crate::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 
@@ -23,7 +23,7 @@ pub enum RecordedMessage {
     /// The impact event.
     Event(Box<ImpactEvent>),
     /// What the sensors say about an impact.
-    Felt(Box<FeltUpdate>),
+    Detected(Box<DetectedUpdate>),
     /// The parameters of the column from here on.
     Column(Arc<Parameters>),
 }
@@ -56,7 +56,7 @@ pub fn from_messages(
             }
             RecordedMessage::Event(_)
             | RecordedMessage::State(..)
-            | RecordedMessage::Felt(_)
+            | RecordedMessage::Detected(_)
             | RecordedMessage::Column(_) => {}
         }
     }
@@ -85,11 +85,11 @@ pub fn from_messages(
                 }
                 items.push(ViewerItem::of_messages(&state, &forces, lengths));
             }
-            RecordedMessage::Felt(update) => {
+            RecordedMessage::Detected(update) => {
                 let ended = current.take_if(|current| *current != *update.impact());
                 let result = ended.and_then(|event_id| results.remove(&event_id));
                 items.extend(result.map(|it| ViewerItem::Result(announcement(*it))));
-                items.push(ViewerItem::Felt(update));
+                items.push(ViewerItem::Detected(update));
             }
             RecordedMessage::Column(other) if *other != *parameters => {
                 let result = current

@@ -9,9 +9,9 @@ use super::blueprint::{self, ColumnLayout};
 use super::branch::Branch;
 use super::curve_styles;
 use super::curves::Curves;
+use super::detected::DetectedUpdate;
+use super::detected_views::DetectedCurves;
 use super::events::{Event, EventDetector, summary};
-use super::felt::FeltUpdate;
-use super::felt_views::FeltCurves;
 use super::force_crush;
 use super::frame_budget::FrameBudget;
 use super::frames::{self, ShownTop};
@@ -87,7 +87,7 @@ pub struct ViewerStream {
     drawing: Drawing,
     timeline: Timeline,
     /// The curves of the sensors, if there are any.
-    felt: Option<FeltCurves>,
+    detected: Option<DetectedCurves>,
     ranges: Ranges,
     /// Mass and velocity of the vehicle for which the ranges of the axes were last predicted.
     predicted: Option<[f64; 2]>,
@@ -162,7 +162,7 @@ impl ViewerStream {
     ) -> Self {
         Self {
             drawing: Drawing::new(&parameters),
-            felt: FeltCurves::new(&parameters),
+            detected: DetectedCurves::new(&parameters),
             ranges: options.ranges,
             branch,
             is_alone: true,
@@ -206,7 +206,7 @@ impl ViewerStream {
                     self.state(state)?;
                 }
                 // These have their own times and need not be in order with the states.
-                ViewerItem::Forecast(_) | ViewerItem::Felt(_) | ViewerItem::Line { .. } => {
+                ViewerItem::Forecast(_) | ViewerItem::Detected(_) | ViewerItem::Line { .. } => {
                     self.other(item)?;
                 }
                 ViewerItem::Result(_) | ViewerItem::Rest { .. } | ViewerItem::Parameters(_) => {
@@ -260,7 +260,7 @@ impl ViewerStream {
                 self.line(line)
             }
             ViewerItem::Result(result) => self.result(&result),
-            ViewerItem::Felt(update) => self.feel(&update),
+            ViewerItem::Detected(update) => self.detect(&update),
             ViewerItem::Rest {
                 stamp,
                 v1,
@@ -372,18 +372,18 @@ impl ViewerStream {
     }
 
     /// Shows what the sensors say about an impact.
-    fn feel(&mut self, update: &FeltUpdate) -> RecordingStreamResult<()> {
+    fn detect(&mut self, update: &DetectedUpdate) -> RecordingStreamResult<()> {
         self.show_undeformed(update.stamp)?;
-        self.timeline.feel(update.impact(), update.until);
-        let at = |secs: f64| self.timeline.in_felt(secs, update.stamp);
+        self.timeline.detect(update.impact(), update.until);
+        let at = |secs: f64| self.timeline.in_detected(secs, update.stamp);
         let line = LogLine {
             moment: at(update.until),
             level: NoticeLevel::Info,
             text: estimate_line(&update.estimate),
         };
-        if let Some(felt) = &mut self.felt {
-            felt.send(&self.branch, update, at)?;
-            if update.estimate.is_final && felt.fit(update) {
+        if let Some(detected) = &mut self.detected {
+            detected.send(&self.branch, update, at)?;
+            if update.estimate.is_final && detected.fit(update) {
                 self.send_blueprint()?;
             }
         }
@@ -395,11 +395,11 @@ impl ViewerStream {
             .timeline
             .in_impact(result.report.end_time, result.stamp);
         self.tell(end, Told::Result(result))?;
-        if let Some(felt) = &mut self.felt
-            && self.timeline.has_felt(&result.event_id)
+        if let Some(detected) = &mut self.detected
+            && self.timeline.has_detected(&result.event_id)
         {
-            let at = |secs: f64, stamp: i64| self.timeline.in_felt(secs, stamp);
-            felt.send_outcome(&self.branch, &result.report, at)?;
+            let at = |secs: f64, stamp: i64| self.timeline.in_detected(secs, stamp);
+            detected.send_outcome(&self.branch, &result.report, at)?;
         }
         self.line(LogLine {
             moment: end,
@@ -451,7 +451,7 @@ impl ViewerStream {
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
         self.drawing = Drawing::new(&parameters);
-        self.felt = FeltCurves::new(&parameters);
+        self.detected = DetectedCurves::new(&parameters);
         self.timeline.change_step(parameters.step_nanos());
         self.parameters = parameters;
         self.predicted = None;
@@ -502,13 +502,13 @@ impl ViewerStream {
 
     /// What the layout of this column depends on.
     pub(super) fn layout(&self) -> ColumnLayout<'_> {
-        let views = self.felt.as_ref().map(FeltCurves::views);
+        let views = self.detected.as_ref().map(DetectedCurves::views);
         ColumnLayout {
             root: self.branch.root(),
             column_id: (!self.is_alone).then(|| &*self.parameters.settings().column_id),
             drawing: &self.drawing,
             axes: self.ranges.axes(),
-            felt: views.unwrap_or_default(),
+            detected: views.unwrap_or_default(),
         }
     }
 
@@ -548,7 +548,7 @@ impl ViewerStream {
             branch: &self.branch,
             drawing: &self.drawing,
             plotted: self.progress.plotted,
-            percussion_mark: self.ranges.percussion_mark(),
+            impact_impulse_mark: self.ranges.impact_impulse_mark(),
         };
         curves.send(&batch)?;
         for (moment, state) in &batch {
@@ -582,9 +582,9 @@ impl ViewerStream {
             let sample = &state.sample;
             let period = self.options.frame_period;
             let goes_on = (state.phase as u8) < TwinPhase::Rest as u8;
-            // A percussion, or a hinge that yields or unloads, is shown at its own instant.
+            // An impact impulse, or a hinge that yields or unloads, is shown at its own instant.
             let states = |sample: &Sample| sample.hinges.map(|hinge| hinge.state);
-            let notable = sample.percussion > 0.0 || states(&before) != states(sample);
+            let notable = sample.impact_impulse > 0.0 || states(&before) != states(sample);
             before = *sample;
             if goes_on && !notable && !plots::apart(self.progress.last_frame, sample.time, period) {
                 continue;
@@ -622,8 +622,8 @@ impl ViewerStream {
         static_scene::send(&self.branch, &self.drawing, exponents)?;
         force_crush::send_statics(&self.branch, self.drawing.springs.as_ref())?;
         frames::send_statics(&self.branch, &self.drawing)?;
-        if let Some(felt) = &self.felt {
-            felt.send_styles(&self.branch)?;
+        if let Some(detected) = &self.detected {
+            detected.send_styles(&self.branch)?;
         }
         curve_styles::send(&self.branch)
     }

@@ -43,10 +43,10 @@ pub struct Timeline {
     first: Moment,
     /// The last moment shown.
     last: Moment,
-    /// The impact that the sensors have felt last.
-    felt: Option<Begun>,
+    /// The impact that the sensors have detected last.
+    detected: Option<Begun>,
     /// End on [`IMPACT_TIME`] of what they have read of impacts so far.
-    felt_until: i64,
+    detected_until: i64,
     /// End on [`IMPACT_TIME`] of what was shown of other columns.
     others_until: i64,
 }
@@ -81,8 +81,8 @@ impl Timeline {
             step_nanos,
             counted_from: (0, 0),
             impact: None,
-            felt: None,
-            felt_until: i64::MIN,
+            detected: None,
+            detected_until: i64::MIN,
             others_until: i64::MIN,
             first: before,
             last: before,
@@ -133,9 +133,9 @@ impl Timeline {
             back <= 0 || (back <= MAX_CORRECTION && state.stamp > last.wall_clock)
         });
         if !goes_on {
-            let is_felt = self.felt.as_ref().filter(is_same);
-            let is_felt = is_felt.filter(|it| self.impact.as_ref() != Some(*it));
-            let begun = is_felt.cloned().unwrap_or_else(|| Begun {
+            let is_detected = self.detected.as_ref().filter(is_same);
+            let is_detected = is_detected.filter(|it| self.impact.as_ref() != Some(*it));
+            let begun = is_detected.cloned().unwrap_or_else(|| Begun {
                 event_id: Arc::clone(&state.event_id),
                 begin: self.next_begin(),
             });
@@ -160,38 +160,38 @@ impl Timeline {
 
     /// The beginning of the next impact on [`IMPACT_TIME`]: after everything that was shown so far, on a whole [`PAUSE`].
     fn next_begin(&self) -> i64 {
-        let shown_until = self.last.impact_time.max(self.felt_until);
+        let shown_until = self.last.impact_time.max(self.detected_until);
         let shown_until = shown_until.max(self.others_until);
         let after = shown_until.saturating_add(PAUSE);
         after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0)
     }
 
-    /// The sensors have felt an impact up to `secs` after its beginning. Its states may come later, or never.
-    pub fn feel(&mut self, event_id: &str, secs: f64) {
+    /// The sensors have detected an impact up to `secs` after its beginning. Its states may come later, or never.
+    pub fn detect(&mut self, event_id: &str, secs: f64) {
         let is_same = |it: &&Begun| *it.event_id == *event_id;
-        let known = self.felt.as_ref().filter(is_same);
+        let known = self.detected.as_ref().filter(is_same);
         let known = known.or(self.impact.as_ref().filter(is_same));
         let begun = known.cloned().unwrap_or_else(|| Begun {
             event_id: event_id.into(),
             begin: self.next_begin(),
         });
         let until = begun.begin.saturating_add(nanos(secs));
-        self.felt_until = self.felt_until.max(until);
-        self.felt = Some(begun);
+        self.detected_until = self.detected_until.max(until);
+        self.detected = Some(begun);
     }
 
-    /// Whether the impact that the sensors have felt last is this one.
+    /// Whether the impact that the sensors have detected last is this one.
     #[must_use]
-    pub fn has_felt(&self, event_id: &str) -> bool {
-        self.felt
+    pub fn has_detected(&self, event_id: &str) -> bool {
+        self.detected
             .as_ref()
             .is_some_and(|it| *it.event_id == *event_id)
     }
 
-    /// The moment `secs` after the beginning of the impact that the sensors have felt last, whose contact has this stamp.
+    /// The moment `secs` after the beginning of the impact that the sensors have detected last, whose contact has this stamp.
     #[must_use]
-    pub fn in_felt(&self, secs: f64, stamp: i64) -> Moment {
-        self.after(self.felt.as_ref(), secs, stamp)
+    pub fn in_detected(&self, secs: f64, stamp: i64) -> Moment {
+        self.after(self.detected.as_ref(), secs, stamp)
     }
 
     /// The moment `secs` after the beginning of the current impact, whose event has this stamp.
@@ -296,15 +296,15 @@ mod tests {
     }
 
     #[test]
-    fn the_sensors_may_feel_an_impact_before_and_longer_than_it_has_states() {
+    fn the_sensors_may_detect_an_impact_before_and_longer_than_it_has_states() {
         let mut timeline = Timeline::new(20_000);
-        timeline.feel("a", 0.01);
-        assert_eq!(timeline.in_felt(-0.005, 0).impact_time, -5_000_000);
+        timeline.detect("a", 0.01);
+        assert_eq!(timeline.in_detected(-0.005, 0).impact_time, -5_000_000);
         let placed = timeline.place(&state("a", 0.0));
         assert!(placed.begins);
         assert_eq!(placed.moment.impact_time, 0);
         assert!(!timeline.place(&state("a", 0.05)).begins);
-        timeline.feel("a", 0.5);
+        timeline.detect("a", 0.5);
         // The contact is a millisecond later than it was believed.
         let corrected = StateOutput {
             stamp: 1,
@@ -316,11 +316,11 @@ mod tests {
         let placed = timeline.place(&state("b", 0.0));
         assert!(placed.begins);
         assert_eq!(placed.moment.impact_time, 510_000_000);
-        // The final estimate of the first impact disturbs the second one as little as a third one that is felt.
-        timeline.feel("a", 0.5);
-        assert_eq!(timeline.in_felt(0.5, 0).impact_time, 500_000_000);
-        timeline.feel("c", 0.01);
-        assert_eq!(timeline.in_felt(0.0, 0).impact_time, 520_000_000);
+        // The final estimate of the first impact disturbs the second one as little as a third one that is detected.
+        timeline.detect("a", 0.5);
+        assert_eq!(timeline.in_detected(0.5, 0).impact_time, 500_000_000);
+        timeline.detect("c", 0.01);
+        assert_eq!(timeline.in_detected(0.0, 0).impact_time, 520_000_000);
         let placed = timeline.place(&state("b", 0.001));
         assert!(!placed.begins);
         assert_eq!(placed.moment.impact_time, 511_000_000);

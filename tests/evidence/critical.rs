@@ -2,7 +2,7 @@
 
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::{Message, Reader};
 use column_twin::twin::{CHECKPOINT_PERIOD, Command, Journal};
@@ -12,7 +12,7 @@ use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 const SECOND: i64 = 1_000 * MS;
 
-/// Virgin, damaged, in another checkpoint, under another load, and virgin again.
+/// Undamaged, damaged, in another checkpoint, under another load, and undamaged again.
 fn recording(mode: RecordMode) -> Finished {
     let mut twin = RecordedTwin::with_mode(parameters(), mode);
     twin.know_critical_velocities();
@@ -49,9 +49,9 @@ fn they_are_recorded_and_verified_in_both_modes() {
             .filter(|it| !it.critical_vehicle.is_empty())
             .map(|it| it.critical_velocity_restrict)
             .collect();
-        let (virgin, last) = (known.first().unwrap(), known.last().unwrap());
-        assert!(known.iter().any(|it| it != virgin));
-        assert_ne!(virgin, last, "the load differs");
+        let (undamaged, last) = (known.first().unwrap(), known.last().unwrap());
+        assert!(known.iter().any(|it| it != undamaged));
+        assert_ne!(undamaged, last, "the load differs");
     }
 }
 

@@ -9,14 +9,14 @@ use column_twin::live::{
     LiveOptions, OutputQueue, OutputSource, QueueStats, RealTime, Receiver, WhenFull,
 };
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::parameters::{RecordMode, RecordSettings};
 use column_twin::recording::Reader;
-use column_twin::ros::{LiveTwin, Names, TwinNode, qos};
+use column_twin::ros::{LiveColumns, Names, TwinNode, qos};
 use column_twin::senses::Intake;
-use column_twin::twin::{Command, Journal, Output, Refusal, RefusalCode};
+use column_twin::twin::{Command, Journal, Output, Rejection, RejectionCode};
 
 use super::domain::{Domain, PATIENCE};
 use super::node::slow_impact;
@@ -51,7 +51,7 @@ impl RecordingTap for Tap {
 
     fn measured(&self, _: Option<&str>, _: &Endpoint, _: Vec<u8>, _: i64, _: &Intake) {}
 
-    fn rejected(&self, _: Option<&str>, _: &Endpoint, _: &str, _: Option<RefusalCode>, _: &str) {}
+    fn rejected(&self, _: Option<&str>, _: &Endpoint, _: &str, _: Option<RejectionCode>, _: &str) {}
 
     fn journal(&self, _: Option<&str>, _: &Journal) {}
 
@@ -72,17 +72,17 @@ impl RecordingTap for Tap {
     }
 }
 
-fn started() -> (Arc<LiveTwin>, Receiver) {
+fn started() -> (Arc<LiveColumns>, Receiver) {
     let options = LiveOptions {
         real_time: RealTime::none(),
         ..LiveOptions::default()
     };
-    LiveTwin::start(parameters(), options).unwrap()
+    LiveColumns::start_one(parameters(), options).unwrap()
 }
 
 fn node(
     domain: &Domain,
-    twin: &Arc<LiveTwin>,
+    twin: &Arc<LiveColumns>,
     outputs: impl OutputSource,
     recording: &Arc<Tap>,
 ) -> TwinNode {
@@ -104,11 +104,14 @@ fn outputs_dropped_by_the_queue_to_the_node_are_missing_in_the_recording() {
     let (twin, outputs) = started();
     let begin = Instant::now();
     while twin.health().dropped_recording == 0 {
-        // No reader takes the refusals.
-        let _ = twin.submit(Command::RejectedChange {
-            refusal: Refusal::new(RefusalCode::OtherColumn, "a test"),
-            source: "test".into(),
-        });
+        // No reader takes the rejections.
+        let _ = twin.submit(
+            0,
+            Command::RejectedChange {
+                rejection: Rejection::new(RejectionCode::OtherColumn, "a test"),
+                source: "test".into(),
+            },
+        );
         assert!(begin.elapsed() < PATIENCE, "{:?}", twin.health());
     }
     let recording = Arc::<Tap>::default();
@@ -244,7 +247,7 @@ fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
         }],
         ..LiveOptions::default()
     };
-    let (twin, outputs) = LiveTwin::start(parameters(), options).unwrap();
+    let (twin, outputs) = LiveColumns::start_one(parameters(), options).unwrap();
     let node = TwinNode::start(
         &domain.environment,
         names,
@@ -260,7 +263,7 @@ fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
         std::thread::sleep(Duration::from_millis(300));
         if id == "b" {
             let source = "test".into();
-            twin.execute(Command::Reset { source }).unwrap();
+            twin.execute(0, Command::Reset { source }).unwrap();
         }
     }
     assert!(twin.health().dropped_states > 0, "{:?}", twin.health());

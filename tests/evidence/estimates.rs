@@ -1,11 +1,11 @@
-//! Impacts that the sensors have felt, corrections of the damage, and their recordings.
+//! Impacts that the sensors have detected, corrections of the damage, and their recordings.
 
 use std::sync::Arc;
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::column::Impact;
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
-use column_twin::messages::column_twin::{ImpactEstimate as EstimateMessage, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactEstimate as EstimateMessage, TwinStatus};
 use column_twin::messages::{Message, cdr, std_msgs};
 use column_twin::outgoing::Topic;
 use column_twin::parameters::Value;
@@ -24,7 +24,7 @@ fn estimate(update: u32, contact: Nanos, velocity: f64) -> EstimateRecord {
         high: 1.05 * mean,
     };
     EstimateRecord {
-        event_id: format!("felt-{contact}").into(),
+        event_id: format!("detected-{contact}").into(),
         update,
         is_final: false,
         detection: Detection {
@@ -62,9 +62,9 @@ fn estimate(update: u32, contact: Nanos, velocity: f64) -> EstimateRecord {
             yielded: 0.99,
             collapsed: 0.0,
             capacity_ratio: interval(0.8),
-            severity: Severity::ALL.map(|it| (it, 0.2)).to_vec(),
+            action: Action::ALL.map(|it| (it, 0.2)).to_vec(),
             vehicle_probabilities: vec![("rigid".to_owned(), 0.7), ("elastic".to_owned(), 0.3)],
-            effective_responses: 80.0,
+            effective_sample_size: 80.0,
             doubtful_sensors: vec!["top".to_owned()],
         },
         best: Impact::rigid(1500.0, velocity),
@@ -81,7 +81,7 @@ fn accepting(accept: &str) -> RecordedTwin {
 }
 
 impl RecordedTwin {
-    pub(super) fn feel(&mut self, update: u32, contact: Nanos, velocity: f64) {
+    pub(super) fn detect(&mut self, update: u32, contact: Nanos, velocity: f64) {
         let record = EstimateRecord {
             is_final: update == 3,
             ..estimate(update, contact, velocity)
@@ -97,24 +97,24 @@ impl RecordedTwin {
 }
 
 /// An accepted estimate that changes twice, an event that is merged with it, another one that waits, is confirmed, and whose
-/// response is taken back, one that an event decides, and a calibration.
-fn felt() -> Finished {
+/// response is taken back, one that an event decides, and a correction of the damage.
+fn detected() -> Finished {
     let mut twin = accepting("automatic");
     twin.wait(5 * MS);
     let contact = twin.now - 3 * MS;
-    twin.feel(0, contact, 6.0);
+    twin.detect(0, contact, 6.0);
     twin.wait(10 * MS);
-    twin.feel(1, contact + MS / 3, 5.0);
+    twin.detect(1, contact + MS / 3, 5.0);
     twin.wait(2 * MS);
     twin.hit(event("camera", contact));
-    twin.feel(2, contact, 5.0);
+    twin.detect(2, contact, 5.0);
     twin.until_rest();
-    twin.feel(3, contact, 4.0);
+    twin.detect(3, contact, 4.0);
     twin.until_rest();
     twin.wait(1_000 * MS);
     twin.set(&[("estimation.accept", Value::from("confirmation"))]);
     let contact = twin.now - 20 * MS;
-    twin.feel(0, contact, 3.0);
+    twin.detect(0, contact, 3.0);
     twin.wait(5 * MS);
     twin.execute(Command::DecideEstimate(EstimateDecision {
         event_id: String::new(),
@@ -122,23 +122,23 @@ fn felt() -> Finished {
         source: "service".into(),
     }));
     twin.wait(2 * MS);
-    twin.feel(3, contact, 3.5);
+    twin.detect(3, contact, 3.5);
     twin.until_rest();
     twin.wait(1_000 * MS);
     twin.hit(event("person", twin.now));
-    twin.feel(0, twin.now + 10 * MS, 6.0);
+    twin.detect(0, twin.now + 10 * MS, 6.0);
     twin.until_rest();
     twin.wait(50 * MS);
     let value = 1.1 * twin.twin.status(twin.now).residual_v1;
     let height = parameters().column_properties().length_below;
-    twin.execute(Command::Calibrate(ResidualMeasurement {
+    twin.execute(Command::CorrectDamage(ResidualMeasurement {
         quantity: Quantity::Displacement,
         height,
         value,
         deviation: 1e-4,
         source: "service".into(),
     }));
-    twin.execute(Command::Calibrate(ResidualMeasurement {
+    twin.execute(Command::CorrectDamage(ResidualMeasurement {
         quantity: Quantity::Displacement,
         height,
         value: f64::NAN,
@@ -150,8 +150,8 @@ fn felt() -> Finished {
 }
 
 #[test]
-fn what_was_felt_and_measured_is_verified_by_recomputation() {
-    let found = felt().verify();
+fn what_was_detected_and_measured_is_verified_by_recomputation() {
+    let found = detected().verify();
     assert!(found.is_equal(), "{found}");
     assert_eq!((found.missing(), found.differences), (0, 0), "{found}");
     let estimates = &found.topics[Topic::ImpactEstimate.index()];
@@ -236,7 +236,7 @@ pub fn first_field(found: &Verification) -> &str {
 
 #[test]
 fn forged_estimates_are_found() {
-    let original = felt();
+    let original = detected();
     let estimate = |change: fn(&mut EstimateMessage)| {
         changed(&original, "/impact_estimate", |message| {
             change(message);
@@ -266,8 +266,8 @@ fn forged_estimates_are_found() {
 }
 
 #[test]
-fn forged_decisions_and_calibrations_are_found() {
-    let original = felt();
+fn forged_decisions_and_corrections_are_found() {
+    let original = detected();
     let found = changed_command(&original, |command| match command {
         Command::DecideEstimate(decision) => {
             decision.accept = false;
@@ -277,7 +277,7 @@ fn forged_decisions_and_calibrations_are_found() {
     });
     assert!(found.is_contradicted(), "{found}");
     let found = changed_command(&original, |command| match command {
-        Command::Calibrate(measured) => {
+        Command::CorrectDamage(measured) => {
             measured.value *= 1.001;
             true
         }
@@ -285,13 +285,13 @@ fn forged_decisions_and_calibrations_are_found() {
     });
     assert!(found.is_contradicted(), "{found}");
     let found = changed(&original, "/twin_status", |status: &mut TwinStatus| {
-        let is_calibrated = status.calibrations_since_reset > 0;
-        if is_calibrated {
-            status.calibration_measured = status.calibration_measured.next_up();
+        let is_corrected = status.corrections_since_reset > 0;
+        if is_corrected {
+            status.correction_measured = status.correction_measured.next_up();
         }
-        is_calibrated
+        is_corrected
     });
-    assert_eq!(first_field(&found), "calibration_measured");
+    assert_eq!(first_field(&found), "correction_measured");
     let found = changed(&original, "/twin_status", |status: &mut TwinStatus| {
         std::mem::take(&mut status.events_merged) > 0
     });
@@ -300,7 +300,7 @@ fn forged_decisions_and_calibrations_are_found() {
 
 #[test]
 fn an_estimate_that_was_removed_is_missing() {
-    let original = felt();
+    let original = detected();
     let mut left = 3;
     let (_directory, path) = forged(&original.path(), |message| {
         left -= i32::from(message.topic.ends_with("/impact_estimate"));

@@ -11,7 +11,7 @@ use column_twin::evidence::{
     verify_column,
 };
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnParameters, ColumnState, FleetStatus, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use column_twin::messages::std_msgs::Header;
@@ -20,7 +20,7 @@ use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
 use column_twin::ros::qos::{Endpoint, Qos};
-use column_twin::ros::{FleetNode, FleetTwin, Names, Node, qos};
+use column_twin::ros::{LiveColumns, Names, Node, TwinNode, qos};
 use column_twin::twin::Command;
 use ros2_client::Publisher;
 use serde::de::DeserializeOwned;
@@ -50,8 +50,8 @@ fn parameters(column_id: &str, more: &[(&str, Value)]) -> Parameters {
 
 /// A fleet whose node is recorded, and a peer that hits its columns.
 struct RecordedFleet {
-    node: FleetNode,
-    fleet: Arc<FleetTwin>,
+    node: TwinNode,
+    fleet: Arc<LiveColumns>,
     recording: Arc<NodeRecording>,
     events: Publisher<ImpactEvent>,
     parameters: Publisher<ColumnParameters>,
@@ -94,9 +94,9 @@ impl RecordedFleet {
             |options| options,
         );
         let recording = recording.expect("starts").expect("is asked for");
-        let (fleet, outputs) = FleetTwin::start(&columns).expect("starts");
+        let (fleet, outputs) = LiveColumns::start_fleet(&columns).expect("starts");
         let tap: Arc<dyn RecordingTap> = Arc::clone(&recording) as _;
-        let node = FleetNode::start(
+        let node = TwinNode::start(
             &domain.environment,
             Names::new("/", "column_twin", &[]).expect("valid"),
             Arc::clone(&fleet),

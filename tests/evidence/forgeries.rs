@@ -7,7 +7,7 @@ use column_twin::evidence::{
     JournalEntry, JournalError, JournalLine, Topics, Verification, VerifyError, verify,
 };
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnState, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactReport};
 use column_twin::messages::std_msgs;
 use column_twin::outgoing::Topic;
 use column_twin::recording::{Entry, Message, Writer, WriterOptions};
@@ -420,7 +420,7 @@ fn with_journal(line: &serde_json::Value) -> (TempDir, PathBuf) {
 
 /// Version 1 had other names and fields in its entries; only format, version and program are read.
 #[test]
-fn a_journal_of_version_1_is_refused_with_the_version_that_recorded_it() {
+fn a_journal_of_version_1_is_rejected_with_the_version_that_recorded_it() {
     let line = serde_json::json!({
         "format": "column_twin journal",
         "version": 1,
@@ -443,7 +443,7 @@ fn a_journal_of_version_1_is_refused_with_the_version_that_recorded_it() {
     );
     let text = error.to_string();
     assert!(
-        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 6"),
+        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 7"),
         "{text}"
     );
     let mut commands = vec!["verify"];

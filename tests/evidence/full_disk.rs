@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::evidence::verify;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::evidence::verify;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ColumnState;
+use column_twin::messages::column_twin_msgs::ColumnState;
 use column_twin::recording::{FLUSH_WITHIN, Reader, repair};
 use column_twin::ros::qos;
 use tempfile::TempDir;

@@ -4,7 +4,7 @@ use column_twin::endpoints;
 use column_twin::evidence::{Verification, verify};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::RecordMode;
 use column_twin::recording::Message;

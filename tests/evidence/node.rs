@@ -10,14 +10,14 @@ use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{JournalEntry, JournalLine, NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, ImpactRequest, LiveTwin, Names, Raw, TwinNode, send_impact,
+    ImpactOptions, ImpactOutcome, ImpactRequest, LiveColumns, Names, Raw, TwinNode, send_impact,
 };
 use column_twin::twin::{Command as TwinCommand, Journal};
 use tempfile::TempDir;
@@ -95,7 +95,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
         real_time: RealTime::none(),
         ..LiveOptions::default()
     };
-    let (twin, outputs) = LiveTwin::start(parameters, options).unwrap();
+    let (twin, outputs) = LiveColumns::start_one(parameters, options).unwrap();
     let node = TwinNode::start(
         &domain.environment,
         names,
@@ -125,17 +125,17 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
             changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
             source: "test".into(),
         };
-        twin.execute(load).unwrap();
-        let refused = impact(&domain, id, velocity);
+        twin.execute(0, load).unwrap();
+        let rejected = impact(&domain, id, velocity);
         assert!(
-            matches!(refused, Ok(ImpactOutcome::Refused(_))),
-            "{refused:?}"
+            matches!(rejected, Ok(ImpactOutcome::Rejected(_))),
+            "{rejected:?}"
         );
     }
     let reset = TwinCommand::Reset {
         source: "test".into(),
     };
-    twin.execute(reset).unwrap();
+    twin.execute(0, reset).unwrap();
     node.stop();
     let statistics = recording.stop().unwrap();
     assert_eq!((statistics.lost, statistics.write_errors), (0, 0));

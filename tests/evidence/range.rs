@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactReport, TwinStatus};
 use column_twin::parameters::RecordMode;
 use column_twin::recording::{Message, Reader};
 use column_twin::twin::{CHECKPOINT_PERIOD, Command, Journal};
@@ -53,7 +53,7 @@ fn reports(recording: &Finished, topic: &str) -> Vec<ImpactReport> {
 }
 
 fn is_known(report: &ImpactReport) -> bool {
-    report.range_most != ImpactReport::SEVERITY_UNKNOWN
+    report.range_most != ImpactReport::ACTION_UNKNOWN
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn a_forged_message_is_named() {
                 return Some(message.data.clone());
             }
             done = true;
-            report.range_most = ImpactReport::SEVERITY_NONE;
+            report.range_most = ImpactReport::ACTION_NONE;
             Some(cdr::encode(&report).unwrap())
         });
         assert!(done && found.is_contradicted(), "{found}");
@@ -108,7 +108,7 @@ fn a_forged_message_is_named() {
             return Some(message.data.clone());
         }
         let mut status: TwinStatus = cdr::decode(&message.data).unwrap();
-        if status.range_most == TwinStatus::SEVERITY_UNKNOWN {
+        if status.range_most == TwinStatus::ACTION_UNKNOWN {
             return Some(message.data.clone());
         }
         done = true;
@@ -136,7 +136,7 @@ fn soften(line: &mut JournalLine) -> bool {
         Journal::Status(_) => None,
     };
     if let Some(range) = range {
-        Arc::make_mut(range).most = Severity::None;
+        Arc::make_mut(range).most = Action::None;
         return true;
     }
     false

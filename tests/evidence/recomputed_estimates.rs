@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::evidence::{JournalLine, Verification, verify};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;
@@ -32,8 +32,8 @@ const TRANSPORT: Nanos = 2 * MS;
 /// Slices of refinement while a batch arrives.
 const SLICES: usize = 3;
 
-/// The sensors of a recorded twin, and the estimation of what they feel.
-struct Felt {
+/// The sensors of a recorded twin, and the estimation of what they detect.
+struct Detected {
     twin: RecordedTwin,
     names: Vec<String>,
     sensing: Sensing,
@@ -42,7 +42,7 @@ struct Felt {
     lost: Vec<u64>,
 }
 
-impl Felt {
+impl Detected {
     fn new(
         signal: &Signal,
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
@@ -58,15 +58,15 @@ impl Felt {
         let parameters = parameters.with_changes(changes).expect("admissible");
         let twin = RecordedTwin::with_options(parameters, RecordMode::Always, options);
         let parameters = twin.twin.parameters();
-        let column = StandingColumn::virgin(parameters);
-        let felt = Self {
+        let column = StandingColumn::undamaged(parameters);
+        let detected = Self {
             sensing: Sensing::new(parameters, column).expect("sensors"),
             twin,
             names: sensors.into_iter().map(|it| it.name).collect(),
             next: 0,
             lost: Vec::new(),
         };
-        (felt, readings)
+        (detected, readings)
     }
 
     /// The sensors read these rows, and the recording has what `change` makes of them.
@@ -139,10 +139,10 @@ impl Felt {
 /// Two impacts of the signal.
 pub fn recorded(lost: &[u64], change: &dyn Fn(u64, &mut Measurement)) -> Finished {
     let signal = Signal::read("s02_rigid_10");
-    let (mut felt, readings) = Felt::new(&signal, |options| options);
-    felt.lost = lost.to_vec();
-    felt.play_twice(&readings, change);
-    felt.twin.finish()
+    let (mut detected, readings) = Detected::new(&signal, |options| options);
+    detected.lost = lost.to_vec();
+    detected.play_twice(&readings, change);
+    detected.twin.finish()
 }
 
 fn assert_computed_again(found: &Verification) {
@@ -239,7 +239,7 @@ fn a_report_shows_what_each_sensor_has_read_against_what_the_last_estimate_predi
     };
     let shown = html(&recorded(&[], &|_, _| {}));
     if let Some(folder) = std::env::var_os("COLUMN_TWIN_KEEP_REPORTS") {
-        let path = std::path::Path::new(&folder).join("felt_recording.html");
+        let path = std::path::Path::new(&folder).join("detected_recording.html");
         std::fs::write(path, &shown).expect("a folder");
     }
     let unknown = "What the last estimate predicts for each sensor is not known";
@@ -290,16 +290,16 @@ fn measurements_that_could_not_be_recorded_are_no_differences() {
     let signal = Signal::read("s02_rigid_10");
     // A batch of so many values exceeds the queue of the recorder, everything else together does not, however slowly it is written.
     const LARGE: usize = 65_536;
-    let (mut felt, readings) = Felt::new(&signal, |options| RecorderOptions {
+    let (mut detected, readings) = Detected::new(&signal, |options| RecorderOptions {
         // Each value has four bytes.
         queue_bytes: 3 * LARGE,
         ..options
     });
     let nothing = vec![f64::NAN; CHOSEN.len()];
     let rows = vec![(0.0, nothing.as_slice()); LARGE];
-    felt.measure(&rows, |_, _| {});
-    felt.play_twice(&readings, &|_, _| {});
-    let found = felt.twin.finish_with_loss(CHOSEN.len() as u64).verify();
+    detected.measure(&rows, |_, _| {});
+    detected.play_twice(&readings, &|_, _| {});
+    let found = detected.twin.finish_with_loss(CHOSEN.len() as u64).verify();
     assert!(found.is_equal(), "{found}");
     // The checkpoint after the first impact tells how the intake was.
     assert!(found.estimates.unchecked > 0, "{found}");

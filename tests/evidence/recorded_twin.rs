@@ -10,7 +10,7 @@ use column_twin::endpoints::{self, Endpoint};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::incoming::{column_command, raw_batch};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement};
+use column_twin::messages::column_twin_msgs::{ColumnParameters, ImpactEvent, Measurement};
 use column_twin::messages::rcl_interfaces::{Parameter, ParameterEvent, ParameterValue};
 use column_twin::messages::std_msgs::Header;
 use column_twin::messages::{Message, cdr};
@@ -19,7 +19,7 @@ use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::senses::{Batch, Intake};
 use column_twin::time::Nanos;
-use column_twin::twin::{Command, ImpactCommand, Output, ParametersChanged, RefusalCode, Twin};
+use column_twin::twin::{Command, ImpactCommand, Output, ParametersChanged, RejectionCode, Twin};
 use tempfile::TempDir;
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
@@ -233,7 +233,7 @@ impl RecordedTwin {
     }
 
     /// The node rejects an impact that it has received, before it reaches the twin.
-    pub fn reject(&self, event: &ImpactCommand, code: RefusalCode) {
+    pub fn reject(&self, event: &ImpactCommand, code: RejectionCode) {
         let endpoint = &endpoints::IMPACT_EVENT;
         self.recording
             .rejected(None, endpoint, &event.event_id, Some(code), "for a test");

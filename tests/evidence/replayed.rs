@@ -8,7 +8,7 @@ use std::time::Duration;
 use column_twin::evidence::Topics;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ColumnState;
+use column_twin::messages::column_twin_msgs::ColumnState;
 use column_twin::recording::{Entry, Reader, Writer, WriterOptions};
 use column_twin::ros::qos;
 use column_twin::ros::replay::{

@@ -6,13 +6,13 @@ use std::time::{Duration, SystemTime};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{JournalLine, Topics, Verification, verify_reader};
-use column_twin::messages::column_twin::ColumnParameters;
+use column_twin::messages::column_twin_msgs::ColumnParameters;
 use column_twin::parameters::{Parameters, RecordMode, Value};
 use column_twin::recording::{
     Entry, Message, Reader, RecorderOptions, SealFinding, SealKey, Session,
 };
 use column_twin::time::Nanos;
-use column_twin::twin::{Command, ImpactCommand, RefusalCode};
+use column_twin::twin::{Command, ImpactCommand, RejectionCode};
 use tempfile::TempDir;
 
 use super::copies::messages;
@@ -241,7 +241,7 @@ fn everything_at_once(mode: RecordMode) -> Recorded {
     [&b, &b, &c]
         .into_iter()
         .for_each(|it| twin.receive_event(it));
-    twin.reject(&c, RefusalCode::QueueFull);
+    twin.reject(&c, RejectionCode::QueueFull);
     [&b, &b]
         .into_iter()
         .for_each(|it| twin.execute(Command::Impact(it.clone())));
@@ -252,7 +252,7 @@ fn everything_at_once(mode: RecordMode) -> Recorded {
     twin.advance(2 * SECOND);
     let d = event("d", twin.now);
     twin.receive_event(&d);
-    twin.reject(&d, RefusalCode::NoAnswer);
+    twin.reject(&d, RejectionCode::NoAnswer);
     twin.advance(70 * SECOND);
     twin.hit(event("e", twin.now));
     (0..6).for_each(|_| twin.advance(MS));
@@ -281,7 +281,7 @@ fn everything_in_a_fleet(mode: RecordMode) -> Recorded {
     fleet.execute(0, Command::Impact(c.clone()));
     fleet.execute(1, Command::Impact(b));
     fleet.receive_event(&c);
-    fleet.reject(&c, RefusalCode::QueueFull);
+    fleet.reject(&c, RejectionCode::QueueFull);
     fleet.until_rest();
     fleet.advance(70 * SECOND);
     let source = || "test".into();
@@ -343,9 +343,9 @@ fn a_recording_may_begin_late_before_any_message() {
 
 /// Measurements and estimates are under way where the next recording begins.
 #[test]
-fn a_recording_may_begin_late_while_the_sensors_feel_an_impact() {
-    let felt = recomputed_estimates::recorded(&[], &|_, _| ());
-    let messages = messages(&felt.path());
+fn a_recording_may_begin_late_while_the_sensors_detect_an_impact() {
+    let detected = recomputed_estimates::recorded(&[], &|_, _| ());
+    let messages = messages(&detected.path());
     let topics = Topics::of_default_node();
     let recorded = Recorded { messages, topics };
     let cuts = if explored().is_some() { 60 } else { 6 };
@@ -395,7 +395,7 @@ fn twin_scenario(random: &mut Random, mode: RecordMode) -> Recorded {
                 twin.receive_event(&impact);
                 twin.reject(
                     &impact,
-                    random.of(&[RefusalCode::QueueFull, RefusalCode::NoAnswer]),
+                    random.of(&[RejectionCode::QueueFull, RejectionCode::NoAnswer]),
                 );
             }
             6 => {
@@ -407,9 +407,9 @@ fn twin_scenario(random: &mut Random, mode: RecordMode) -> Recorded {
             9 => twin.jump_back(random.of(&[2 * SECOND, 400 * MS])),
             10 => {
                 let contact = twin.now - 3 * MS;
-                twin.feel(0, contact, 5.0);
+                twin.detect(0, contact, 5.0);
                 twin.advance(MS);
-                twin.feel(3, contact, 4.0);
+                twin.detect(3, contact, 4.0);
             }
             11 => twin.until_rest(),
             12..=13 => {
@@ -443,7 +443,7 @@ fn fleet_scenario(random: &mut Random, mode: RecordMode) -> Recorded {
             0..=3 => fleet.hit(column, event),
             4 => {
                 fleet.receive_event(&event);
-                fleet.reject(&event, RefusalCode::QueueFull);
+                fleet.reject(&event, RejectionCode::QueueFull);
             }
             5 => {
                 let changes = vec![("top.load".to_owned(), Value::from(2e5))];

@@ -15,7 +15,7 @@ fn one_impact() {
     twin.hit(event("a", twin.now));
     twin.until_rest();
     let found = twin.finish().assert_verified();
-    // Nothing was felt.
+    // Nothing was detected.
     let expected = Topic::ALL.map(|it| it != Topic::ImpactEstimate);
     assert_eq!(
         found.topics.each_ref().map(|it| it.compared > 0),
@@ -382,8 +382,8 @@ fn vehicles_strain_rate_hardening_and_capacity() {
     }
     let status = twin.twin.status(twin.now);
     assert_eq!(
-        status.last_refusal_code,
-        Some(column_twin::twin::RefusalCode::VehicleInvalid)
+        status.last_rejection_code,
+        Some(column_twin::twin::RejectionCode::VehicleInvalid)
     );
     assert!(status.assessed.is_some_and(|it| it.remaining.ratio < 1.0));
     assert!(status.vehicle.permanent_crush[0] > 0.0);

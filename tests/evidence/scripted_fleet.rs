@@ -9,13 +9,13 @@ use column_twin::evidence::{NodeRecording, Topics};
 use column_twin::fleet::StatusBoard;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnStatus, FleetStatus};
+use column_twin::messages::column_twin_msgs::{ColumnStatus, FleetStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::outgoing::{Message, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::time::Nanos;
-use column_twin::twin::{Command, ImpactCommand, Output, RefusalCode, Twin, TwinPhase};
+use column_twin::twin::{Command, ImpactCommand, Output, RejectionCode, Twin, TwinPhase};
 use tempfile::TempDir;
 
 use super::recorded_twin::{MS, START, event, message_of, parameter_event, system_time};
@@ -117,7 +117,7 @@ impl ScriptedFleet {
     }
 
     /// The node rejects an impact that it has received, before it reaches its column.
-    pub fn reject(&self, event: &ImpactCommand, code: RefusalCode) {
+    pub fn reject(&self, event: &ImpactCommand, code: RejectionCode) {
         let (column, endpoint) = (Some(event.column_id.as_str()), &endpoints::IMPACT_EVENT);
         self.recording
             .rejected(column, endpoint, &event.event_id, Some(code), "for a test");

@@ -10,7 +10,9 @@ use column_twin::evidence::{
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{
+    ColumnParameters, ImpactEvent, ImpactReport, TwinStatus,
+};
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::rcl_interfaces::Log;
 use column_twin::messages::std_msgs;
@@ -149,7 +151,7 @@ fn a_genuine_recording_is_equal_in_both_modes() {
     for mode in MODES {
         let found = recorded(mode).assert_verified();
         assert_eq!(found.inputs_of.each_ref().map(|it| it.compared), [5, 1]);
-        // Nothing was felt.
+        // Nothing was detected.
         let expected = Topic::ALL.map(|it| it != Topic::ImpactEstimate);
         assert_eq!(
             found.topics.each_ref().map(|it| it.compared > 0),

@@ -42,7 +42,7 @@ fn swapped_field_names_in_the_definition_of_a_type_are_a_difference() {
             .collect::<String>()
     };
     for (header, text) in parts.schemas.values_mut() {
-        if header.name == "column_twin/msg/ColumnState" {
+        if header.name == "column_twin_msgs/msg/ColumnState" {
             let changed = swapped(std::str::from_utf8(text).unwrap());
             assert_ne!(changed.as_bytes(), &text[..]);
             *text = changed.into_bytes();
@@ -55,7 +55,7 @@ fn swapped_field_names_in_the_definition_of_a_type_are_a_difference() {
     // The name of the type alone is a definition, too.
     let mut parts = Parts::read(&file(&folder));
     for (header, _) in parts.schemas.values_mut() {
-        if header.name == "column_twin/msg/ColumnState" {
+        if header.name == "column_twin_msgs/msg/ColumnState" {
             header.name = "other_twin/msg/ColumnState".to_owned();
         }
     }

@@ -8,10 +8,10 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::visualization_msgs::MarkerArray;
 use column_twin::outgoing::Topic;
-use column_twin::ros::{FleetNode, FleetTwin, Names, qos};
+use column_twin::ros::{LiveColumns, Names, TwinNode, qos};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
 use rustdds::{
@@ -27,15 +27,15 @@ const LINGER: Duration = Duration::from_millis(100);
 
 /// A fleet whose columns keep topics of their own for [`LINGER`].
 pub fn start(domain: &Domain, columns: usize) -> Running {
-    let (fleet, outputs) = FleetTwin::start(&fleet(columns)).expect("starts");
-    let node = FleetNode::start_with(
+    let (fleet, outputs) = LiveColumns::start_fleet(&fleet(columns)).expect("starts");
+    let node = TwinNode::start_with(
         &domain.environment,
         Names::new("/", "column_twin", &[]).expect("valid"),
         Arc::clone(&fleet),
         outputs,
         None,
         None,
-        Some(LINGER),
+        LINGER,
     );
     Running {
         node: node.expect("a node"),

@@ -4,9 +4,10 @@
 #![allow(clippy::disallowed_methods)]
 
 mod column_topics;
+mod detected;
 #[path = "../ros/domain.rs"]
 mod domain;
-mod felt;
+mod drivers;
 #[path = "../ros/incoming.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod incoming;

@@ -8,14 +8,14 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, FleetStatus, ImpactEvent, ImpactReport, PredictImpactRequest,
     PredictImpactResponse, ResetColumnRequest, ResetColumnResponse, TwinStatus,
 };
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumns, FleetSources, NodeName};
 use column_twin::ros::{
-    FleetNode, FleetTwin, ImpactOptions, ImpactOutcome, ImpactRequest, Names, RowImpactOptions,
+    ImpactOptions, ImpactOutcome, ImpactRequest, LiveColumns, Names, RowImpactOptions, TwinNode,
     qos, send_impact, send_row_impact,
 };
 
@@ -50,15 +50,15 @@ pub fn fleet(columns: usize) -> FleetColumns {
 }
 
 pub struct Running {
-    pub node: FleetNode,
-    pub fleet: Arc<FleetTwin>,
+    pub node: TwinNode,
+    pub fleet: Arc<LiveColumns>,
 }
 
 impl Running {
     pub fn start(domain: &Domain, columns: usize) -> Self {
-        let (fleet, outputs) = FleetTwin::start(&self::fleet(columns)).expect("starts");
+        let (fleet, outputs) = LiveColumns::start_fleet(&self::fleet(columns)).expect("starts");
         let names = Names::new("/", "column_twin", &[]).expect("valid");
-        let node = FleetNode::start(
+        let node = TwinNode::start(
             &domain.environment,
             names,
             Arc::clone(&fleet),
@@ -112,12 +112,12 @@ fn columns_share_topics_and_events_for_others_are_ignored() {
     reported.sort();
     let pairs = [("c0", "b"), ("c2", "a")].map(|(column, id)| (column.to_owned(), id.to_owned()));
     assert_eq!(reported, pairs);
-    let mut foreseen = std::collections::BTreeSet::new();
+    let mut predicted = std::collections::BTreeSet::new();
     forecasts.find("both forecasts", |it| {
-        foreseen.insert((it.column_id.clone(), it.event_id.clone()));
-        foreseen.len() == pairs.len()
+        predicted.insert((it.column_id.clone(), it.event_id.clone()));
+        predicted.len() == pairs.len()
     });
-    assert!(foreseen.iter().eq(&pairs));
+    assert!(predicted.iter().eq(&pairs));
     assert!(
         states
             .messages
@@ -214,8 +214,8 @@ fn services_name_a_column() {
     for other in ["", "c2"] {
         let answer: PredictImpactResponse = call(&domain, predict, &ask(other));
         assert_eq!(
-            (answer.success, answer.refusal_code),
-            (false, TwinStatus::REFUSED_OTHER_COLUMN)
+            (answer.success, answer.rejection_code),
+            (false, TwinStatus::REJECTED_OTHER_COLUMN)
         );
         assert!(
             answer.message.contains("is not in this fleet of 2 columns"),
@@ -230,8 +230,8 @@ fn services_name_a_column() {
     assert!(answer.success, "{}", answer.message);
     let answer: ResetColumnResponse = call(&domain, reset, &of("c9"));
     assert_eq!(
-        (answer.success, answer.refusal_code),
-        (false, TwinStatus::REFUSED_OTHER_COLUMN)
+        (answer.success, answer.rejection_code),
+        (false, TwinStatus::REJECTED_OTHER_COLUMN)
     );
     running.node.stop();
 }
@@ -272,9 +272,9 @@ fn a_vehicle_hits_a_row_of_columns_or_none() {
         );
         let expected = "column \"c7\" is not in this fleet of 5 columns";
         assert!(
-            report.severity_reason.contains(expected),
+            report.action_reason.contains(expected),
             "{}",
-            report.severity_reason
+            report.action_reason
         );
     }
     assert_eq!(answers.len(), 3);
@@ -287,12 +287,12 @@ fn a_vehicle_hits_a_row_of_columns_or_none() {
         (first.kind, first.outcome, second.kind),
         (
             ImpactReport::FORECAST,
-            ImpactReport::SEVERED,
+            ImpactReport::FRACTURED,
             ImpactReport::FORECAST
         ),
         "{}; {}",
-        first.severity_reason,
-        second.severity_reason
+        first.action_reason,
+        second.action_reason
     );
     assert_eq!(second.velocity, first.impactor_rebound);
     assert!(
@@ -310,10 +310,10 @@ fn a_vehicle_hits_a_row_of_columns_or_none() {
         );
         assert!(
             report
-                .severity_reason
+                .action_reason
                 .starts_with("the row ends at column \"c2\": the column stands"),
             "{}",
-            report.severity_reason
+            report.action_reason
         );
     }
     running.node.stop();
@@ -372,6 +372,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("fleet.yaml"), yaml(2)).expect("written");
+    fs::write(folder.join("many.yaml"), yaml(257)).expect("written");
     fs::write(
         folder.join("bad.csv"),
         "namespace,column_id,top.load\n/a,a,heavy\n",
@@ -391,6 +392,8 @@ fn bad_input_ends_the_command_with_what_to_do() {
         (with(&["--select", "a9,/roof/*"]), "has no a9, /roof/*"),
         (
             with(&[
+                "--params-file",
+                "many.yaml",
                 "--ros-args",
                 "-p",
                 "sensors.names:=[laser]",
@@ -403,7 +406,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
                 "-p",
                 "sensors.laser.topic:=lasers",
             ]),
-            "sensors.laser.topic of column",
+            "name 257 topics of their own",
         ),
         (with(&["--ros-args", "-p", "top.laod:=1.0"]), "top.laod"),
     ] {

@@ -274,3 +274,29 @@ fn wrong_tables_and_empty_fleets_are_faults_and_never_panic() {
         let _ = Files::new(yaml, &table[..end]).load(&[]);
     }
 }
+
+/// `column-twin run` with several columns in its files is a fleet; with its own section, or with sections of other nodes, it is not.
+#[test]
+fn several_columns_in_the_files_of_run_are_a_fleet() {
+    let are_several = |yaml: &str, namespace: &str| {
+        let files = Files::new(yaml, "");
+        let node = NodeName::new(namespace, "column_twin");
+        FleetColumns::are_named_in(&node, [files.path("fleet.yaml").as_path()])
+    };
+    let one = "/garage/a3:\n  ros__parameters: {top.load: 1.0e5}\n";
+    assert!(!are_several(one, "/"), "it has one column");
+    assert!(are_several(GARAGE, "/"));
+    let as_nodes = "\
+/garage/a3/column_twin:
+  ros__parameters: {top.load: 1.0e5}
+/garage/a4/column_twin:
+  ros__parameters: {top.load: 2.0e5}
+";
+    assert!(are_several(as_nodes, "/"));
+    assert!(!are_several(as_nodes, "/garage/a3"), "it names this node");
+    let of_others =
+        format!("{GARAGE}/camera:\n  ros__parameters: {{use_sim_time: true, exposure: 3}}\n");
+    assert!(!are_several(&of_others, "/"), "a camera is no column");
+    let own = format!("{GARAGE}column_twin:\n  ros__parameters: {{top.load: 3.0e5}}\n");
+    assert!(!are_several(&own, "/"), "it names this node");
+}

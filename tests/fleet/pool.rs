@@ -15,7 +15,7 @@ use column_twin::parameters::{FleetColumn, Parameters, Value};
 use column_twin::time::Nanos;
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{
-    Command, ImpactCommand, NoticeLevel, Output, RefusalCode, StateOutput, Twin,
+    Command, ImpactCommand, NoticeLevel, Output, RejectionCode, StateOutput, Twin,
 };
 
 const START: Nanos = 1_800_000_000_000_000_000;
@@ -434,8 +434,8 @@ fn a_flood_is_rejected_beyond_the_bound_and_other_columns_go_on() {
     let mut rejected = 0;
     for number in 0..FLOOD {
         let submitted = fleet.handle.submit(0, repeated.clone());
-        if let Err(refusal) = submitted {
-            assert_eq!(refusal.code, RefusalCode::QueueFull);
+        if let Err(rejection) = submitted {
+            assert_eq!(rejection.code, RejectionCode::QueueFull);
             rejected += 1;
         }
         if number % 1_000 == 0 {
@@ -543,7 +543,7 @@ fn a_jump_of_the_clock_completes_the_response() {
 }
 
 #[test]
-fn refusals_name_their_column_and_a_full_queue_rejects() {
+fn rejections_name_their_column_and_a_full_queue_rejects() {
     let columns = columns(2);
     let clock = Arc::new(SimClock::new(START));
     let fleet = Fleet::start(&columns, Arc::clone(&clock) as _, 1);
@@ -551,7 +551,7 @@ fn refusals_name_their_column_and_a_full_queue_rejects() {
         .handle
         .execute(1, impact(0, "a", START))
         .expect_err("another column");
-    assert_eq!(other.code, RefusalCode::OtherColumn);
+    assert_eq!(other.code, RejectionCode::OtherColumn);
     fleet
         .handle
         .execute(1, impact(1, "a", START))
@@ -560,7 +560,7 @@ fn refusals_name_their_column_and_a_full_queue_rejects() {
         .handle
         .execute(1, impact(1, "a", START))
         .expect_err("the same");
-    assert_eq!(again.code, RefusalCode::EventIdRepeated);
+    assert_eq!(again.code, RejectionCode::EventIdRepeated);
     let report = fleet.handle.predict(
         0,
         "",

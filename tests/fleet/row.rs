@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::fleet::{MAX_ROW_COLUMNS, MAX_ROWS, NotHit, RowImpact, Rows};
 use column_twin::incoming::impact_command;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ImpactEvent, RowImpactEvent};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, RowImpactEvent};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::time::Nanos;
@@ -42,7 +42,7 @@ fn parameters(column: &str, section: &str) -> Arc<Parameters> {
     Arc::new(Parameters::from_values(values).expect("admissible"))
 }
 
-/// The forecast of an impact on a virgin column.
+/// The forecast of an impact on an undamaged column.
 fn forecast(parameters: &Arc<Parameters>, event: &ImpactEvent) -> (Output, ReportOutput) {
     let stamp = event.header.stamp.to_nanos().expect("a time");
     let mut twin = Twin::new(Arc::clone(parameters), None, Box::new(|| 0), stamp).expect("stands");
@@ -69,7 +69,7 @@ fn crush(
     let new = parameters
         .vehicle_named("lorry_16t")
         .expect("known")
-        .expect("compliant");
+        .expect("deformable");
     move |striking, report| {
         let before = column_twin::parameters::crush_of_name(&striking.vehicle).expect("valid");
         new.crush_after(&before, &report.max_crush)[..report.masses].to_vec()

@@ -1,4 +1,4 @@
-//! Columns with sensors in the pool: what they feel is what a single twin would, bit for bit, and no column feels for another one.
+//! Columns with sensors in the pool: what they detect is what a single twin would, bit for bit, and no column detects for another one.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -188,7 +188,7 @@ impl Fleet {
 }
 
 #[test]
-fn two_of_four_columns_feel_an_impact_each_its_own_and_the_others_nothing() {
+fn two_of_four_columns_detect_an_impact_each_its_own_and_the_others_nothing() {
     let columns = columns();
     let velocities = [Some(6.0), None, None, Some(9.0)];
     let mut fleet = Fleet::start(&columns);
@@ -203,7 +203,7 @@ fn two_of_four_columns_feel_an_impact_each_its_own_and_the_others_nothing() {
         })
         .collect();
     let measurements = fleet.handle.measurements().expect("sensors").clone();
-    // Where nothing is prepared the first impact takes longer, but is felt all the same.
+    // Where nothing is prepared the first impact takes longer, but is detected all the same.
     let longest = given.iter().map(Vec::len).max().expect("columns");
     for index in 0..longest {
         for (column, batches) in (0..).zip(&given) {
@@ -249,7 +249,7 @@ fn two_of_four_columns_feel_an_impact_each_its_own_and_the_others_nothing() {
     assert_eq!(statistics.lost_estimates, 0);
     assert_eq!(statistics.libraries.beyond, 0);
     // A severe verdict is told as an error, too.
-    let is_fault = |it: &Notice| it.level == NoticeLevel::Error && !it.text.contains(": severity ");
+    let is_fault = |it: &Notice| it.level == NoticeLevel::Error && !it.text.contains(": action ");
     let errors: Vec<_> = fleet
         .received
         .values()

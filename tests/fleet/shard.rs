@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command as Process;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::ros::{Node, qos};
 use ros2_client::Publisher;
 
@@ -68,10 +68,10 @@ fn a_shard_that_moves_in_the_middle_of_impacts_loses_nothing() {
     for column in ["c1", "c2"] {
         publisher.publish(event(column, "a", now())).expect("sent");
     }
-    let mut foreseen = BTreeMap::new();
+    let mut predicted = BTreeMap::new();
     forecasts.find("both forecasts", |it| {
-        foreseen.insert(it.column_id.clone(), it.residual_v1);
-        foreseen.len() == 2
+        predicted.insert(it.column_id.clone(), it.residual_v1);
+        predicted.len() == 2
     });
     moving.find("a column in motion", |it| it.phase == TwinStatus::FREE);
     drop((forecasts, moving));
@@ -92,13 +92,13 @@ fn a_shard_that_moves_in_the_middle_of_impacts_loses_nothing() {
         restored.len() == 3
     });
     assert_eq!(restored.remove("c0"), Some(0.0));
-    for (column, residual) in &foreseen {
+    for (column, residual) in &predicted {
         assert!(*residual > 1e-4, "{column}: {residual}");
         // Saved as text and in equilibrium again.
         let found = restored[column];
         assert!(
             (found - residual).abs() <= 1e-9 * residual,
-            "{column}: foreseen {residual}, restored {found}"
+            "{column}: predicted {residual}, restored {found}"
         );
     }
     let forecasts = Incoming::<ImpactReport>::start(&mut node, &qos::IMPACT_FORECAST);
@@ -107,7 +107,7 @@ fn a_shard_that_moves_in_the_middle_of_impacts_loses_nothing() {
     publisher.publish(again).expect("sent");
     let forecast = forecasts.find("the forecast", |it| it.event_id == "b");
     assert_eq!(forecast.kind, ImpactReport::FORECAST);
-    assert!(forecast.max_v1 > foreseen["c1"]);
+    assert!(forecast.max_v1 > predicted["c1"]);
     drop((statuses, forecasts));
     drop(node);
     let (status, _, log) = second.terminate();

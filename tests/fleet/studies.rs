@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use column_twin::parameters::{Parameters, Value};
-use column_twin::study::{SEVERITIES, StudyColumn};
+use column_twin::study::{ACTIONS, StudyColumn};
 
 const NODE: &str = "\
 /**:
@@ -75,23 +75,23 @@ fn every_column_has_the_critical_velocities_of_its_own_properties() {
             ("impact.mass", Value::from(0.0)),
         ];
         let parameters = Parameters::from_values(values).expect("admissible");
-        let study = StudyColumn::virgin(&parameters).expect("a column");
-        let severity_at = |velocity: f64| {
+        let study = StudyColumn::undamaged(&parameters).expect("a column");
+        let action_at = |velocity: f64| {
             let impact = study.impact(None, None, velocity).expect("an impact");
-            study.screen(&impact).expect("computed").severity
+            study.evaluate(&impact).expect("computed").action
         };
         let row = rows.iter().find(|it| it[1] == id).expect("its row");
-        for (index, severity) in SEVERITIES.into_iter().enumerate() {
+        for (index, action) in ACTIONS.into_iter().enumerate() {
             let below: Option<f64> = row[5 + index].parse().ok();
             match below {
                 None => assert!(
-                    row[5 + index].is_empty() && severity_at(30.0) < severity,
+                    row[5 + index].is_empty() && action_at(30.0) < action,
                     "{id}"
                 ),
-                Some(0.0) => assert!(severity_at(2.0) >= severity, "{id}"),
+                Some(0.0) => assert!(action_at(2.0) >= action, "{id}"),
                 Some(below) => {
-                    assert!(severity_at(below) < severity, "{id} {severity}");
-                    assert!(severity_at(1.011 * below) >= severity, "{id} {severity}");
+                    assert!(action_at(below) < action, "{id} {action}");
+                    assert!(action_at(1.011 * below) >= action, "{id} {action}");
                 }
             }
         }
@@ -148,9 +148,9 @@ fn the_risk_of_a_column_is_the_same_in_a_fleet_and_alone() {
         let alone = json(&format!(
             "risk -p section.name:={section} -p solver.dt:=1.0e-4 -p vehicle.name:=mid_car -p impact.mass:=0.0 {RISK}"
         ));
-        for severity in alone["severities"].as_array().expect("severities") {
-            let name = severity["severity"].as_str().expect("a name");
-            assert_eq!(of(id)[name], severity["in_period"], "{id} {name}");
+        for action in alone["actions"].as_array().expect("actions") {
+            let name = action["action"].as_str().expect("a name");
+            assert_eq!(of(id)[name], action["in_period"], "{id} {name}");
         }
     }
     assert_eq!(of("c1"), of("c3"));
@@ -200,8 +200,8 @@ fn what_a_study_of_a_fleet_does_not_have_is_rejected() {
             "--column names columns of a fleet",
         ),
         (
-            "risk --columns fleet.csv --scenario urban --vehicles-per-day 1 --plots x".to_owned(),
-            "does not have --plots",
+            "risk --columns fleet.csv --scenario urban --vehicles-per-day 1 --figures x".to_owned(),
+            "does not have --figures",
         ),
     ] {
         let errors = rejected(folder, &line);

@@ -30,7 +30,7 @@ MANY = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.Keep
 
 
 @dataclass
-class ImpactEvent(IdlStruct, typename="column_twin::msg::dds_::ImpactEvent_"):
+class ImpactEvent(IdlStruct, typename="column_twin_msgs::msg::dds_::ImpactEvent_"):
     header: Header
     column_id: str
     event_id: str
@@ -43,7 +43,7 @@ class ImpactEvent(IdlStruct, typename="column_twin::msg::dds_::ImpactEvent_"):
 
 
 @dataclass
-class ImpactReport(IdlStruct, typename="column_twin::msg::dds_::ImpactReport_"):
+class ImpactReport(IdlStruct, typename="column_twin_msgs::msg::dds_::ImpactReport_"):
     """Only its beginning: the rest is not read."""
 
     header: Header

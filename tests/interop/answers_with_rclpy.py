@@ -14,7 +14,7 @@ import sys
 import rclpy
 from rclpy.qos import QoSProfile
 
-from column_twin.msg import ImpactEvent, ImpactReport, TwinStatus
+from column_twin_msgs.msg import ImpactEvent, ImpactReport, TwinStatus
 from diagnostic_msgs.msg import DiagnosticArray
 
 PERIOD = 0.5
@@ -51,8 +51,8 @@ def main():
 
     def count(status):
         nonlocal rejected
-        if status.column_id == sys.argv[1] and status.events_refused > rejected:
-            rejected = status.events_refused
+        if status.column_id == sys.argv[1] and status.events_rejected > rejected:
+            rejected = status.events_rejected
             print("rejected", rejected, flush=True)
 
     node.create_subscription(ImpactReport, "impact_forecast", receive, MANY)

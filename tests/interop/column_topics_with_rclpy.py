@@ -15,7 +15,7 @@ import time
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from column_twin.msg import ColumnState, FleetStatus, ImpactEvent, ImpactReport, TwinStatus
+from column_twin_msgs.msg import ColumnState, FleetStatus, ImpactEvent, ImpactReport, TwinStatus
 
 PATIENCE = 30.0
 

@@ -61,7 +61,7 @@ class ParticipantEntitiesInfo(IdlStruct, typename="rmw_dds_common::msg::dds_::Pa
 
 
 @dataclass
-class PredictRequest(IdlStruct, typename="column_twin::srv::dds_::PredictImpact_Request_"):
+class PredictRequest(IdlStruct, typename="column_twin_msgs::srv::dds_::PredictImpact_Request_"):
     client: types.uint64
     number: types.int64
     column_id: str
@@ -75,12 +75,12 @@ class PredictRequest(IdlStruct, typename="column_twin::srv::dds_::PredictImpact_
 
 
 @dataclass
-class PredictReply(IdlStruct, typename="column_twin::srv::dds_::PredictImpact_Response_"):
+class PredictReply(IdlStruct, typename="column_twin_msgs::srv::dds_::PredictImpact_Response_"):
     """The reply as far as its report's largest displacement; CDR does not mark where a structure begins."""
     client: types.uint64
     number: types.int64
     success: bool
-    refusal_code: types.uint16
+    rejection_code: types.uint16
     message: str
     report_sec: types.int32
     report_nanosec: types.uint32

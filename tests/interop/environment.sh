@@ -1,17 +1,26 @@
 #!/usr/bin/env bash
 # Builds the Python environment of the interoperability tests, unless it is there already, and prints its path:
 #
-#   venv=$(tests/interop/environment.sh) && "$venv/bin/python" -c 'from column_twin.msg import ColumnState'
+#   venv=$(tests/interop/environment.sh) && "$venv/bin/python" -c 'from column_twin_msgs.msg import ColumnState'
 #
 # It holds rclpy (ROS 2 Jazzy, Fast DDS) from PyPI, our messages made by rosidl from msg/ and srv/, and the peers of
-# requirements.txt. It stands in the user's cache directory under a hash of everything it is made from, so that a
-# change of a message makes a new one. Steps and times go to stderr, their output to build.log in the environment.
+# requirements.txt. With the argument `kilted` it is that of ROS 2 Kilted, of requirements-kilted.txt. It stands in the user's
+# cache directory under a hash of everything it is made from, so that a change of a message makes a new one. Steps and times go
+# to stderr, their output to build.log in the environment.
 # Needs: Python 3.11 with venv and headers, a C and a C++ compiler; on Debian: python3.11-venv python3.11-dev gcc g++.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 repository=$(cd "$here/../.." && pwd)
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/column_twin
+case ${1:-jazzy} in
+jazzy) requirements=requirements.txt constraints=constraints.txt ;;
+kilted) requirements=requirements-kilted.txt constraints=constraints-kilted.txt ;;
+*)
+  printf '%s\n' "interop: expected jazzy or kilted, found '$1'" >&2
+  exit 2
+  ;;
+esac
 unset PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
 say() { printf '%s\n' "interop: $*" >&2; }
@@ -30,7 +39,7 @@ find_python() {
       return
     fi
   done
-  fail "expected Python 3.11, for which the ROS 2 Jazzy wheels are made, as python3.11 or python3;" \
+  fail "expected Python 3.11, for which the wheels of ROS 2 are made, as python3.11 or python3;" \
     "found $(python3 --version 2>/dev/null || echo no python3). On Debian: apt-get install python3.11-venv python3.11-dev"
 }
 
@@ -49,8 +58,8 @@ check_tools() {
 content_hash() {
   (
     cd "$repository"
-    sha256sum tests/interop/environment.sh tests/interop/requirements.txt tests/interop/constraints.txt \
-      package.xml CMakeLists.txt crates/python/python/column_twin/__init__.py msg/*.msg srv/*.srv
+    sha256sum tests/interop/environment.sh "tests/interop/$requirements" "tests/interop/$constraints" \
+      ros/column_twin_msgs/* msg/*.msg srv/*.srv
     "$python" -c 'import sys; print(sys.version, sys.base_prefix)'
   ) | sha256sum | cut -c1-16
 }
@@ -68,9 +77,9 @@ step() {
 }
 
 install_packages() {
-  "$python" -m venv --clear "$venv"
-  "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --progress-bar off \
-    -r "$here/requirements.txt" -c "$here/constraints.txt"
+  "$python" -m venv --clear "$venv" &&
+    "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --progress-bar off \
+      -r "$here/$requirements" -c "$here/$constraints"
 }
 
 # The exported CMake files name the Python of the machine that made the wheels.
@@ -86,20 +95,20 @@ relocate_cmake_files() {
 
 # Our messages and services, made by rosidl, installed beside those of the wheels.
 build_messages() {
-  local build=$venv/build-column_twin
+  local build=$venv/build-column_twin_msgs
   export AMENT_PREFIX_PATH=$venv PATH=$venv/bin:$PATH
   LD_LIBRARY_PATH=$venv/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
   export LD_LIBRARY_PATH
-  cmake -S "$repository" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
-    -DPython3_EXECUTABLE="$venv/bin/python" -DPYTHON_INSTALL_DIR=lib/python3.11/site-packages -DBUILD_TESTING=OFF -DCOLUMN_TWIN_NODE=OFF
-  cmake --build "$build"
-  cmake --install "$build"
-  rm -rf "$build"
+  cmake -S "$repository/ros/column_twin_msgs" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
+    -DPython3_EXECUTABLE="$venv/bin/python" -DPYTHON_INSTALL_DIR=lib/python3.11/site-packages -DBUILD_TESTING=OFF &&
+    cmake --build "$build" &&
+    cmake --install "$build" &&
+    rm -rf "$build"
 }
 
 check_messages_import() {
-  (cd / && "$venv/bin/python" -c 'from column_twin.msg import ColumnState; from column_twin.srv import PredictImpact; import rclpy')
-  [[ -f $venv/share/column_twin/msg/ColumnState.json ]]
+  (cd / && "$venv/bin/python" -c 'from column_twin_msgs.msg import ColumnState; from column_twin_msgs.srv import PredictImpact; import rclpy')
+  [[ -f $venv/share/column_twin_msgs/msg/ColumnState.json ]]
 }
 
 build() {

@@ -18,7 +18,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from column_twin.msg import FleetStatus
+from column_twin_msgs.msg import FleetStatus
 
 PATIENCE = 30.0
 LOAD = 3.25e5
@@ -61,8 +61,8 @@ def main():
     changed = result(client.set_parameters([Parameter(load, value=LOAD)])).results[0]
     check(f"it can be set: {changed.reason}", changed.successful)
     check("it reads back", result(client.get_parameters([load])).values[0].double_value == LOAD)
-    refused = result(client.set_parameters([Parameter(load, value=-1.0)])).results[0]
-    check(f"a value out of range is rejected: {refused.reason}", not refused.successful)
+    rejected = result(client.set_parameters([Parameter(load, value=-1.0)])).results[0]
+    check(f"a value out of range is rejected: {rejected.reason}", not rejected.successful)
     node.destroy_node()
     rclpy.shutdown()
 

@@ -14,7 +14,7 @@ import time
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from column_twin.msg import ImpactReport, TwinStatus
+from column_twin_msgs.msg import ImpactReport, TwinStatus
 
 PATIENCE = 30.0
 # Time in which nothing more arrives.

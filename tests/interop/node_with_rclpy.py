@@ -25,20 +25,22 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from column_twin.msg import ColumnParameters, ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus
-from column_twin.srv import PredictImpact
+from column_twin_msgs.msg import (
+    ColumnParameters, ColumnState, HingeDescription, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+)
+from column_twin_msgs.srv import PredictImpact
 
 PATIENCE = 30.0
 NODE = "column_twin"
 TOPICS = {
-    "/impact_event": "column_twin/msg/ImpactEvent",
-    "/column_parameters": "column_twin/msg/ColumnParameters",
-    "/column_state": "column_twin/msg/ColumnState",
-    "/hinge_forces": "column_twin/msg/HingeForces",
-    "/impact_forecast": "column_twin/msg/ImpactReport",
-    "/impact_report": "column_twin/msg/ImpactReport",
-    "/impact_estimate": "column_twin/msg/ImpactEstimate",
-    "/twin_status": "column_twin/msg/TwinStatus",
+    "/impact_event": "column_twin_msgs/msg/ImpactEvent",
+    "/column_parameters": "column_twin_msgs/msg/ColumnParameters",
+    "/column_state": "column_twin_msgs/msg/ColumnState",
+    "/hinge_forces": "column_twin_msgs/msg/HingeForces",
+    "/impact_forecast": "column_twin_msgs/msg/ImpactReport",
+    "/impact_report": "column_twin_msgs/msg/ImpactReport",
+    "/impact_estimate": "column_twin_msgs/msg/ImpactEstimate",
+    "/twin_status": "column_twin_msgs/msg/TwinStatus",
     "/joint_states": "sensor_msgs/msg/JointState",
     "/markers": "visualization_msgs/msg/MarkerArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
@@ -47,9 +49,9 @@ TOPICS = {
 }
 SERVICES = {
     "/column_twin/reset": "std_srvs/srv/Trigger",
-    "/column_twin/predict": "column_twin/srv/PredictImpact",
-    "/column_twin/confirm_estimate": "column_twin/srv/ConfirmEstimate",
-    "/column_twin/calibrate": "column_twin/srv/Calibrate",
+    "/column_twin/predict": "column_twin_msgs/srv/PredictImpact",
+    "/column_twin/confirm_estimate": "column_twin_msgs/srv/ConfirmEstimate",
+    "/column_twin/correct_damage": "column_twin_msgs/srv/CorrectDamage",
 }
 
 faults = []
@@ -82,6 +84,8 @@ def check_fields(what, message, expected):
         found = [float(it) for it in found] if hasattr(found, "__len__") else float(found)
         value = [math.nan if it is None else float(it) for it in value] if isinstance(value, list) else \
             math.nan if value is None else float(value)
+        if isinstance(value, list) and len(found) != len(value):
+            faults.append(f"{what}: {name}: expected {len(value)} entries, found {found!r}")
         both = zip(found, value) if isinstance(value, list) else [(found, value)]
         if not all(one == other or (math.isnan(one) and math.isnan(other)) for one, other in both):
             faults.append(f"{what}: {name}: expected {value!r}, found {found!r}")
@@ -228,14 +232,14 @@ def parameters(peer):
     message.top_load = 5e5
     peer.sets.publish(message)
     peer.until("a set by topic", lambda: get_load() == 5e5)
-    refused = peer.seen["twin_status"][-1].parameters_refused
-    check_that(f"all rejections are counted: {refused}", refused >= 8)
+    rejected = peer.seen["twin_status"][-1].parameters_rejected
+    check_that(f"all rejections are counted: {rejected}", rejected >= 8)
     message.column_id, message.top_load = "another", 1e5
     peer.sets.publish(message)
     reason = 'the message is for column "another", but this is the twin of column "column"'
     peer.until("its rejection in /rosout", lambda: any(reason in it.msg for it in peer.of_node("/rosout")))
     peer.until("its rejection in twin_status",
-               lambda: any(reason in it.last_refusal_reason and it.last_refusal_code == TwinStatus.REFUSED_OTHER_COLUMN
+               lambda: any(reason in it.last_rejection_reason and it.last_rejection_code == TwinStatus.REJECTED_OTHER_COLUMN
                            for it in peer.seen["twin_status"]))
     check("nothing is changed", get_load(), 5e5)
 
@@ -249,7 +253,7 @@ def event_of(expected, event_id, stamp=None):
 
 
 def whole_response(peer, expected, event_id):
-    """The stream of an impact on the virgin column equals that of the simulation: complete and bit for bit."""
+    """The stream of an impact on the undamaged column equals that of the simulation: complete and bit for bit."""
     event, stamp = event_of(expected, event_id)
     peer.events.publish(event)
     check_response(peer, expected, event_id, stamp)
@@ -286,17 +290,24 @@ def impact(peer, expected):
     event, _ = event_of(expected, "e2")
     peer.until("joint states", lambda: peer.seen["joint_states"])
     check("joints", list(peer.seen["joint_states"][-1].name), ["hinge_1a", "hinge_1b", "hinge_2", "hinge_3"])
+    status = peer.seen["twin_status"][-1]
+    described = [(it.name, it.bar, it.end) for it in status.hinges]
+    upper, lower = HingeDescription.UPPER_END, HingeDescription.LOWER_END
+    check("hinges", described, [("1a", 0, upper), ("1b", 1, lower), ("2", 1, upper), ("3", 0, lower)])
+    check("one entry per hinge", len(status.plastic_rotation), len(described))
+    check("webs", [(it.name, it.bar, it.end) for it in status.webs],
+          [("a", 0, HingeDescription.WHOLE_BAR), ("b", 1, HingeDescription.WHOLE_BAR)])
     peer.until("markers", lambda: peer.seen["markers"])
     check_that("markers show the column", any(it.ns == "column" for it in peer.seen["markers"][-1].markers))
 
     event.mass = -1.0
     peer.events.publish(event)
-    peer.until("the refusal", lambda: any(it.last_refusal_event_id == "e2" and "mass = -1" in it.last_refusal_reason
-                                          and it.last_refusal_code == TwinStatus.REFUSED_IMPACT_OUT_OF_RANGE
+    peer.until("the rejection", lambda: any(it.last_rejection_event_id == "e2" and "mass = -1" in it.last_rejection_reason
+                                          and it.last_rejection_code == TwinStatus.REJECTED_IMPACT_OUT_OF_RANGE
                                           for it in peer.seen["twin_status"]))
-    refusal = 'impact event "e2" was rejected: mass = -1'
-    peer.until("the refusal in /rosout", lambda: any(refusal in it.msg for it in peer.of_node("/rosout")))
-    levels = [it.level for it in peer.of_node("/rosout") if refusal in it.msg]
+    rejection = 'impact event "e2" was rejected: mass = -1'
+    peer.until("the rejection in /rosout", lambda: any(rejection in it.msg for it in peer.of_node("/rosout")))
+    levels = [it.level for it in peer.of_node("/rosout") if rejection in it.msg]
     check("its level", [it if isinstance(it, int) else it[0] for it in levels], [30])
     peer.until("diagnostics", lambda: len(peer.seen["/diagnostics"]) >= 2)
     names = [it.name for it in peer.seen["/diagnostics"][-1].status]
@@ -307,7 +318,7 @@ def services(peer, expected):
     reset = peer.node.create_client(Trigger, "column_twin/reset")
     peer.until("reset", reset.service_is_ready)
     answer = peer.result("reset", reset.call_async(Trigger.Request()))
-    check("reset", (answer.success, answer.message), (True, "the column is virgin"))
+    check("reset", (answer.success, answer.message), (True, "the column is undamaged"))
     predict = peer.node.create_client(PredictImpact, "column_twin/predict")
     peer.until("predict", predict.service_is_ready)
     request = PredictImpact.Request(event_id="what if", mass=expected["mass"], velocity=expected["velocity"],
@@ -320,9 +331,9 @@ def services(peer, expected):
     request.mass = 0.0
     answer = peer.result("predict", predict.call_async(request))
     check("predict without mass",
-          (answer.success, answer.refusal_code, "mass = 0: is required" in answer.message),
-          (False, TwinStatus.REFUSED_IMPACT_OUT_OF_RANGE, True))
-    # The virgin column again, in every bit.
+          (answer.success, answer.rejection_code, "mass = 0: is required" in answer.message),
+          (False, TwinStatus.REJECTED_IMPACT_OUT_OF_RANGE, True))
+    # The undamaged column again, in every bit.
     whole_response(peer, expected, "e3")
 
 

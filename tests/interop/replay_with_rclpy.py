@@ -17,7 +17,7 @@ import time
 import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from column_twin.msg import ColumnState
+from column_twin_msgs.msg import ColumnState
 
 PATIENCE = 120.0
 

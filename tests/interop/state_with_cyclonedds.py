@@ -47,7 +47,7 @@ class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
 
 
 @dataclass
-class ColumnState(IdlStruct, typename="column_twin::msg::dds_::ColumnState_"):
+class ColumnState(IdlStruct, typename="column_twin_msgs::msg::dds_::ColumnState_"):
     header: Header
     column_id: str
     event_id: str
@@ -64,7 +64,7 @@ class ColumnState(IdlStruct, typename="column_twin::msg::dds_::ColumnState_"):
     impactor_velocity: types.float64
     gap: types.float64
     contact_force: types.float64
-    percussion: types.float64
+    impact_impulse: types.float64
     impulse: types.float64
     kinetic_energy: types.float64
     elastic_energy: types.float64

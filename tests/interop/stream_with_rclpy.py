@@ -18,7 +18,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from column_twin.msg import ColumnState, HingeForces
+from column_twin_msgs.msg import ColumnState, HingeForces
 
 PATIENCE = 30.0
 

@@ -21,8 +21,8 @@ MILLISECOND = 1_000_000
 def main():
     store = get_typestore(Stores.ROS2_JAZZY)
     for path in MESSAGES.glob("*.msg"):
-        store.register(get_types_from_msg(path.read_text(), f"column_twin/msg/{path.stem}"))
-    state_type = store.types["column_twin/msg/ColumnState"]
+        store.register(get_types_from_msg(path.read_text(), f"column_twin_msgs/msg/{path.stem}"))
+    state_type = store.types["column_twin_msgs/msg/ColumnState"]
     header_type = store.types["std_msgs/msg/Header"]
     time_type = store.types["builtin_interfaces/msg/Time"]
     text_type = store.types["std_msgs/msg/String"]
@@ -30,7 +30,7 @@ def main():
     def state(index):
         nanos = START + index * MILLISECOND
         values = {}
-        for name, (kind, detail) in store.get_msgdef("column_twin/msg/ColumnState").fields:
+        for name, (kind, detail) in store.get_msgdef("column_twin_msgs/msg/ColumnState").fields:
             base = detail[0] if kind.name == "BASE" else None
             # Of a vehicle of one mass, every sequence has one number.
             one = numpy.array([0.25]) if kind.name == "SEQUENCE" else 0.0

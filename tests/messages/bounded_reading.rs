@@ -3,7 +3,7 @@
 use column_twin::messages::Message;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr::{self, CdrError};
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent};
 use column_twin::messages::std_msgs;
 use proptest::prelude::*;
 
@@ -71,7 +71,7 @@ fn an_announced_length_is_not_believed() {
 }
 
 #[test]
-fn one_gigabyte_string_is_refused_without_taking_it() {
+fn one_gigabyte_string_is_rejected_without_taking_it() {
     let bytes = [&[0, 1, 0, 0][..], &(1_u32 << 30).to_le_bytes(), b"abc\0"].concat();
     let memory = allocation_counter::measure(|| {
         assert!(matches!(
@@ -99,7 +99,7 @@ fn errors_say_what_was_expected_and_found() {
     assert_eq!(
         error.to_string(),
         format!(
-            "column_twin/msg/ImpactEvent: expected 84 bytes, found {}; compare the sender's definition of the type",
+            "column_twin_msgs/msg/ImpactEvent: expected 84 bytes, found {}; compare the sender's definition of the type",
             state.len()
         )
     );

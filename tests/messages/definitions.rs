@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use column_twin::messages::column_twin::{
-    CalibrateRequest, ColumnParameters, ColumnState, HingeForces, ImpactEstimate, ImpactReport,
-    ParameterEntry, TwinStatus,
+use column_twin::messages::column_twin_msgs::{
+    ColumnParameters, ColumnState, CorrectDamageRequest, HingeDescription, HingeForces,
+    ImpactEstimate, ImpactReport, ParameterEntry, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::rcl_interfaces::Log;
@@ -18,6 +18,9 @@ use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, Literal, Typ
 use serde_reflection::{ContainerFormat, Format, Tracer, TracerConfig};
 
 use super::{ForEachType, for_each_type};
+
+/// The ROS package of `msg/` and `srv/`.
+const PACKAGE: &str = "column_twin_msgs";
 
 struct SameFields {
     seen: Vec<String>,
@@ -120,24 +123,25 @@ fn every_constant_has_the_value_of_its_definition() {
         )* };
     }
     same_constants! {
-        ColumnState { IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, SEVERED }
+        ColumnState { IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, FRACTURED }
         ImpactEstimate {
-            DECISION_PENDING, DECISION_ACCEPTED, DECISION_MERGED, DECISION_REJECTED, DECISION_REFUSED,
+            DECISION_PENDING, DECISION_ACCEPTED, DECISION_MERGED, DECISION_DECLINED, DECISION_REJECTED,
         }
-        CalibrateRequest { DISPLACEMENT, ROTATION }
+        CorrectDamageRequest { DISPLACEMENT, ROTATION }
+        HingeDescription { LOWER_END, UPPER_END, WHOLE_BAR }
         HingeForces { HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, WEB_A, WEB_B, ELASTIC, PLASTIC, UNLOADED }
         ImpactReport {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, WEB_A, WEB_B, FORECAST, RESULT, PREDICTION, WITHDRAWN, NO_FORECAST,
-            ELASTIC, PLASTIC, COLLAPSED, SEVERED, OUTCOME_UNKNOWN,
-            END_AT_REST, END_DURATION_REACHED, END_COLLAPSED, END_SEVERED, END_NOT_CONVERGED,
+            ELASTIC, PLASTIC, COLLAPSED, FRACTURED, OUTCOME_UNKNOWN,
+            END_AT_REST, END_DURATION_REACHED, END_COLLAPSED, END_FRACTURED, END_NOT_CONVERGED,
             END_SUPERSEDED, END_RESET, END_STOPPED, END_REJECTED, END_NOT_COMPUTED, END_NOT_HIT,
-            SEVERITY_NONE, SEVERITY_INSPECT, SEVERITY_RESTRICT, SEVERITY_PROP, SEVERITY_EVACUATE, SEVERITY_UNKNOWN,
+            ACTION_NONE, ACTION_INSPECT, ACTION_RESTRICT, ACTION_SHORE, ACTION_EVACUATE, ACTION_UNKNOWN,
         }
         TwinStatus {
-            HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, SEVERED,
-            REFUSED_NONE, REFUSED_OTHER_COLUMN, REFUSED_EVENT_ID_INVALID, REFUSED_EVENT_ID_REPEATED, REFUSED_STAMP_TOO_OLD, REFUSED_STAMP_TOO_FAR_AHEAD, REFUSED_STAMP_OUT_OF_ORDER, REFUSED_TOO_MANY_IMPACTS_AHEAD, REFUSED_IMPACT_OUT_OF_RANGE, REFUSED_HEIGHT_NOT_POSSIBLE, REFUSED_COLUMN_COLLAPSED, REFUSED_TWIN_FAULTED, REFUSED_COLUMN_IMPOSSIBLE, REFUSED_PARAMETERS_INVALID, REFUSED_PARAMETERS_READ_ONLY, REFUSED_COLUMN_DAMAGED, REFUSED_NO_EQUILIBRIUM, REFUSED_NOT_COMPUTED, REFUSED_QUEUE_FULL, REFUSED_NO_ANSWER, REFUSED_STOPPING, REFUSED_VEHICLE_INVALID, REFUSED_COLUMN_SEVERED, REFUSED_APPROACH_TOO_LONG, REFUSED_SENDER_NOT_ALLOWED, REFUSED_SENDER_TOO_FAST,
-            REFUSED_ESTIMATE_NOT_PENDING, REFUSED_NOT_AT_REST, REFUSED_MEASUREMENT_IMPLAUSIBLE,
-            SEVERITY_NONE, SEVERITY_INSPECT, SEVERITY_RESTRICT, SEVERITY_PROP, SEVERITY_EVACUATE, SEVERITY_UNKNOWN,
+            HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, FRACTURED,
+            REJECTED_NONE, REJECTED_OTHER_COLUMN, REJECTED_EVENT_ID_INVALID, REJECTED_EVENT_ID_REPEATED, REJECTED_STAMP_TOO_OLD, REJECTED_STAMP_TOO_FAR_AHEAD, REJECTED_STAMP_OUT_OF_ORDER, REJECTED_TOO_MANY_IMPACTS_AHEAD, REJECTED_IMPACT_OUT_OF_RANGE, REJECTED_HEIGHT_NOT_POSSIBLE, REJECTED_COLUMN_COLLAPSED, REJECTED_TWIN_FAULTED, REJECTED_COLUMN_IMPOSSIBLE, REJECTED_PARAMETERS_INVALID, REJECTED_PARAMETERS_READ_ONLY, REJECTED_COLUMN_DAMAGED, REJECTED_NO_EQUILIBRIUM, REJECTED_NOT_COMPUTED, REJECTED_QUEUE_FULL, REJECTED_NO_ANSWER, REJECTED_STOPPING, REJECTED_VEHICLE_INVALID, REJECTED_COLUMN_FRACTURED, REJECTED_APPROACH_TOO_LONG, REJECTED_SENDER_NOT_ALLOWED, REJECTED_SENDER_TOO_FAST,
+            REJECTED_ESTIMATE_NOT_PENDING, REJECTED_NOT_AT_REST, REJECTED_MEASUREMENT_IMPLAUSIBLE,
+            ACTION_NONE, ACTION_INSPECT, ACTION_RESTRICT, ACTION_SHORE, ACTION_EVACUATE, ACTION_UNKNOWN,
         }
         DiagnosticStatus { OK, WARN, ERROR, STALE }
         ServiceEventInfo { REQUEST_SENT, REQUEST_RECEIVED, RESPONSE_SENT, RESPONSE_RECEIVED }
@@ -151,7 +155,7 @@ fn every_constant_has_the_value_of_its_definition() {
         .iter()
         .filter(|interface| !interface.specification().unwrap().constants.is_empty())
         .count();
-    assert_eq!(with_constants, 10, "a type with constants is missing above");
+    assert_eq!(with_constants, 11, "a type with constants is missing above");
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.
@@ -197,9 +201,9 @@ fn files_below(folder: &Path, package: &str) -> BTreeSet<String> {
 #[test]
 fn table_and_cmake_name_every_definition_file() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let ours: BTreeSet<_> = [("msg", "column_twin"), ("srv", "column_twin")]
+    let ours: BTreeSet<_> = ["msg", "srv"]
         .iter()
-        .flat_map(|(f, p)| files_below(&root.join(f), p))
+        .flat_map(|folder| files_below(&root.join(folder), PACKAGE))
         .collect();
     let table: BTreeSet<_> = INTERFACES
         .iter()
@@ -212,34 +216,50 @@ fn table_and_cmake_name_every_definition_file() {
         .collect();
     assert_eq!(ours, table);
 
-    let cmake = fs::read_to_string(root.join("CMakeLists.txt")).unwrap();
-    for file in ours
-        .iter()
-        .filter_map(|name| name.strip_prefix("column_twin/"))
-    {
+    let cmake = fs::read_to_string(root.join("ros/column_twin_msgs/CMakeLists.txt")).unwrap();
+    let own = format!("{PACKAGE}/");
+    for file in ours.iter().filter_map(|name| name.strip_prefix(&own)) {
         let (folder, stem) = file.split_once('/').unwrap();
         assert!(
             cmake.contains(&format!("\"{folder}/{stem}.{folder}\"")),
             "CMakeLists.txt lacks {file}"
         );
     }
-    let package = fs::read_to_string(root.join("package.xml")).unwrap();
-    assert!(package.contains(concat!(
-        "<version>",
-        env!("CARGO_PKG_VERSION"),
-        "</version>"
-    )));
+}
+
+/// `colcon build` in a workspace that has a clone of this repository finds both packages: it looks for them in every folder, but
+/// not below one that is a package itself, which a `package.xml` or a `CMakeLists.txt` makes it.
+#[test]
+fn colcon_finds_two_packages_of_this_version() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for above in [root, &root.join("ros")] {
+        for file in ["package.xml", "CMakeLists.txt", "setup.py"] {
+            let hides = above.join(file);
+            assert!(
+                !hides.exists(),
+                "{} hides the packages below",
+                hides.display()
+            );
+        }
+    }
+    let version = format!("<version>{}</version>", env!("CARGO_PKG_VERSION"));
+    for name in ["column_twin", PACKAGE] {
+        let package = root.join("ros").join(name).join("package.xml");
+        let package = fs::read_to_string(package).unwrap();
+        assert!(package.contains(&format!("<name>{name}</name>")), "{name}");
+        assert!(package.contains(&version), "{name} is not of this version");
+    }
 }
 
 #[test]
 fn names_follow_ros_and_dds() {
     assert_eq!(
         ColumnState::INTERFACE.ros_name(),
-        "column_twin/msg/ColumnState"
+        "column_twin_msgs/msg/ColumnState"
     );
     assert_eq!(
         ColumnState::INTERFACE.dds_name(),
-        "column_twin::msg::dds_::ColumnState_"
+        "column_twin_msgs::msg::dds_::ColumnState_"
     );
     assert_eq!(
         std_srvs::TriggerRequest::INTERFACE.ros_name(),
@@ -250,10 +270,10 @@ fn names_follow_ros_and_dds() {
         "std_srvs::srv::dds_::Trigger_Request_"
     );
     assert_eq!(
-        find("column_twin/msg/ColumnState"),
+        find("column_twin_msgs/msg/ColumnState"),
         Some(ColumnState::INTERFACE)
     );
-    assert_eq!(find("column_twin/msg/Columnstate"), None);
+    assert_eq!(find("column_twin_msgs/msg/Columnstate"), None);
 }
 
 /// Without fields above `---`, the request is what rosidl makes of it and the response what stands below.
@@ -346,7 +366,7 @@ fn column_parameters_lists_every_parameter() {
 fn our_definitions_keep_the_message_rules() {
     for interface in INTERFACES
         .iter()
-        .filter(|interface| interface.package() == "column_twin")
+        .filter(|interface| interface.package() == PACKAGE)
     {
         let text = interface.text();
         let mut comment = "";

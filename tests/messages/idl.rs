@@ -2,19 +2,19 @@
 
 use column_twin::messages::idl::idl;
 use column_twin::messages::{
-    INTERFACES, Message as _, column_twin::HingeForces, visualization_msgs::MarkerArray,
+    INTERFACES, Message as _, column_twin_msgs::HingeForces, visualization_msgs::MarkerArray,
 };
 
 #[test]
 fn names_arrays_constants_and_units_are_those_of_the_definition() {
     let text = idl(&[HingeForces::INTERFACE], INTERFACES).expect("a definition");
     for expected in [
-        "module column_twin { module msg {",
+        "module column_twin_msgs { module msg {",
         "  const octet HINGE_2 = 2;",
         "struct HingeForces_ {",
         "  std_msgs::msg::dds_::Header_ header;",
-        "  // Bending moment [N m].\n  double moment[4];",
-        "  octet state[4];",
+        "  // Bending moment [N m].\n  sequence<double, 16> moment;",
+        "  sequence<octet, 16> state;",
     ] {
         assert!(text.contains(expected), "{expected} is not in\n{text}");
     }

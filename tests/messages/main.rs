@@ -8,7 +8,7 @@ mod idl;
 mod ros2_itself;
 
 use column_twin::messages::{
-    Message, builtin_interfaces, column_twin as ours, diagnostic_msgs, geometry_msgs,
+    Message, builtin_interfaces, column_twin_msgs as ours, diagnostic_msgs, geometry_msgs,
     rcl_interfaces, rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs,
     visualization_msgs,
 };
@@ -31,6 +31,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         ours::ColumnStatus,
         ours::CredibleInterval,
         ours::FleetStatus,
+        ours::HingeDescription,
         ours::HingeForces,
         ours::ImpactEstimate,
         ours::ImpactEvent,
@@ -38,8 +39,8 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         ours::Measurement,
         ours::RowImpactEvent,
         ours::TwinStatus,
-        ours::CalibrateRequest,
-        ours::CalibrateResponse,
+        ours::CorrectDamageRequest,
+        ours::CorrectDamageResponse,
         ours::ConfirmEstimateRequest,
         ours::ConfirmEstimateResponse,
         ours::PredictImpactRequest,

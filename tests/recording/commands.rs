@@ -47,7 +47,7 @@ fn info_says_what_is_in_it() {
         "column-twin 0.2.0",
         "2026-11-21 07:40:00.000 UTC",
         "/garage/column_state",
-        "column_twin/msg/ColumnState",
+        "column_twin_msgs/msg/ColumnState",
         "0 messages according to the recorder; ended: stopped",
         "event 0 on A3, 2026-11-21 07:40:00.000 UTC: 1500 kg at 10 m/s",
         "plastic: peak v1 94.60 mm after 19.79 ms (forecast 94.60 mm), residual 89.34 mm, peak contact force 746.9 kN",
@@ -85,17 +85,17 @@ fn info_of_simulated(options: &[&str]) -> (String, serde_json::Value) {
     (out(&run(&["info"], &bag)), json["impacts"][0].clone())
 }
 
-/// `info` said "no report in this recording" of a severed column, and its JSON had no outcome.
+/// `info` said "no report in this recording" of a fractured column, and its JSON had no outcome.
 #[test]
-fn info_shows_the_report_of_a_severed_column() {
+fn info_shows_the_report_of_a_fractured_column() {
     let hit = ["--mass", "1500", "--velocity", "15"];
-    let severed = ["-p", "assessment.ultimate_rotation:=0.02"];
-    let (text, json) = info_of_simulated(&[&hit[..], &severed].concat());
-    assert!(text.contains("    severed: peak v1 "), "{text}");
+    let fractured = ["-p", "assessment.ultimate_rotation:=0.02"];
+    let (text, json) = info_of_simulated(&[&hit[..], &fractured].concat());
+    assert!(text.contains("    fractured: peak v1 "), "{text}");
     assert!(!text.contains("no report"), "{text}");
     assert_eq!(
         (&json["outcome"], &json["end"]),
-        (&"severed".into(), &"severed".into())
+        (&"fractured".into(), &"fractured".into())
     );
     assert!(json["max_v1"].as_f64().is_some_and(|it| it > 0.0), "{json}");
 }
@@ -221,7 +221,7 @@ fn export_as_tables() {
             .lines()
             .next()
             .unwrap()
-            .contains("moment[0],moment[1],moment[2],moment[3],normal_force[0]")
+            .contains("moment[14],moment[15],normal_force[0]")
     );
     // A topic without messages has its header.
     let parameters = fs::read_to_string(tables.join("garage.column_parameters.csv")).unwrap();

@@ -3,7 +3,7 @@
 use std::fs;
 
 use column_twin::column::Outcome;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::messages::{INTERFACES, Message as _, cdr, find, type_hash::TypeHash};
 use column_twin::recording::{
     ChunkCompression, Decoder, OfferedQos, Reader, check_definition, summarise_events, topic,
@@ -126,7 +126,7 @@ fn impacts_are_summarised() {
     sample::write(&directory, ChunkCompression::None, &sample(10));
     let (events, beyond) = summarise_events(&Reader::open(&directory).unwrap()).unwrap();
     assert_eq!((events.len(), beyond), (2, 0));
-    let [hit, refused] = &events[..] else {
+    let [hit, rejected] = &events[..] else {
         unreachable!("there are two")
     };
     assert_eq!(
@@ -143,10 +143,10 @@ fn impacts_are_summarised() {
     );
     assert_eq!(hit.forecast_max_v1, Some(0.0946));
     assert_eq!(
-        refused.refused.as_deref(),
+        rejected.rejected.as_deref(),
         Some("mass and velocity must be above 0")
     );
-    assert_eq!(refused.outcome, None);
+    assert_eq!(rejected.outcome, None);
 }
 
 #[test]
@@ -171,14 +171,18 @@ fn a_changed_definition_is_rejected_with_the_difference() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.mcap");
     let mut writer = mcap::Writer::new(fs::File::create(&path).unwrap()).unwrap();
-    let text = column_twin::messages::find("column_twin/msg/ImpactReport")
+    let text = column_twin::messages::find("column_twin_msgs/msg/ImpactReport")
         .unwrap()
         .schema_text(INTERFACES)
         .unwrap();
     let old = text.replace("float64 residual_v1", "float32 residual_v1");
     assert_ne!(old, text);
     let schema = writer
-        .add_schema("column_twin/msg/ImpactReport", "ros2msg", old.as_bytes())
+        .add_schema(
+            "column_twin_msgs/msg/ImpactReport",
+            "ros2msg",
+            old.as_bytes(),
+        )
         .unwrap();
     writer
         .add_channel(
@@ -194,8 +198,8 @@ fn a_changed_definition_is_rejected_with_the_difference() {
     assert!(error.is_bad_input());
     let said = error.to_string();
     for part in [
-        "expected column_twin/ImpactReport: float64 residual_v1",
-        "found column_twin/ImpactReport: float32 residual_v1",
+        "expected column_twin_msgs/ImpactReport: float64 residual_v1",
+        "found column_twin_msgs/ImpactReport: float32 residual_v1",
         "export",
     ] {
         assert!(said.contains(part), "{part:?} is not in: {said}");

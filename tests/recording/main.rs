@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
+mod earlier;
 #[allow(dead_code)] // the tests of the crate use the rest
 #[path = "../../crates/recording/tests/recording/forging.rs"]
 mod forging;

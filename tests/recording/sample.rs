@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
@@ -51,30 +51,34 @@ pub fn topics() -> Vec<TopicInfo> {
     [
         (
             "/garage/column_state",
-            "column_twin/msg/ColumnState",
+            "column_twin_msgs/msg/ColumnState",
             RELIABLE,
         ),
         (
             "/garage/hinge_forces",
-            "column_twin/msg/HingeForces",
+            "column_twin_msgs/msg/HingeForces",
             RELIABLE,
         ),
         (
             "/garage/impact_event",
-            "column_twin/msg/ImpactEvent",
+            "column_twin_msgs/msg/ImpactEvent",
             RELIABLE,
         ),
         (
             "/garage/impact_forecast",
-            "column_twin/msg/ImpactReport",
+            "column_twin_msgs/msg/ImpactReport",
             LATCHED,
         ),
         (
             "/garage/impact_report",
-            "column_twin/msg/ImpactReport",
+            "column_twin_msgs/msg/ImpactReport",
             LATCHED,
         ),
-        ("/garage/twin_status", "column_twin/msg/TwinStatus", LATCHED),
+        (
+            "/garage/twin_status",
+            "column_twin_msgs/msg/TwinStatus",
+            LATCHED,
+        ),
         (
             "/garage/joint_states",
             "sensor_msgs/msg/JointState",
@@ -97,7 +101,7 @@ pub fn topics() -> Vec<TopicInfo> {
         ),
         (
             "/garage/column_parameters",
-            "column_twin/msg/ColumnParameters",
+            "column_twin_msgs/msg/ColumnParameters",
             RELIABLE,
         ),
     ]
@@ -154,7 +158,7 @@ fn state(index: usize, nanos: i64) -> ColumnState {
         u1,
         beta1,
         u2,
-        percussion: f64::INFINITY,
+        impact_impulse: f64::INFINITY,
         ledger_residual: 1e-300,
         ..ColumnState::default()
     }
@@ -171,7 +175,7 @@ fn report(kind: u8, event: &str, nanos: i64) -> ImpactReport {
         max_v1_time: 0.01979,
         residual_v1: 0.08934,
         peak_contact_force: 746.9e3,
-        first_yield_time: [f64::NAN, 0.1, 0.2, 0.3],
+        first_yield_time: [f64::NAN, 0.1, 0.2, 0.3].into(),
         ..ImpactReport::default()
     }
 }
@@ -211,13 +215,13 @@ pub fn sample(states: usize) -> Vec<Expected> {
         }
     }
     let end = START + 1_000_000 * (states as i64 + 10);
-    let refused = TwinStatus {
+    let rejected = TwinStatus {
         header: header(end),
         column_id: "A3".to_owned(),
-        last_refusal_reason: "mass and velocity must be above 0".to_owned(),
-        last_refusal_event_id: "event 1".to_owned(),
+        last_rejection_reason: "mass and velocity must be above 0".to_owned(),
+        last_rejection_event_id: "event 1".to_owned(),
         events_accepted: 1,
-        events_refused: 1,
+        events_rejected: 1,
         ..TwinStatus::default()
     };
     all.push(expect(
@@ -225,7 +229,7 @@ pub fn sample(states: usize) -> Vec<Expected> {
         end,
         &report(ImpactReport::RESULT, "event 0", START),
     ));
-    all.push(expect(5, end + 1, &refused));
+    all.push(expect(5, end + 1, &rejected));
     all.push(expect(8, end + 2, &diagnostics(end)));
     all
 }
@@ -235,9 +239,9 @@ fn hinges(index: usize, nanos: i64) -> HingeForces {
         header: header(nanos),
         column_id: "A3".to_owned(),
         event_id: String::new(),
-        moment: numbers(index),
-        plastic_rotation: numbers(index + 1),
-        state: [0, 1, 2, 1],
+        moment: numbers(index).into(),
+        plastic_rotation: numbers(index + 1).into(),
+        state: [0, 1, 2, 1].into(),
         ..HingeForces::default()
     }
 }

@@ -1,4 +1,4 @@
-//! Reports about impacts that sensors have felt.
+//! Reports about impacts that sensors have detected.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -32,14 +32,14 @@ fn estimated() -> RecordedImpact {
 
 /// The twin receives each estimate, and decides as `estimation.accept` says; with `confirmation` an operator accepts the first one.
 /// Then a camera reports the same impact.
-fn felt(impact: &RecordedImpact, accept: &str) -> Finished {
+fn detected(impact: &RecordedImpact, accept: &str) -> Finished {
     let parameters = parameters().with_changes([("estimation.accept", Value::from(accept))]);
     let mut twin = RecordedTwin::new(parameters.expect("admissible"));
     (0..500).for_each(|_| twin.advance(MS));
     let origin = twin.now - 450 * MS;
     for (update, estimate) in (0..).zip(&impact.estimates) {
         let record = EstimateRecord {
-            event_id: "felt-1".into(),
+            event_id: "detected-1".into(),
             update,
             is_final: update as usize + 1 == impact.estimates.len(),
             detection: impact.detection.clone(),
@@ -59,7 +59,7 @@ fn felt(impact: &RecordedImpact, accept: &str) -> Finished {
         twin.execute(Command::Estimate(Arc::new(record)));
         if update == 0 && accept == "confirmation" {
             twin.execute(Command::DecideEstimate(EstimateDecision {
-                event_id: "felt-1".to_owned(),
+                event_id: "detected-1".to_owned(),
                 accept: true,
                 source: "operator 7".into(),
             }));
@@ -86,11 +86,11 @@ fn peak(estimate: &ImpactEstimate) -> String {
 }
 
 #[test]
-fn a_report_about_a_recording_shows_how_what_was_felt_was_estimated() {
+fn a_report_about_a_recording_shows_how_what_was_detected_was_estimated() {
     let impact = estimated();
-    let recording = felt(&impact, "never");
+    let recording = detected(&impact, "never");
     let (_, html, stderr) = report_of(&recording.path(), &[]);
-    assert!(html.contains("<h3>Impact felt-1</h3>"), "{stderr}");
+    assert!(html.contains("<h3>Impact detected-1</h3>"), "{stderr}");
     // The tested truth is 6 m/s; the table has one row for each estimate.
     for estimate in &impact.estimates {
         let row = format!("<td class=\"number\">{}</td>", peak(estimate));
@@ -99,17 +99,17 @@ fn a_report_about_a_recording_shows_how_what_was_felt_was_estimated() {
     let last = impact.estimates.last().expect("an estimate");
     assert!((last.velocity.low..=last.velocity.high).contains(&6.0));
     assert!(html.contains("Forecast of the displacement"));
-    // The camera has reported what the sensors felt, and the twin follows it.
+    // The camera has reported what the sensors detected, and the twin follows it.
     assert!(html.contains("the event &quot;camera&quot; is the same impact, and the twin follows"));
     assert!(html.contains("<a href=\"#impact\">impact &quot;camera&quot;</a>"));
     assert!(!html.contains("The recording ends before the final estimate"));
     let (_, html, _) = report_of(&recording.path(), &["--event", "camera"]);
-    assert!(html.contains("Impact report") && !html.contains("felt-1</h3>"));
+    assert!(html.contains("Impact report") && !html.contains("detected-1</h3>"));
 }
 
 /// Whatever the twin has made of it, the report says who has decided when, and where the outcome is.
 #[test]
-fn a_report_tells_who_has_accepted_what_was_felt_and_what_it_became() {
+fn a_report_tells_who_has_accepted_what_was_detected_and_what_it_became() {
     let impact = estimated();
     let contact = impact.detection.contact.time;
     let until = 1e3 * (impact.estimates[0].data_until - contact);
@@ -119,7 +119,7 @@ fn a_report_tells_who_has_accepted_what_was_felt_and_what_it_became() {
         ("confirmation", first.as_str(), "by operator 7"),
         ("automatic", "with estimate ", "by the twin itself"),
     ] {
-        let recording = felt(&impact, accept);
+        let recording = detected(&impact, accept);
         let (_, html, stderr) = report_of(&recording.path(), &[]);
         let accepted = format!("accepted as an impact of the twin {when}");
         assert!(
@@ -128,7 +128,7 @@ fn a_report_tells_who_has_accepted_what_was_felt_and_what_it_became() {
         );
         assert!(html.contains("and was merged as evidence"), "{accept}");
         assert!(
-            html.contains("<a href=\"#impact\">impact &quot;felt-1&quot;</a>"),
+            html.contains("<a href=\"#impact\">impact &quot;detected-1&quot;</a>"),
             "{accept}"
         );
         assert!(html.contains("1500 kg with 6.00 m/s"), "{accept}");
@@ -140,14 +140,14 @@ fn the_command_estimate_writes_a_report_and_figures() {
     let folder = TempDir::new().expect("a folder");
     let column =
         format!("--config {CONFIG}/heb220_s355.yaml --config {CONFIG}/sensors_industrial.yaml");
-    let simulate = format!("simulate {column} --mass 1500 --velocity 6 --sensors readings.csv");
+    let simulate = format!("simulate {column} --mass 1500 --velocity 6 --readings readings.csv");
     let (code, _, stderr) = typed(folder.path(), &simulate);
     assert_eq!(code, 0, "{stderr}");
-    let estimate = format!("estimate {column} --measurements readings.csv");
-    let line = format!("{estimate} --report felt.html --plots figures --json");
+    let estimate = format!("estimate {column} --readings readings.csv");
+    let line = format!("{estimate} --report detected.html --figures figures --json");
     let (code, json, stderr) = typed(folder.path(), &line);
     assert_eq!((code, stderr.as_str()), (0, ""));
-    let html = std::fs::read_to_string(folder.path().join("felt.html")).expect("a report");
+    let html = std::fs::read_to_string(folder.path().join("detected.html")).expect("a report");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let mass = json["mass_kg"]["mean"].as_f64().expect("a mass");
     let mass = column_twin::figures::units::significant(mass, 3);
@@ -176,7 +176,7 @@ fn the_command_estimate_writes_a_report_and_figures() {
         "time,laser\n0,0\n0.0001,0.0001\n0.0002,0\n",
     )
     .expect("a table");
-    let quiet = format!("estimate {column} --measurements quiet.csv --report quiet.html");
+    let quiet = format!("estimate {column} --readings quiet.csv --report quiet.html");
     let (code, _, stderr) = typed(folder.path(), &quiet);
     assert_eq!(code, 0);
     assert!(stderr.contains("no impact was detected"), "{stderr}");
@@ -185,7 +185,7 @@ fn the_command_estimate_writes_a_report_and_figures() {
     let odd = folder.path().join("a<b>&c.csv");
     std::fs::rename(folder.path().join("readings.csv"), odd).expect("renamed");
     let nowhere = format!(
-        "estimate {column} --measurements a<b>&c.csv --plots odd --report nowhere/felt.html"
+        "estimate {column} --readings a<b>&c.csv --figures odd --report nowhere/detected.html"
     );
     let (code, summary, stderr) = typed(folder.path(), &nowhere);
     assert_eq!(code, 1, "{stderr}");

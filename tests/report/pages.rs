@@ -68,7 +68,7 @@ fn the_first_page_answers_both_questions_of_the_engineer() {
     let first = text_of(sheets[0]);
     let mut place = 0;
     for text in [
-        "PROP: take the load off the column at once.",
+        "SHORE: take the load off the column at once.",
         "Cause: ",
         "; limit ",
         "Bow that remains: ",
@@ -110,7 +110,7 @@ fn a_report_names_one_load_once() {
         config("heb220_s355.yaml")
     );
     let (_, html) = simulated(folder.path(), "load", &options);
-    assert_eq!(html.matches("N_Ed of ").count(), 1);
+    assert_eq!(html.matches("The applied load N of ").count(), 1);
     assert!(!html.contains("Axial load carried"));
     assert_eq!(html.matches("<th scope=\"row\">Axial load</th>").count(), 1);
 }
@@ -241,7 +241,7 @@ fn the_body_of_a_printed_report_is_four_pages() {
         (
             "lorry",
             format!("--config {real} --vehicle lorry_8t --velocity 8"),
-            "PROP: ",
+            "SHORE: ",
         ),
         (
             "elastic",

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::ImpactReport;
+use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::Value;
 use column_twin::twin::ImpactCommand;
 
@@ -102,7 +102,7 @@ fn every_impact_of_a_recording_has_its_section_and_the_recording_is_verified() {
         "The column was still moving when this impact began",
         "SHA-256 of ",
         "4.000 m",
-        "N_Ed of 400 kN",
+        "The applied load N of 400 kN",
     ] {
         assert!(html.contains(text), "{text}");
     }

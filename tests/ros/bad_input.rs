@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnParameters, ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::messages::std_msgs;
 use column_twin::parameters::Value;
@@ -117,28 +117,28 @@ fn an_invalid_event_is_rejected_with_the_reason() {
             "column_id is \"another\"",
         ),
     ];
-    let mut refused = 0;
+    let mut rejected = 0;
     for (wrong, reason) in cases {
         assert!(events.publish(wrong));
-        refused += 1;
-        let status = statuses.find(reason, |it| it.events_refused == refused);
-        assert_eq!(status.last_refusal_event_id, "wrong");
+        rejected += 1;
+        let status = statuses.find(reason, |it| it.events_rejected == rejected);
+        assert_eq!(status.last_rejection_event_id, "wrong");
         assert!(
-            status.last_refusal_reason.contains(reason),
+            status.last_rejection_reason.contains(reason),
             "{}",
-            status.last_refusal_reason
+            status.last_rejection_reason
         );
     }
     // None of them has used the identifier; a second event with the same identifier is rejected.
     for _ in 0..2 {
         assert!(events.publish(at(0)));
     }
-    let status = statuses.find("the second one", |it| it.events_refused == refused + 1);
+    let status = statuses.find("the second one", |it| it.events_rejected == rejected + 1);
     assert_eq!(status.events_accepted, 1);
     assert!(
-        status.last_refusal_reason.contains("was accepted before"),
+        status.last_rejection_reason.contains("was accepted before"),
         "{}",
-        status.last_refusal_reason
+        status.last_rejection_reason
     );
     drop(statuses);
     twin.stop();
@@ -191,13 +191,13 @@ fn a_rejected_set_of_parameters_is_reported() {
             "the message is for column \"another\", but this is the twin of column \"column\"",
         ),
     ];
-    for (refused, (wrong, reason)) in (1..).zip(cases) {
+    for (rejected, (wrong, reason)) in (1..).zip(cases) {
         assert!(sets.publish(wrong));
-        let status = statuses.find(reason, |it| it.parameters_refused == refused);
+        let status = statuses.find(reason, |it| it.parameters_rejected == rejected);
         assert!(
-            status.last_refusal_reason.contains(reason),
+            status.last_rejection_reason.contains(reason),
             "{}",
-            status.last_refusal_reason
+            status.last_rejection_reason
         );
         logs.find(reason, |it| {
             it.msg
@@ -232,7 +232,7 @@ fn rejections_are_limited_on_the_terminal() {
     for number in 1..=FLOOD {
         assert!(events.publish(event(&format!("wrong-{number}"), now(), f64::NAN, 1.0)));
         if number % PORTION == 0 {
-            statuses.find("all events so far", |it| it.events_refused == number);
+            statuses.find("all events so far", |it| it.events_rejected == number);
         }
     }
     std::thread::sleep(Duration::from_millis(1100));
@@ -277,7 +277,7 @@ fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
     }
     println!("{sent} of {FLOOD} events sent within {:?}", begin.elapsed());
     // The last status counts what reached the twin, the diagnostics what did not.
-    let of = |it: &TwinStatus| it.events_accepted + it.events_refused + it.dropped_inputs;
+    let of = |it: &TwinStatus| it.events_accepted + it.events_rejected + it.dropped_inputs;
     let mut last = TwinStatus::default();
     let mut missed = 0;
     let deadline = Instant::now() + PATIENCE;
@@ -286,8 +286,8 @@ fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
         missed = counted(&array, "missed messages").unwrap_or_default();
         last = statuses.newest().unwrap_or(last);
         println!(
-            "accepted {}, refused {}, dropped {}, missed {missed}",
-            last.events_accepted, last.events_refused, last.dropped_inputs
+            "accepted {}, rejected {}, dropped {}, missed {missed}",
+            last.events_accepted, last.events_rejected, last.dropped_inputs
         );
     }
     assert_eq!(of(&last) + missed, sent);

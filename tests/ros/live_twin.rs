@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use column_twin::live::LiveOptions;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::ros::{LiveTwin, Names, RosoutQueue, TwinNode, qos};
+use column_twin::ros::{LiveColumns, Names, RosoutQueue, TwinNode, qos};
 use rustdds::GUID;
 
 use super::domain::{Domain, PATIENCE};
@@ -29,7 +29,8 @@ impl RunningTwin {
         changes: &[(&str, Value)],
         log: Option<RosoutQueue>,
     ) -> Self {
-        let (twin, outputs) = LiveTwin::start(parameters(changes), LiveOptions::default()).unwrap();
+        let (twin, outputs) =
+            LiveColumns::start_one(parameters(changes), LiveOptions::default()).unwrap();
         let names = Names::new("/", "column_twin", &[]).unwrap();
         let node = TwinNode::start(&domain.environment, names, twin, outputs, log, None).unwrap();
         Self { node }

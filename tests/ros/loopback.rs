@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::Value;
 use column_twin::ros::qos::{self, Endpoint};
@@ -108,7 +108,7 @@ fn a_late_joiner_gets_the_status() {
 }
 
 #[test]
-fn an_impact_from_the_command_line_is_answered_or_refused() {
+fn an_impact_from_the_command_line_is_answered_or_rejected() {
     let domain = Domain::fresh();
     let nobody = impact(&domain, 1500.0, Duration::from_millis(300));
     assert!(
@@ -122,7 +122,7 @@ fn an_impact_from_the_command_line_is_answered_or_refused() {
         other => panic!("{other:?}"),
     }
     match impact(&domain, -1.0, PATIENCE) {
-        Ok(ImpactOutcome::Refused(reason)) => {
+        Ok(ImpactOutcome::Rejected(reason)) => {
             assert!(reason.starts_with("mass = -1: is out of range"), "{reason}");
         }
         other => panic!("{other:?}"),
@@ -169,7 +169,7 @@ fn an_impact_reaches_its_column_among_ten() {
         }
     }
     match impact_on(&domain, Some("c10"), 10.0, PATIENCE) {
-        Ok(ImpactOutcome::Refused(reason)) => assert!(reason.contains("c10"), "{reason}"),
+        Ok(ImpactOutcome::Rejected(reason)) => assert!(reason.contains("c10"), "{reason}"),
         other => panic!("{other:?}"),
     }
     twins.into_iter().for_each(RunningTwin::stop);

@@ -4,10 +4,10 @@
 #![allow(clippy::disallowed_methods)]
 
 mod bad_input;
+#[cfg(feature = "record")]
+mod detected;
 mod domain;
 mod duplicates;
-#[cfg(feature = "record")]
-mod felt;
 mod hostile;
 #[allow(dead_code)] // the tests of recordings use more of it
 mod incoming;

@@ -6,14 +6,14 @@ use std::time::{Duration, Instant};
 
 use column_twin::live::LiveOptions;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::Measurement;
+use column_twin::messages::column_twin_msgs::Measurement;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::geometry_msgs::{Accel, AccelStamped, Vector3};
 use column_twin::messages::sensor_msgs::Imu;
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{Parameters, Value, parse_override};
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{LiveTwin, Names, TwinNode};
+use column_twin::ros::{LiveColumns, Names, TwinNode};
 
 use super::domain::{Domain, PATIENCE};
 use super::live_twin::RunningTwin;
@@ -225,7 +225,7 @@ fn a_simulated_table_is_published_as_its_sensors_would() {
         "1500",
         "--velocity",
         "10",
-        "--sensors",
+        "--readings",
         "readings.csv",
     ])
     .output()
@@ -246,7 +246,7 @@ fn a_simulated_table_is_published_as_its_sensors_would() {
         "real_time.lock_memory:=false",
     ];
     let parameters = Parameters::load(&files, &overrides.map(parse_override)).unwrap();
-    let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default()).unwrap();
+    let (twin, outputs) = LiveColumns::start_one(parameters, LiveOptions::default()).unwrap();
     let names = Names::new("/", "column_twin", &[]).unwrap();
     let node = TwinNode::start(&domain.environment, names, twin, outputs, None, None).unwrap();
     let mut reader = reader(&domain);

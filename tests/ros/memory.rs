@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{
+use column_twin::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;

@@ -8,7 +8,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use column_twin::column::{Impact, ImpactSpecification, Report};
-use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport};
 use column_twin::parameters::Parameters;
 use column_twin::ros::qos;
 use column_twin::twin::Twin;
@@ -30,9 +30,10 @@ fn interop(file: &str) -> PathBuf {
         .join(file)
 }
 
-/// The Python of the environment, which is built if necessary.
-fn python() -> PathBuf {
+/// The Python of the environment with this distribution of ROS 2, which is built if necessary.
+fn python(distribution: &str) -> PathBuf {
     let output = Command::new(interop("environment.sh"))
+        .arg(distribution)
         .stderr(Stdio::inherit())
         .output()
         .unwrap();
@@ -41,9 +42,14 @@ fn python() -> PathBuf {
     Path::new(environment.trim()).join("bin/python")
 }
 
-/// Starts a script in the node's domain.
+/// Starts a script with ROS 2 Jazzy in the node's domain.
 fn script(domain: &Domain, file: &str, expected: Option<&Path>) -> Child {
-    Command::new(python())
+    script_with("jazzy", domain, file, expected)
+}
+
+/// Starts a script with a distribution of ROS 2 in the node's domain.
+fn script_with(distribution: &str, domain: &Domain, file: &str, expected: Option<&Path>) -> Child {
+    Command::new(python(distribution))
         .arg(interop(file))
         .args(expected)
         .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
@@ -75,7 +81,7 @@ fn numbers(message: &impl Serialize) -> Map<String, Json> {
     fields
 }
 
-/// The report with its assessment and its error estimate, as a prediction for the virgin column gives them.
+/// The report with its assessment and its error estimate, as a prediction for the undamaged column gives them.
 fn assessed(report: &Report) -> Map<String, Json> {
     let twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).unwrap();
     let impact = ImpactSpecification::from(Impact::rigid(MASS, VELOCITY));
@@ -106,12 +112,23 @@ fn expectation(folder: &Path) -> PathBuf {
 
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
-fn rclpy_finds_receives_sets_and_is_refused() {
+fn rclpy_finds_receives_sets_and_is_rejected() {
+    finds_receives_sets_and_is_rejected("jazzy");
+}
+
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn rclpy_of_kilted_finds_receives_sets_and_is_rejected() {
+    finds_receives_sets_and_is_rejected("kilted");
+}
+
+fn finds_receives_sets_and_is_rejected(distribution: &str) {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let expected = expectation(folder.path());
     let program = Program::ready(&domain, folder.path(), &[]);
-    finish(script(&domain, "node_with_rclpy.py", Some(&expected)));
+    let peer = script_with(distribution, &domain, "node_with_rclpy.py", Some(&expected));
+    finish(peer);
     let (ended, took, log) = program.terminate();
     println!("ended within {took:?}");
     assert!(ended.success(), "{ended}: {log:#?}");
@@ -121,10 +138,25 @@ fn rclpy_finds_receives_sets_and_is_refused() {
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
 fn the_tools_of_ros_2_set_dump_load_echo_and_describe() {
+    set_dump_load_echo_and_describe("jazzy");
+}
+
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn the_tools_of_kilted_set_dump_load_echo_and_describe() {
+    set_dump_load_echo_and_describe("kilted");
+}
+
+fn set_dump_load_echo_and_describe(distribution: &str) {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &[]);
-    finish(script(&domain, "tools_with_rclpy.py", None));
+    finish(script_with(
+        distribution,
+        &domain,
+        "tools_with_rclpy.py",
+        None,
+    ));
     assert!(program.terminate().0.success());
 }
 

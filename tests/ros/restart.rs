@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::parameters::Parameters;
@@ -123,7 +123,7 @@ fn a_truncated_state_file_is_kept_aside_and_said() {
 
     let mut program = Program::ready(&domain, folder.path(), &QUIET);
     let said =
-        |it: &&String| it.contains("the state file cannot be used, so the column starts virgin");
+        |it: &&String| it.contains("the state file cannot be used, so the column starts undamaged");
     let line = program.seen.iter().find(said).cloned().unwrap_or_default();
     assert!(
         line.contains("it is truncated, or not a state file of column_twin"),
@@ -215,9 +215,9 @@ fn a_rejected_state_file_calls_for_an_inspection_until_the_reset() {
     fs::create_dir(folder.path().join("state")).unwrap();
     fs::write(state_file(folder.path()), "half of a file").unwrap();
     let calls = |it: &TwinStatus| {
-        it.severity == TwinStatus::SEVERITY_INSPECT
-            && it.severity_reason.contains("could not be used")
-            && it.severity_reason.contains("~/reset")
+        it.action == TwinStatus::ACTION_INSPECT
+            && it.action_reason.contains("could not be used")
+            && it.action_reason.contains("~/reset")
     };
     // Also when it is restarted, and no other file is rejected.
     for _ in 0..2 {
@@ -241,8 +241,7 @@ fn a_rejected_state_file_calls_for_an_inspection_until_the_reset() {
     let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
     reset(&mut node);
     statuses.find("a status without a reason", |it| {
-        it.severity == TwinStatus::SEVERITY_NONE
-            && !it.severity_reason.contains("could not be used")
+        it.action == TwinStatus::ACTION_NONE && !it.action_reason.contains("could not be used")
     });
     drop((statuses, node));
     assert!(program.terminate().0.success());

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::parameters::Value;

@@ -1,7 +1,7 @@
-//! The expected response of a virgin column, computed by the mechanics alone: no twin, no clock, no ROS.
+//! The expected response of an undamaged column, computed by the mechanics alone: no twin, no clock, no ROS.
 
 use column_twin::column::{Impact, Report, Sample, simulate};
-use column_twin::messages::column_twin::{ColumnState, HingeForces};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces};
 use column_twin::parameters::Parameters;
 
 /// An expected sample.
@@ -36,15 +36,15 @@ pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expecte
     .expect("a possible impact");
     let period = 1e9 / parameters.settings().publish_rate / parameters.step_nanos() as f64;
     let last = steps.len() - 1;
-    let mut percussion = 0.0;
+    let mut impact_impulse = 0.0;
     let mut expected = Vec::new();
     for (step, sample) in steps.iter().enumerate() {
-        percussion += sample.percussion;
+        impact_impulse += sample.impact_impulse;
         if step % period as usize != 0 && step != last {
             continue;
         }
         let mut state = ColumnState::from(sample);
-        state.percussion = std::mem::take(&mut percussion);
+        state.impact_impulse = std::mem::take(&mut impact_impulse);
         if step == last {
             state.phase = ColumnState::REST;
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::ros::{Node, qos};
 

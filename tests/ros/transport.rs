@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::endpoints::Qos;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ImpactReport, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ImpactReport, TwinStatus};
 use column_twin::ros::Node;
 use column_twin::ros::qos::{self, Endpoint};
 use futures::future::{AbortHandle, Abortable};

@@ -135,7 +135,7 @@ impl SecuredTwin {
         assert_eq!(told.count("/forecasts_of_own_events"), 1, "{}", told.0);
         let counted = told.count("/status/events_accepted");
         assert!((1..=told.count("/sent")).contains(&counted), "{}", told.0);
-        assert_eq!(told.count("/status/events_refused"), 0, "{}", told.0);
+        assert_eq!(told.count("/status/events_rejected"), 0, "{}", told.0);
         let (status, _, log) = self.program.terminate();
         assert!(status.success(), "{log:#?}");
         let accepted = log.iter().filter(|line| line.contains("accepted"));
@@ -317,7 +317,7 @@ fn a_peer_with_an_expired_certificate_gets_nothing_through() {
     );
 }
 
-/// The monitor's own stack refuses to create the writer, and it reads what it may read.
+/// The monitor's own stack rejects to create the writer, and it reads what it may read.
 #[test]
 #[ignore = "slow: compiles and runs a program on Fast DDS"]
 fn a_monitor_reads_and_cannot_send_an_event() {

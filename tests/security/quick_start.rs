@@ -110,8 +110,8 @@ fn the_quick_start_of_the_documentation_works_as_written() {
     assert!(text(&answered).contains("forecast"), "{}", text(&answered));
     monitor.wait_for("forecast");
 
-    let refused = output(&impact.replace("/operator", "/monitor"));
-    assert_eq!(refused.status.code(), Some(1), "{}", text(&refused));
+    let rejected = output(&impact.replace("/operator", "/monitor"));
+    assert_eq!(rejected.status.code(), Some(1), "{}", text(&rejected));
     let forgotten = output(&watch.replace("--ros-args --enclave /monitor", ""));
     assert_eq!(forgotten.status.code(), Some(2));
     assert!(

@@ -76,7 +76,7 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
-fn the_key_of_another_is_refused() {
+fn the_key_of_another_is_rejected() {
     let (authority, mut enclave) = twin();
     let other = authority.issue("/column_twin", -1..365);
     enclave.key = other.key.private_key_to_pem_pkcs8().unwrap();
@@ -89,7 +89,7 @@ fn the_key_of_another_is_refused() {
 }
 
 #[test]
-fn a_key_that_rustdds_cannot_read_is_refused() {
+fn a_key_that_rustdds_cannot_read_is_rejected() {
     let (authority, mut enclave) = twin();
     let key = authority.issue("/column_twin", -1..365).key;
     let cipher = openssl::symm::Cipher::aes_128_cbc();
@@ -112,7 +112,7 @@ fn a_key_that_rustdds_cannot_read_is_refused() {
 }
 
 #[test]
-fn an_expired_certificate_is_refused_and_one_that_is_not_valid_yet() {
+fn an_expired_certificate_is_rejected_and_one_that_is_not_valid_yet() {
     let keystore = Keystore::new();
     for (days, words) in [(-30..-1, "expired on"), (1..30, "is not valid before")] {
         let identity = keystore.authority.issue("/column_twin", days);
@@ -125,7 +125,7 @@ fn an_expired_certificate_is_refused_and_one_that_is_not_valid_yet() {
 }
 
 #[test]
-fn a_certificate_of_another_authority_is_refused() {
+fn a_certificate_of_another_authority_is_rejected() {
     let (_, mut enclave) = twin();
     let foreign = Identity::authority("foreignCA");
     enclave.identity_ca = foreign.certificate.to_pem().unwrap();
@@ -141,7 +141,7 @@ fn a_certificate_of_another_authority_is_refused() {
 }
 
 #[test]
-fn a_document_that_was_changed_or_signed_by_another_is_refused() {
+fn a_document_that_was_changed_or_signed_by_another_is_rejected() {
     let (_, mut enclave) = twin();
     let text = String::from_utf8(enclave.governance.clone()).unwrap();
     let changed = text.replace("<rtps_protection_kind>SIGN<", "<rtps_protection_kind>NONE<");
@@ -169,7 +169,7 @@ fn a_document_that_was_changed_or_signed_by_another_is_refused() {
 }
 
 #[test]
-fn permissions_of_another_time_subject_or_domain_are_refused() {
+fn permissions_of_another_time_subject_or_domain_are_rejected() {
     let keystore = Keystore::new();
     let of = |permissions: &Permissions<'_>, governance: &Governance<'_>| {
         let identity = keystore.authority.issue("/column_twin", -1..365);
@@ -229,7 +229,7 @@ fn permissions_of_another_time_subject_or_domain_are_refused() {
 }
 
 #[test]
-fn a_permissions_document_without_the_topics_of_every_node_is_refused() {
+fn a_permissions_document_without_the_topics_of_every_node_is_rejected() {
     let keystore = Keystore::new();
     let identity = keystore.authority.issue("/column_twin", -1..365);
     let permissions = Permissions {
@@ -254,7 +254,7 @@ fn a_permissions_document_without_the_topics_of_every_node_is_refused() {
 }
 
 #[test]
-fn protection_that_rustdds_does_not_support_is_refused_with_what_would_do() {
+fn protection_that_rustdds_does_not_support_is_rejected_with_what_would_do() {
     let keystore = Keystore::new();
     for (governance, words) in [
         (

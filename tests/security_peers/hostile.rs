@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use column_twin::column::ImpactSpecification;
-use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::column_twin_msgs::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::ros::{
     ClientError, Environment, ImpactOptions, ImpactOutcome, ImpactRequest, Names, Node, qos,
@@ -103,7 +103,7 @@ impl Bed {
                 while (peer.received == 0 || !is_seen) && Instant::now() < deadline {
                     peer.try_for(ATTEMPT);
                     let status = statuses.newest();
-                    is_seen |= status.is_some_and(|it| it.events_accepted + it.events_refused > 0);
+                    is_seen |= status.is_some_and(|it| it.events_accepted + it.events_rejected > 0);
                 }
             }
         }
@@ -113,7 +113,7 @@ impl Bed {
             other => panic!("{other:?}\n{:#?}", self.twin.log_so_far()),
         }
         let status = statuses.find("the operator's event", |it| it.events_accepted > 0);
-        (peer, status.events_accepted + status.events_refused - 1)
+        (peer, status.events_accepted + status.events_rejected - 1)
     }
 
     /// Lets a hostile peer try for a while. Nothing gets through, in either direction, and the twin says why.

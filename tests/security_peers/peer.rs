@@ -4,7 +4,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::ros::qos::{self, Endpoint};
 use rustdds::no_key::{DataReader, DataWriter};
 use rustdds::{

@@ -29,7 +29,7 @@ fn command(variables: &[(&str, &str)], arguments: &[&str]) -> Command {
 }
 
 /// The exit code and the log of a program that does not start.
-fn refused(domain: &Domain, variables: &[(&str, &str)], arguments: &[&str]) -> String {
+fn rejected(domain: &Domain, variables: &[(&str, &str)], arguments: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let program = Program::spawn(domain, folder.path(), command(variables, arguments));
     let (status, log) = program.end();
@@ -65,7 +65,7 @@ fn enforced_security_without_an_enclave_does_not_start_and_permissive_warns() {
         "SECURITY ERROR: directory '{}/enclaves/nobody' does not exist.",
         keystore.path().display()
     );
-    let log = refused(&domain, &[enable, enforce, path], &nobody);
+    let log = rejected(&domain, &[enable, enforce, path], &nobody);
     assert!(log.contains(&words), "{log}");
     let log = started(&domain, &[enable, path], &nobody);
     assert!(
@@ -73,12 +73,12 @@ fn enforced_security_without_an_enclave_does_not_start_and_permissive_warns() {
         "{log}"
     );
     // The default enclave is the root, which has no files here.
-    let log = refused(&domain, &[enable, enforce, path], &[]);
+    let log = rejected(&domain, &[enable, enforce, path], &[]);
     assert!(
         log.contains("contains none of the files of an enclave"),
         "{log}"
     );
-    let log = refused(&domain, &[enable, enforce], &[]);
+    let log = rejected(&domain, &[enable, enforce], &[]);
     assert!(log.contains("ROS_SECURITY_KEYSTORE is not set"), "{log}");
     // Security is off: the other variables have no effect, which the node says, unlike rcl.
     let log = started(&domain, &[enforce, path], &nobody);
@@ -115,7 +115,7 @@ fn a_node_in_its_enclave_says_how_it_is_protected() {
 }
 
 #[test]
-fn broken_files_are_refused_whatever_the_strategy() {
+fn broken_files_are_rejected_whatever_the_strategy() {
     let (domain, keystore) = (Domain::fresh(), Keystore::new());
     let mut enclave = keystore.unrestricted("/column_twin", &RECOMMENDED);
     enclave.key = keystore.authority.key.private_key_to_pem_pkcs8().unwrap();
@@ -126,7 +126,7 @@ fn broken_files_are_refused_whatever_the_strategy() {
             ("ROS_SECURITY_STRATEGY", strategy),
             ("ROS_SECURITY_KEYSTORE", text(keystore.path())),
         ];
-        let log = refused(&domain, &variables, &["--enclave", "/column_twin"]);
+        let log = rejected(&domain, &variables, &["--enclave", "/column_twin"]);
         assert!(
             log.contains("key.pem is not the private key of cert.pem"),
             "{strategy}: {log}"
@@ -165,7 +165,7 @@ fn every_command_that_opens_a_participant_enforces_security() {
 
 /// A keystore of SROS 2 has keys of mode 0644, and must work unchanged; one of ours demands better.
 #[test]
-fn a_key_that_others_can_read_is_a_warning_and_refused_where_the_keystore_demands_it() {
+fn a_key_that_others_can_read_is_a_warning_and_rejected_where_the_keystore_demands_it() {
     let (domain, keystore) = (Domain::fresh(), Keystore::new());
     let folder = keystore.write(&keystore.unrestricted("/column_twin", &RECOMMENDED));
     let open = std::fs::Permissions::from_mode(0o644);
@@ -179,7 +179,7 @@ fn a_key_that_others_can_read_is_a_warning_and_refused_where_the_keystore_demand
     let log = started(&domain, &variables, &arguments);
     assert!(log.contains("restrict it with: chmod 600"), "{log}");
     std::fs::write(keystore.path().join(STRICT_FILES), "").unwrap();
-    let log = refused(&domain, &variables, &arguments);
+    let log = rejected(&domain, &variables, &arguments);
     for part in ["mode 644", "chmod 600", STRICT_FILES] {
         assert!(log.contains(part), "{log}");
     }

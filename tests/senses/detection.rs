@@ -283,7 +283,7 @@ fn the_next_impact_is_detected_when_the_column_is_quiet_again() {
     assert!((zero - expected).abs() < 1e-3, "{zero} {expected}");
 }
 
-/// A laser whose beam is interrupted, a gauge that comes off: the other sensors feel nothing.
+/// A laser whose beam is interrupted, a gauge that comes off: the other sensors detect nothing.
 #[test]
 fn a_step_of_one_sensor_alone_is_no_impact() {
     let sensors = industrial();
@@ -301,7 +301,7 @@ fn a_step_of_one_sensor_alone_is_no_impact() {
             assert_eq!(detection, None, "{time}");
         }
     }
-    // By now the steps are their zeros, and what all of them feel is an impact.
+    // By now the steps are their zeros, and what all of them detect is an impact.
     let mut detections = Vec::new();
     for sample in 80_000..81_000_usize {
         let time = sample as f64 * 1e-4;

@@ -1,6 +1,6 @@
 //! Estimates of the fibre-beam signals with the errors of industrial sensors.
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::senses::{
     CredibleInterval, ImpactEstimate, Readings, RecordedImpact, SensorComparison, estimate_recorded,
 };
@@ -100,7 +100,7 @@ fn the_last_estimate_with_all_sensors_is_close_to_the_truth() {
             },
             "{report}"
         );
-        let none = last.severity.iter().find(|it| it.0 == Severity::None);
+        let none = last.action.iter().find(|it| it.0 == Action::None);
         assert!(none.is_some_and(|it| (it.1 > 0.9) == elastic), "{report}");
     }
 }

@@ -1,6 +1,6 @@
 //! Estimates while measurements arrive, batch by batch, of the fibre-beam signals with the errors of industrial sensors.
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::column::{
     ColumnProperties, Impact, Model, Progress, Report, Response, State, residual_state,
 };
@@ -28,7 +28,7 @@ const SETS: [&[usize]; 2] = [&[0, 1, 2, 3, 4, 5, 6, 7], &[1, 3, 4]];
 /// Sensing of a signal with these sensors, prepared; the parameters with the sensors.
 fn prepared(signal: &Signal, sensors: &[Sensor]) -> (Parameters, Sensing) {
     let parameters = with_sensors(&signal.parameters(), sensors);
-    let column = StandingColumn::virgin(&parameters);
+    let column = StandingColumn::undamaged(&parameters);
     let mut sensing = Sensing::new(&parameters, column).expect("sensors");
     while sensing.step() != Work::Idle {}
     (parameters, sensing)
@@ -102,7 +102,7 @@ fn live_estimates_reach_what_those_of_recordings_do() {
                     1e3 * it.data_until,
                     record.drawn_before,
                     record.drawn,
-                    it.effective_responses,
+                    it.effective_sample_size,
                     it.mass.mean / mass,
                     it.velocity.mean / speed,
                     it.peak_v1.mean / peak,
@@ -120,7 +120,7 @@ fn live_estimates_reach_what_those_of_recordings_do() {
             let error = (last.residual_v1.mean - residual).abs();
             assert!(error < (0.1 * residual).max(2e-3), "{report}");
             let elastic = signal.truth["outcome"] == "elastic";
-            let none = last.severity.iter().find(|it| it.0 == Severity::None);
+            let none = last.action.iter().find(|it| it.0 == Action::None);
             assert!(none.is_some_and(|it| (it.1 > 0.9) == elastic), "{report}");
         }
     }
@@ -444,9 +444,9 @@ fn an_impact_on_a_damaged_column_is_estimated_for_the_column_as_it_is() {
         ..parameters.column_properties()
     });
     let model = model.expect("a column");
-    let virgin = State::at_rest(&model);
+    let undamaged = State::at_rest(&model);
     let first = Impact::rigid(1500.0, 8.0);
-    let mut state = virgin;
+    let mut state = undamaged;
     let mut response = Response::begin(&model, &mut state, first, 1.0).expect("an impact");
     while response.advance(&model, &mut state, 1).expect("a step") == Progress::Running {}
     let damaged = residual_state(&model, &state).expect("it stands");
@@ -479,7 +479,7 @@ fn an_impact_on_a_damaged_column_is_estimated_for_the_column_as_it_is() {
     assert!(is_within(&last.residual_v1, residual), "{last:#?}");
     assert!((last.velocity.mean / 7.0 - 1.0).abs() < 0.15, "{last:#?}");
     // What is left of the column is judged with its earlier damage: worse than after the second impact alone.
-    let alone = estimate(StandingColumn::virgin(&parameters));
+    let alone = estimate(StandingColumn::undamaged(&parameters));
     assert!(last.peak_v1.mean > alone.peak_v1.mean + 0.8 * damaged.displacement.v1);
     assert!(
         last.capacity_ratio.mean < alone.capacity_ratio.mean,
@@ -488,11 +488,11 @@ fn an_impact_on_a_damaged_column_is_estimated_for_the_column_as_it_is() {
 }
 
 #[test]
-fn an_undamaged_state_is_the_virgin_column() {
+fn an_undamaged_state_is_the_undamaged_column() {
     let parameters = Parameters::default();
     let model = Model::new(&parameters.column_properties()).expect("a column");
     let column = StandingColumn::new(&model, &State::at_rest(&model));
-    assert_eq!(column, StandingColumn::virgin(&parameters));
+    assert_eq!(column, StandingColumn::undamaged(&parameters));
 }
 
 /// Columns of a fleet share what is prepared. An estimate does not depend on that, and what one impact adds does not reach the
@@ -502,7 +502,7 @@ fn a_column_that_shares_its_responses_makes_the_same_estimates_as_one_of_its_own
     let signal = Signal::read("s02_rigid_10");
     let (sensors, readings) = signal.readings(SETS[1], 7);
     let parameters = with_sensors(&signal.parameters(), &sensors);
-    let base = Library::new(&parameters, StandingColumn::virgin(&parameters)).expect("sensors");
+    let base = Library::new(&parameters, StandingColumn::undamaged(&parameters)).expect("sensors");
     let mut library = base.clone();
     while !library.prepare_one() {}
     assert_eq!(base.prepared(), 0, "a copy is carried on alone");
@@ -534,7 +534,7 @@ fn an_impact_whose_responses_are_prepared_late_is_estimated_later_from_the_same_
     let signal = Signal::read("s02_rigid_10");
     let (sensors, readings) = signal.readings(SETS[1], 7);
     let parameters = with_sensors(&signal.parameters(), &sensors);
-    let base = Library::new(&parameters, StandingColumn::virgin(&parameters)).expect("sensors");
+    let base = Library::new(&parameters, StandingColumn::undamaged(&parameters)).expect("sensors");
     let mut sensing = Sensing::sharing(base);
     let given = batches(&readings, SAMPLES);
     let last = given.last().expect("data").1.end();

@@ -19,7 +19,7 @@ const COLUMNS: [[f64; 2]; 3] = [[0.8, 3.2], [1.25, 2.75], [1.0, 4.0]];
 
 /// Impacts of each kind on each column.
 const RIGID: u32 = 4;
-const COMPLIANT: u32 = 2;
+const DEFORMABLE: u32 = 2;
 
 /// Standard deviations of what the column differs by from its parameters, relative to these: yield strength, bending stiffness,
 /// mass.
@@ -74,7 +74,7 @@ fn rigid(normal: &mut Normal) -> Impact {
 }
 
 /// A mass of about 2 t at about 8 m/s behind a spring of about 400 kN/m.
-fn compliant(normal: &mut Normal) -> Impact {
+fn deformable(normal: &mut Normal) -> Impact {
     let mass = 2000.0 * (0.3 * normal.next().clamp(-1.5, 1.5)).exp();
     let stiffness = 400e3 * (0.3 * normal.next().clamp(-1.5, 1.5)).exp();
     let spring = CrushSpring {
@@ -186,5 +186,5 @@ fn ten_milliseconds_tell_what_rigid_mass_has_struck_a_column_that_is_not_quite_a
 
 #[test]
 fn intervals_hold_what_elastic_front_has_struck_a_column_that_is_not_quite_as_known() {
-    assert!(coverage(&cases(COMPLIANT, 16, compliant)) >= 0.8);
+    assert!(coverage(&cases(DEFORMABLE, 16, deformable)) >= 0.8);
 }

@@ -110,7 +110,7 @@ fn the_axis_of_a_sheared_bar_leans_by_the_angle_of_its_web() {
 fn a_displacement_at_the_impact_point_and_the_integrated_acceleration_are_those_of_the_response() {
     let parameters = Parameters::default();
     let properties = parameters.column_properties();
-    // A front without a percussion: the sampling resolves its accelerations.
+    // A front without an impact impulse: the sampling resolves its accelerations.
     let vehicle = parameters
         .vehicle_named("en1991_elastic")
         .expect("a vehicle");

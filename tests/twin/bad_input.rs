@@ -1,27 +1,27 @@
 //! Rejected commands change nothing, and their senders can read the reason.
 
 use column_twin::column::ImpactSpecification;
-use column_twin::twin::{ImpactCommand, MAX_EVENT_ID_CHARS, MAX_REASON_CHARS, RefusedInput};
+use column_twin::twin::{ImpactCommand, MAX_EVENT_ID_CHARS, MAX_REASON_CHARS, RejectedInput};
 
 use crate::{Bench, MS, START, event};
 
-fn refusal_of(event: ImpactCommand) -> String {
+fn rejection_of(event: ImpactCommand) -> String {
     let mut bench = Bench::new(&[]);
     let before = bench.twin.saved_state(START);
     bench.hit(event);
-    let refusals = bench.refusals();
-    assert_eq!(refusals.len(), 1, "{refusals:?}");
-    assert_eq!(refusals[0].what, RefusedInput::Impact);
-    let reason = refusals[0].refusal.reason.to_string();
+    let rejections = bench.rejections();
+    assert_eq!(rejections.len(), 1, "{rejections:?}");
+    assert_eq!(rejections[0].what, RejectedInput::Impact);
+    let reason = rejections[0].rejection.reason.to_string();
     let status = bench.status();
-    assert_eq!(*status.last_refusal_reason, *reason);
+    assert_eq!(*status.last_rejection_reason, *reason);
     assert_eq!(
-        (status.counts.events_refused, status.counts.events_accepted),
+        (status.counts.events_rejected, status.counts.events_accepted),
         (1, 0)
     );
     let mut after = bench.twin.saved_state(START);
-    assert_eq!(after.refused_since_reset, 1);
-    after.refused_since_reset = 0;
+    assert_eq!(after.rejected_since_reset, 1);
+    after.rejected_since_reset = 0;
     assert_eq!(after, before);
     assert!(!bench.twin.is_responding() && !bench.twin.is_looking_ahead());
     reason
@@ -152,7 +152,7 @@ fn invalid_numbers_are_rejected() {
             "the column is 4 m high",
         ),
     ] {
-        let reason = refusal_of(bad);
+        let reason = rejection_of(bad);
         assert!(reason.contains(expected), "{reason}");
     }
 }
@@ -168,7 +168,7 @@ fn all_invalid_numbers_are_listed() {
         },
         ..event("a", START)
     };
-    let reason = refusal_of(bad);
+    let reason = rejection_of(bad);
     assert!(
         ["mass", "velocity", "gap"]
             .iter()
@@ -177,21 +177,21 @@ fn all_invalid_numbers_are_listed() {
     );
 }
 
-/// A field that a sender leaves out of a message is 0: the refusal tells how to leave it open.
+/// A field that a sender leaves out of a message is 0: the rejection tells how to leave it open.
 #[test]
 fn a_height_of_0_is_rejected_with_a_hint_at_nan() {
     let good = event("a", START);
     let hint = "NaN (in YAML: .nan) takes the value of the parameter";
     let mut of_height = good.clone();
     of_height.impact.height = Some(0.0);
-    let reason = refusal_of(of_height);
+    let reason = rejection_of(of_height);
     assert!(
         reason.starts_with("height = 0: is out of range") && reason.ends_with(hint),
         "{reason}"
     );
     let mut of_gap = good.clone();
     of_gap.impact.gap = Some(-1.0);
-    let reason = refusal_of(of_gap);
+    let reason = rejection_of(of_gap);
     assert!(reason.ends_with(hint), "{reason}");
 }
 
@@ -229,7 +229,7 @@ fn a_number_of_300_digits_is_shortened() {
             "gap = 1e200: is out of range",
         ),
     ] {
-        let reason = refusal_of(ImpactCommand {
+        let reason = rejection_of(ImpactCommand {
             impact,
             ..event("a", START)
         });
@@ -244,14 +244,14 @@ fn a_number_of_300_digits_is_shortened() {
         },
         ..event("a", START)
     };
-    let reason = refusal_of(light);
+    let reason = rejection_of(light);
     assert!(reason.contains("-1e300 kg"), "{reason}");
 }
 
 #[test]
 fn invalid_identifiers_are_rejected() {
     let good = event("a", START);
-    let other = refusal_of(ImpactCommand {
+    let other = rejection_of(ImpactCommand {
         column_id: "other\u{1b}[31m".into(),
         ..good.clone()
     });
@@ -259,20 +259,20 @@ fn invalid_identifiers_are_rejected() {
         other,
         "column_id is \"other\\u{1b}[31m\", but this is the twin of column \"column\""
     );
-    let empty = refusal_of(ImpactCommand {
+    let empty = rejection_of(ImpactCommand {
         event_id: String::new(),
         ..good.clone()
     });
     assert!(empty.contains("event_id is empty"));
     let long = "x".repeat(MAX_EVENT_ID_CHARS + 1);
     assert!(
-        refusal_of(ImpactCommand {
+        rejection_of(ImpactCommand {
             event_id: long,
             ..good.clone()
         })
         .contains("too long")
     );
-    let control = refusal_of(ImpactCommand {
+    let control = rejection_of(ImpactCommand {
         event_id: "a\nb".into(),
         ..good.clone()
     });
@@ -288,8 +288,8 @@ fn huge_identifiers_are_not_stored() {
         column_id: huge,
         ..event("", START)
     });
-    let refused = bench.refusals()[0].clone();
-    assert!(refused.refusal.reason.len() < MAX_REASON_CHARS && refused.event_id.len() < 300);
+    let rejected = bench.rejections()[0].clone();
+    assert!(rejected.rejection.reason.len() < MAX_REASON_CHARS && rejected.event_id.len() < 300);
 }
 
 #[test]
@@ -309,13 +309,13 @@ fn stamps_outside_the_tolerance_are_rejected() {
         (i64::MIN + 1, "s old"),
         (i64::MAX, "s ahead"),
     ] {
-        let reason = refusal_of(event("a", stamp));
+        let reason = rejection_of(event("a", stamp));
         assert!(reason.contains(expected), "{reason}");
     }
     for stamp in [START - 5_000 * MS, START + 1_000 * MS] {
         let mut bench = Bench::new(&[]);
         bench.hit(event("a", stamp));
-        assert!(bench.refusals().is_empty());
+        assert!(bench.rejections().is_empty());
     }
 }
 
@@ -327,9 +327,9 @@ fn a_repeated_identifier_is_rejected() {
     bench.rest();
     bench.hit(event("a", bench.now));
     let reasons: Vec<_> = bench
-        .refusals()
+        .rejections()
         .iter()
-        .map(|it| it.refusal.reason.to_string())
+        .map(|it| it.rejection.reason.to_string())
         .collect();
     assert_eq!(reasons.len(), 2);
     assert!(
@@ -352,13 +352,13 @@ fn the_identifier_of_a_rejected_event_can_be_used_again() {
     });
     bench.hit(event("a", START));
     assert_eq!(
-        (bench.refusals().len(), bench.twin.is_responding()),
+        (bench.rejections().len(), bench.twin.is_responding()),
         (1, true)
     );
 }
 
 #[test]
-fn a_refusal_during_a_response_does_not_disturb_it() {
+fn a_rejection_during_a_response_does_not_disturb_it() {
     let mut quiet = Bench::new(&[]);
     quiet.hit(event("a", START));
     quiet.rest();
@@ -375,7 +375,7 @@ fn a_refusal_during_a_response_does_not_disturb_it() {
         });
     }
     loud.rest();
-    assert_eq!(loud.refusals().len(), 20);
+    assert_eq!(loud.rejections().len(), 20);
     let samples = |bench: &Bench| -> Vec<_> { bench.states().iter().map(|it| it.sample).collect() };
     assert_eq!(samples(&quiet), samples(&loud));
     assert_eq!(quiet.reports()[0].report, loud.reports()[0].report);
@@ -392,15 +392,15 @@ fn ten_thousand_events_in_a_second() {
     }
     bench.rest();
     let counts = bench.status().counts;
-    assert_eq!(counts.events_accepted + counts.events_refused, 10_000);
-    assert_eq!(counts.events_refused, bench.refusals().len() as u64);
+    assert_eq!(counts.events_accepted + counts.events_rejected, 10_000);
+    assert_eq!(counts.events_rejected, bench.rejections().len() as u64);
     assert!(counts.events_accepted >= 1);
 }
 
 /// It was once called 1795303513 s old.
 #[test]
 fn a_stamp_of_zero_is_one_that_was_not_set() {
-    let reason = refusal_of(event("a", 0));
+    let reason = rejection_of(event("a", 0));
     assert!(
         reason.contains("the stamp is zero") && reason.contains("header.stamp"),
         "{reason}"

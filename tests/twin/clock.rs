@@ -44,7 +44,7 @@ fn a_clock_that_jumps_back_does_not_freeze_the_response() {
     // Life goes on at the new time, and no later impact belongs into the response before the jump.
     bench.hit(event("b", bench.now));
     bench.rest();
-    assert_eq!(bench.refusals().len(), 0);
+    assert_eq!(bench.rejections().len(), 0);
     assert_eq!(&*bench.reports()[1].event_id, "b");
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::column::{ImpactSpecification, Model};
 use column_twin::parameters::{Value, vehicle_catalogue};
 use column_twin::study::{LIMIT_VELOCITIES, StudyColumn, VehicleLimits, vehicle_limits};
@@ -23,7 +23,7 @@ fn compute(bench: &Bench) -> Limits {
     task.compute(&mut || true).expect("not abandoned")
 }
 
-fn give(bench: &mut Bench, vehicles: &Limits) -> Result<Accepted, column_twin::twin::Refusal> {
+fn give(bench: &mut Bench, vehicles: &Limits) -> Result<Accepted, column_twin::twin::Rejection> {
     bench.handle(Command::CriticalVelocities {
         vehicles: Arc::clone(vehicles),
     })
@@ -38,7 +38,7 @@ fn known(bench: &Bench) -> Option<Limits> {
 }
 
 /// By the library alone, from what a recording has of the column at rest.
-fn of_checkpoint(checkpoint: &Checkpoint, at_rest: Severity) -> Vec<VehicleLimits> {
+fn of_checkpoint(checkpoint: &Checkpoint, at_rest: Action) -> Vec<VehicleLimits> {
     let mut properties = checkpoint.parameters.column_properties();
     properties.length_below = checkpoint.length_below;
     properties.length_above = checkpoint.length_above;
@@ -48,13 +48,13 @@ fn of_checkpoint(checkpoint: &Checkpoint, at_rest: Severity) -> Vec<VehicleLimit
 }
 
 #[test]
-fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_the_virgin_one() {
+fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_the_undamaged_one() {
     let mut bench = Bench::new(&[]);
     assert_eq!(known(&bench), None);
-    let virgin = compute(&bench);
-    assert_eq!(virgin.len(), 1 + vehicle_catalogue().len());
-    assert_eq!(give(&mut bench, &virgin), Ok(Accepted::Applied));
-    assert_eq!(known(&bench).as_ref(), Some(&virgin));
+    let undamaged = compute(&bench);
+    assert_eq!(undamaged.len(), 1 + vehicle_catalogue().len());
+    assert_eq!(give(&mut bench, &undamaged), Ok(Accepted::Applied));
+    assert_eq!(known(&bench).as_ref(), Some(&undamaged));
     assert!(bench.twin.critical_velocity_task().is_none());
 
     hit(&mut bench, 5.0);
@@ -62,7 +62,11 @@ fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_th
     assert!(bench.twin.critical_velocity_task().is_none());
     bench.go_on(3_000 * MS);
     assert!(!bench.twin.is_responding());
-    assert_eq!(known(&bench), None, "they were those of the virgin column");
+    assert_eq!(
+        known(&bench),
+        None,
+        "they were those of the undamaged column"
+    );
 
     let damaged = compute(&bench);
     assert_eq!(give(&mut bench, &damaged), Ok(Accepted::Applied));
@@ -72,14 +76,10 @@ fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_th
         _ => None,
     });
     assert_eq!(last.as_ref(), Some(&damaged));
-    let severity = status(&bench)
-        .assessed
-        .expect("assessed")
-        .assessment
-        .severity;
+    let action = status(&bench).assessed.expect("assessed").assessment.action;
     let checkpoint = bench.twin.checkpoint(bench.now).expect("at rest");
-    assert_eq!(*damaged, *of_checkpoint(&checkpoint, severity));
-    assert_ne!(damaged, virgin);
+    assert_eq!(*damaged, *of_checkpoint(&checkpoint, action));
+    assert_ne!(damaged, undamaged);
 
     // A twin that continues from the checkpoint knows the same.
     let continued = Twin::from_checkpoint(&checkpoint, Box::new(|| 0)).expect("a column");
@@ -91,11 +91,11 @@ fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_th
     };
     bench.handle(reset).expect("accepted");
     assert_eq!(known(&bench), None);
-    assert_eq!(compute(&bench), virgin);
+    assert_eq!(compute(&bench), undamaged);
 }
 
-/// Every value against the prediction of the twin, which shares neither the search nor the screening: below the critical velocity the
-/// severity is lower, 1 % above it is reached.
+/// Every value against the prediction of the twin, which shares neither the search nor the evaluation: below the critical velocity the
+/// action is lower, 1 % above it is reached.
 #[test]
 fn the_prediction_of_an_impact_confirms_them() {
     let mut bench = Bench::new(&[]);
@@ -126,11 +126,7 @@ fn the_prediction_confirms_them_where_each_vehicle_strikes_at_its_own_height() {
 }
 
 fn confirm_by_predictions(bench: &Bench) {
-    let at_rest = status(bench)
-        .assessed
-        .expect("assessed")
-        .assessment
-        .severity;
+    let at_rest = status(bench).assessed.expect("assessed").assessment.action;
     let predicted = |limits: &VehicleLimits, velocity: f64| {
         let impact = ImpactSpecification {
             mass: limits.mass,
@@ -142,21 +138,21 @@ fn confirm_by_predictions(bench: &Bench) {
         let snapshot = bench.twin.snapshot();
         let prediction = snapshot.predict("", &limits.vehicle, &impact, &|| 0);
         let assessed = prediction.expect("computed").assessed;
-        assessed.map_or(Severity::Evacuate, |it| it.assessment.severity)
+        assessed.map_or(Action::Evacuate, |it| it.assessment.action)
     };
     let mut checked = 0;
     for limits in compute(bench).iter().skip(1) {
-        for (severity, velocity) in [
-            (Severity::Restrict, limits.restrict),
-            (Severity::Evacuate, limits.evacuate),
+        for (action, velocity) in [
+            (Action::Restrict, limits.restrict),
+            (Action::Evacuate, limits.evacuate),
         ] {
             match velocity {
-                None => assert!(predicted(limits, LIMIT_VELOCITIES[1]) < severity),
-                Some(0.0) if severity <= at_rest => {}
-                Some(0.0) => assert!(predicted(limits, LIMIT_VELOCITIES[0]) >= severity),
+                None => assert!(predicted(limits, LIMIT_VELOCITIES[1]) < action),
+                Some(0.0) if action <= at_rest => {}
+                Some(0.0) => assert!(predicted(limits, LIMIT_VELOCITIES[0]) >= action),
                 Some(velocity) => {
-                    assert!(predicted(limits, velocity) < severity, "{limits:?}");
-                    assert!(predicted(limits, 1.01 * velocity) >= severity, "{limits:?}");
+                    assert!(predicted(limits, velocity) < action, "{limits:?}");
+                    assert!(predicted(limits, 1.01 * velocity) >= action, "{limits:?}");
                     checked += 1;
                 }
             }
@@ -190,11 +186,11 @@ fn values_that_come_during_a_response_change_nothing() {
 #[test]
 fn an_impact_that_leaves_no_trace_keeps_them_and_a_parameter_does_not() {
     let mut bench = Bench::new(&[]);
-    let virgin = compute(&bench);
-    give(&mut bench, &virgin).expect("accepted");
+    let undamaged = compute(&bench);
+    give(&mut bench, &undamaged).expect("accepted");
     bench.hit(light("a", bench.now));
     bench.go_on(3_000 * MS);
-    assert_eq!(known(&bench), Some(virgin));
+    assert_eq!(known(&bench), Some(undamaged));
     let change = Command::SetParameters {
         changes: vec![("top.load".to_owned(), 1e5.into())],
         source: "test".into(),

@@ -1,15 +1,15 @@
-//! Impacts that the sensors have felt: acceptance, following, and events that are the same impact.
+//! Impacts that the sensors have detected: acceptance, following, and events that are the same impact.
 
 use std::sync::Arc;
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::column::Impact;
 use column_twin::parameters::Value;
 use column_twin::senses::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
 use column_twin::time::Nanos;
 use column_twin::twin::{
     Accepted, Command, Decision, EstimateDecision, EstimateOutput, ImpactCommand, Journal, Output,
-    RefusalCode, RefusedInput, StateOutput,
+    RejectedInput, RejectionCode, StateOutput,
 };
 
 use crate::{Bench, MS, START, event, fatal};
@@ -63,9 +63,9 @@ fn estimate(id: &str, update: u32, contact: Nanos, best: Impact, is_sure: bool) 
             yielded: 0.99,
             collapsed: 0.0,
             capacity_ratio: interval(0.8, width),
-            severity: Severity::ALL.map(|it| (it, 0.2)).to_vec(),
+            action: Action::ALL.map(|it| (it, 0.2)).to_vec(),
             vehicle_probabilities: vec![("rigid".to_owned(), 1.0)],
-            effective_responses: 80.0,
+            effective_sample_size: 80.0,
             doubtful_sensors: Vec::new(),
         },
         best,
@@ -99,19 +99,19 @@ fn accepting(accept: &str) -> Bench {
 }
 
 impl Bench {
-    fn feel(&mut self, record: EstimateRecord) -> Accepted {
+    fn detect(&mut self, record: EstimateRecord) -> Accepted {
         let command = Command::Estimate(Arc::new(record));
         self.handle(command)
             .expect("the twin takes it in every state")
     }
 
-    fn confirm(&mut self, id: &str, accept: bool) -> Result<Accepted, RefusalCode> {
+    fn confirm(&mut self, id: &str, accept: bool) -> Result<Accepted, RejectionCode> {
         self.handle(Command::DecideEstimate(EstimateDecision {
             event_id: id.to_owned(),
             accept,
             source: "test".into(),
         }))
-        .map_err(|refusal| refusal.code)
+        .map_err(|rejection| rejection.code)
     }
 
     fn estimates(&self) -> Vec<&EstimateOutput> {
@@ -131,7 +131,7 @@ impl Bench {
         (
             counts.events_accepted,
             counts.events_merged,
-            counts.events_refused,
+            counts.events_rejected,
         )
     }
 
@@ -180,8 +180,8 @@ fn an_estimate_that_nobody_confirms_is_only_published() {
         let mut bench = accepting(accept);
         for update in 0..3 {
             bench.go_on(10 * MS);
-            let record = estimate("felt", update, START, RIGHT, true);
-            bench.feel(if update == 2 { last_of(record) } else { record });
+            let record = estimate("detected", update, START, RIGHT, true);
+            bench.detect(if update == 2 { last_of(record) } else { record });
         }
         let published: Vec<_> = bench
             .estimates()
@@ -194,14 +194,14 @@ fn an_estimate_that_nobody_confirms_is_only_published() {
         assert!(!bench.twin.is_responding());
         assert_eq!(bench.impacts(), (0, 0, 0));
         let waiting = bench.status().waiting_estimate;
-        assert_eq!(&*waiting, if accept == "never" { "" } else { "felt" });
-        assert!(bench.said("the sensors have felt an impact, \"felt\""));
+        assert_eq!(&*waiting, if accept == "never" { "" } else { "detected" });
+        assert!(bench.said("the sensors have detected an impact, \"detected\""));
         if accept == "never" {
             assert_eq!(
                 bench.confirm("", true),
-                Err(RefusalCode::EstimateNotPending)
+                Err(RejectionCode::EstimateNotPending)
             );
-            assert_eq!(bench.refusals()[0].what, RefusedInput::Estimate);
+            assert_eq!(bench.rejections()[0].what, RejectedInput::Estimate);
         }
     }
 }
@@ -212,24 +212,24 @@ fn a_confirmed_estimate_is_an_impact_at_its_instant_of_contact() {
     let mut bench = accepting("confirmation");
     let contact = START + 7 * MS + 123_456;
     bench.go_to(START + 40 * MS);
-    bench.feel(estimate("felt", 0, contact, RIGHT, false));
-    assert_eq!(bench.confirm("felt", true), Ok(Accepted::Applied));
+    bench.detect(estimate("detected", 0, contact, RIGHT, false));
+    assert_eq!(bench.confirm("detected", true), Ok(Accepted::Applied));
     assert_eq!(bench.decision(), Decision::Accepted);
     assert_eq!(&*bench.status().waiting_estimate, "");
     bench.rest();
     let mut expected = Bench::new(&[]);
     expected.go_to(START + 40 * MS);
-    expected.hit(of(RIGHT, "felt", contact));
+    expected.hit(of(RIGHT, "detected", contact));
     expected.rest();
     assert_same_outcome(&bench, &expected);
     let values =
         |it: &Bench| -> Vec<_> { it.states().iter().map(|it| (it.stamp, it.sample)).collect() };
     assert_eq!(values(&bench), values(&expected));
     assert_eq!(bench.impacts(), (1, 0, 0));
-    assert_eq!(&*bench.status().event_id, "felt");
+    assert_eq!(&*bench.status().event_id, "detected");
     assert_eq!(
-        bench.confirm("felt", false),
-        Err(RefusalCode::EstimateNotPending)
+        bench.confirm("detected", false),
+        Err(RejectionCode::EstimateNotPending)
     );
 }
 
@@ -238,19 +238,19 @@ fn a_rejected_estimate_is_none_and_may_be_confirmed_after_all() {
     let mut bench = accepting("confirmation");
     assert_eq!(
         bench.confirm("", true),
-        Err(RefusalCode::EstimateNotPending)
+        Err(RejectionCode::EstimateNotPending)
     );
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     assert_eq!(
         bench.confirm("another", true),
-        Err(RefusalCode::EstimateNotPending)
+        Err(RejectionCode::EstimateNotPending)
     );
     assert_eq!(bench.confirm("", false), Ok(Accepted::Applied));
-    assert_eq!(bench.decision(), Decision::Rejected);
-    bench.feel(last_of(estimate("felt", 1, START, RIGHT, true)));
-    assert_eq!(bench.decision(), Decision::Rejected);
+    assert_eq!(bench.decision(), Decision::Declined);
+    bench.detect(last_of(estimate("detected", 1, START, RIGHT, true)));
+    assert_eq!(bench.decision(), Decision::Declined);
     assert!(!bench.twin.is_responding());
-    assert_eq!(bench.confirm("felt", true), Ok(Accepted::Applied));
+    assert_eq!(bench.confirm("detected", true), Ok(Accepted::Applied));
     bench.rest();
     assert_same_outcome(&bench, &after_event(RIGHT, START));
 }
@@ -258,18 +258,18 @@ fn a_rejected_estimate_is_none_and_may_be_confirmed_after_all() {
 #[test]
 fn an_estimate_is_accepted_by_itself_when_it_is_sure_enough_or_final() {
     let mut bench = accepting("automatic");
-    bench.feel(estimate("felt", 0, START, WRONG, false));
+    bench.detect(estimate("detected", 0, START, WRONG, false));
     assert_eq!(bench.decision(), Decision::Pending);
-    let few = estimate("felt", 1, START, WRONG, true);
+    let few = estimate("detected", 1, START, WRONG, true);
     let few = EstimateRecord {
         estimate: ImpactEstimate {
-            effective_responses: 10.0,
+            effective_sample_size: 10.0,
             ..few.estimate.clone()
         },
         ..few
     };
-    bench.feel(few);
-    let open = estimate("felt", 2, START, WRONG, true);
+    bench.detect(few);
+    let open = estimate("detected", 2, START, WRONG, true);
     let open = EstimateRecord {
         estimate: ImpactEstimate {
             yielded: 0.6,
@@ -277,15 +277,15 @@ fn an_estimate_is_accepted_by_itself_when_it_is_sure_enough_or_final() {
         },
         ..open
     };
-    bench.feel(open);
+    bench.detect(open);
     assert_eq!(bench.decision(), Decision::Pending);
-    bench.feel(estimate("felt", 3, START, RIGHT, true));
+    bench.detect(estimate("detected", 3, START, RIGHT, true));
     assert_eq!(bench.decision(), Decision::Accepted);
     bench.rest();
     assert_same_outcome(&bench, &after_event(RIGHT, START));
 
     let mut bench = accepting("automatic");
-    bench.feel(last_of(estimate("felt", 0, START, RIGHT, false)));
+    bench.detect(last_of(estimate("detected", 0, START, RIGHT, false)));
     assert_eq!(bench.decision(), Decision::Accepted);
     bench.rest();
     assert_same_outcome(&bench, &after_event(RIGHT, START));
@@ -296,16 +296,16 @@ fn an_estimate_is_accepted_by_itself_when_it_is_sure_enough_or_final() {
 fn a_later_estimate_replaces_the_impact_of_the_response() {
     let mut bench = accepting("automatic");
     bench.go_to(START + 12 * MS);
-    bench.feel(estimate("felt", 0, START, WRONG, true));
+    bench.detect(estimate("detected", 0, START, WRONG, true));
     bench.go_to(START + 20 * MS);
     let earlier = bench.states().len();
     let contact = START + MS / 2;
-    bench.feel(estimate("felt", 1, contact, RIGHT, true));
+    bench.detect(estimate("detected", 1, contact, RIGHT, true));
     assert!(
         bench
             .out
             .iter()
-            .any(|it| matches!(it, Output::Replaced(id) if **id == *"felt"))
+            .any(|it| matches!(it, Output::Replaced(id) if **id == *"detected"))
     );
     bench.rest();
     let expected = after_event(RIGHT, contact);
@@ -324,7 +324,7 @@ fn a_later_estimate_replaces_the_impact_of_the_response() {
             .into_iter()
             .find(|it| it.stamp == state.stamp);
         assert_eq!(state.sample, same.expect("the same instants").sample);
-        assert_eq!(&*state.event_id, "felt");
+        assert_eq!(&*state.event_id, "detected");
     }
     let forecast = bench.forecasts().last().expect("a forecast").report;
     assert_eq!(forecast.max_v1, bench.reports()[0].report.max_v1);
@@ -335,12 +335,12 @@ fn a_later_estimate_replaces_the_impact_of_the_response() {
 #[test]
 fn an_estimate_of_the_same_impact_does_not_disturb_the_response() {
     let mut bench = accepting("automatic");
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     bench.go_to(START + 20 * MS);
-    bench.feel(last_of(estimate("felt", 1, START, RIGHT, true)));
+    bench.detect(last_of(estimate("detected", 1, START, RIGHT, true)));
     bench.rest();
     let mut expected = Bench::new(&[]);
-    expected.hit(of(RIGHT, "felt", START));
+    expected.hit(of(RIGHT, "detected", START));
     expected.rest();
     assert_same_outcome(&bench, &expected);
     assert!(!bench.out.iter().any(|it| matches!(it, Output::Replaced(_))));
@@ -350,9 +350,9 @@ fn an_estimate_of_the_same_impact_does_not_disturb_the_response() {
 #[test]
 fn a_later_estimate_takes_back_a_response_that_is_over() {
     let mut bench = accepting("automatic");
-    bench.feel(estimate("felt", 0, START, WRONG, true));
+    bench.detect(estimate("detected", 0, START, WRONG, true));
     bench.rest();
-    bench.feel(last_of(estimate("felt", 1, START, RIGHT, true)));
+    bench.detect(last_of(estimate("detected", 1, START, RIGHT, true)));
     assert!(bench.twin.is_responding());
     bench.rest();
     assert_same_outcome(&bench, &after_event(RIGHT, START));
@@ -375,9 +375,9 @@ fn a_later_estimate_takes_back_a_response_that_is_over() {
 #[test]
 fn nothing_follows_the_final_estimate() {
     let mut bench = accepting("automatic");
-    bench.feel(last_of(estimate("felt", 4, START, RIGHT, true)));
+    bench.detect(last_of(estimate("detected", 4, START, RIGHT, true)));
     for update in [3, 4, 5] {
-        let late = bench.feel(estimate("felt", update, START, WRONG, true));
+        let late = bench.detect(estimate("detected", update, START, WRONG, true));
         assert_eq!(late, Accepted::Unchanged);
     }
     bench.rest();
@@ -393,14 +393,14 @@ fn a_later_estimate_replaces_the_second_impact_on_a_moving_column() {
     bench.hit(event("first", START));
     bench.go_to(START + 20 * MS);
     bench.change(&[("estimation.merge_window", 0.001.into())]);
-    bench.feel(estimate("felt", 0, second, WRONG, true));
+    bench.detect(estimate("detected", 0, second, WRONG, true));
     bench.go_to(START + 30 * MS);
-    bench.feel(last_of(estimate("felt", 1, second + MS, RIGHT, true)));
+    bench.detect(last_of(estimate("detected", 1, second + MS, RIGHT, true)));
     bench.rest();
     let mut expected = Bench::new(&[]);
     expected.hit(event("first", START));
     expected.go_to(START + 20 * MS);
-    expected.hit(of(RIGHT, "felt", second));
+    expected.hit(of(RIGHT, "detected", second));
     expected.rest();
     assert_same_outcome(&bench, &expected);
 }
@@ -410,13 +410,13 @@ fn a_later_estimate_replaces_the_second_impact_on_a_moving_column() {
 fn an_estimate_is_not_followed_once_another_impact_has_come() {
     let mut bench = accepting("automatic");
     bench.change(&[("estimation.merge_window", 0.001.into())]);
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     bench.go_to(START + 12 * MS);
     bench.hit(event("second", bench.now));
-    bench.feel(last_of(estimate("felt", 1, START, WRONG, true)));
+    bench.detect(last_of(estimate("detected", 1, START, WRONG, true)));
     bench.rest();
     let mut expected = Bench::new(&[]);
-    expected.hit(of(RIGHT, "felt", START));
+    expected.hit(of(RIGHT, "detected", START));
     expected.go_to(START + 12 * MS);
     expected.hit(event("second", expected.now));
     expected.rest();
@@ -428,7 +428,7 @@ fn an_estimate_is_not_followed_once_another_impact_has_come() {
 fn an_event_of_an_accepted_estimate_is_merged_with_it() {
     let mut bench = accepting("automatic");
     bench.go_to(START + 30 * MS);
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     let seen = ImpactCommand {
         stamp: START - 200 * MS,
         ..of(WRONG, "camera", START)
@@ -460,13 +460,13 @@ fn an_event_of_an_accepted_estimate_is_merged_with_it() {
     );
     assert_eq!(
         (&*merged[0].event_id, &*merged[0].estimate_id),
-        ("camera", "felt")
+        ("camera", "detected")
     );
-    assert!(bench.said("merged with \"felt\""));
+    assert!(bench.said("merged with \"detected\""));
     bench.hit(of(WRONG, "camera", START));
     assert_eq!(
-        bench.refusals()[0].refusal.code,
-        RefusalCode::EventIdRepeated
+        bench.rejections()[0].rejection.code,
+        RejectionCode::EventIdRepeated
     );
     bench.rest();
     let expected = after_event(RIGHT, START);
@@ -484,9 +484,9 @@ fn an_event_of_an_accepted_estimate_is_merged_with_it() {
 
 /// A merged event has to be a valid one, as any other.
 #[test]
-fn an_invalid_event_is_refused_even_if_it_could_be_merged() {
+fn an_invalid_event_is_rejected_even_if_it_could_be_merged() {
     let mut bench = accepting("automatic");
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     let faulty = [
         of(
             Impact {
@@ -508,7 +508,7 @@ fn an_invalid_event_is_refused_even_if_it_could_be_merged() {
             column_id: "another".to_owned(),
             ..of(RIGHT, "c", START)
         },
-        of(RIGHT, "felt", START),
+        of(RIGHT, "detected", START),
     ];
     for faulty in faulty {
         bench.hit(faulty);
@@ -527,14 +527,20 @@ fn an_event_that_comes_first_is_the_impact_and_the_estimate_belongs_to_it() {
         // With a gap the vehicle touches the column 0.1 s after the stamp.
         let contact = START + gap.map_or(0, |_| 100 * MS);
         bench.change(&[("estimation.merge_window", 0.05.into())]);
-        bench.feel(estimate("felt", 0, contact + 2 * MS, WRONG, true));
-        bench.feel(last_of(estimate("felt", 1, contact + 2 * MS, WRONG, true)));
+        bench.detect(estimate("detected", 0, contact + 2 * MS, WRONG, true));
+        bench.detect(last_of(estimate(
+            "detected",
+            1,
+            contact + 2 * MS,
+            WRONG,
+            true,
+        )));
         let last = bench.estimates().pop().expect("published");
         assert_eq!(last.decision, Decision::Merged);
         assert_eq!(last.merged_event_id.as_deref(), Some("camera"));
         assert_eq!(
-            bench.confirm("felt", true),
-            Err(RefusalCode::EstimateNotPending)
+            bench.confirm("detected", true),
+            Err(RejectionCode::EstimateNotPending)
         );
         bench.rest();
         let mut expected = Bench::new(&[]);
@@ -549,12 +555,12 @@ fn an_event_that_comes_first_is_the_impact_and_the_estimate_belongs_to_it() {
 fn an_event_decides_about_an_estimate_that_waits() {
     let mut bench = accepting("confirmation");
     bench.go_to(START + 20 * MS);
-    bench.feel(estimate("felt", 0, START, WRONG, true));
-    assert_eq!(&*bench.status().waiting_estimate, "felt");
+    bench.detect(estimate("detected", 0, START, WRONG, true));
+    assert_eq!(&*bench.status().waiting_estimate, "detected");
     bench.hit(of(RIGHT, "person", START + 3 * MS));
     assert_eq!(bench.decision(), Decision::Merged);
     assert_eq!(&*bench.status().waiting_estimate, "");
-    bench.feel(last_of(estimate("felt", 1, START, WRONG, true)));
+    bench.detect(last_of(estimate("detected", 1, START, WRONG, true)));
     bench.rest();
     assert_eq!(bench.impacts(), (1, 0, 0));
     assert_eq!(bench.reports().len(), 1);
@@ -565,7 +571,7 @@ fn an_event_decides_about_an_estimate_that_waits() {
 #[test]
 fn an_event_outside_of_the_window_is_another_impact() {
     let mut bench = accepting("automatic");
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     bench.go_to(START + 501 * MS);
     bench.hit(event("later", bench.now));
     assert_eq!(bench.impacts(), (2, 0, 0));
@@ -574,23 +580,23 @@ fn an_event_outside_of_the_window_is_another_impact() {
 }
 
 #[test]
-fn a_reset_forgets_what_the_sensors_have_felt_before() {
+fn a_reset_forgets_what_the_sensors_have_detected_before() {
     let mut bench = accepting("automatic");
-    bench.feel(estimate("felt", 0, START, RIGHT, true));
+    bench.detect(estimate("detected", 0, START, RIGHT, true));
     bench.go_to(START + 20 * MS);
     bench.reset();
     assert_eq!(
-        bench.feel(last_of(estimate("felt", 1, START, RIGHT, true))),
+        bench.detect(last_of(estimate("detected", 1, START, RIGHT, true))),
         Accepted::Unchanged
     );
     assert!(!bench.twin.is_responding());
     assert_eq!(bench.status().impacts_since_reset, 0);
     assert_eq!(
         bench.confirm("", true),
-        Err(RefusalCode::EstimateNotPending)
+        Err(RejectionCode::EstimateNotPending)
     );
     bench.go_on(500 * MS);
-    bench.feel(estimate("again", 0, bench.now, RIGHT, true));
+    bench.detect(estimate("again", 0, bench.now, RIGHT, true));
     assert!(bench.twin.is_responding());
 }
 
@@ -603,32 +609,32 @@ fn a_column_that_has_collapsed_takes_no_estimate() {
     bench.hit(fatal("crash", START));
     bench.rest();
     bench.go_on(1_000 * MS);
-    bench.feel(last_of(estimate("felt", 0, bench.now, RIGHT, true)));
-    assert_eq!(bench.decision(), Decision::Refused);
+    bench.detect(last_of(estimate("detected", 0, bench.now, RIGHT, true)));
+    assert_eq!(bench.decision(), Decision::Rejected);
     assert_eq!(bench.impacts(), (1, 0, 1));
-    let refused = bench.refusals().pop().expect("refused");
-    assert_eq!(refused.refusal.code, RefusalCode::ColumnCollapsed);
-    assert_eq!(&*refused.event_id, "felt");
+    let rejected = bench.rejections().pop().expect("rejected");
+    assert_eq!(rejected.rejection.code, RejectionCode::ColumnCollapsed);
+    assert_eq!(&*rejected.event_id, "detected");
 }
 
 /// Whatever an estimate contains, the twin goes on, and its journal reads back.
 #[test]
-fn impossible_numbers_are_refused_and_read_back_from_the_journal() {
+fn impossible_numbers_are_rejected_and_read_back_from_the_journal() {
     for wrong in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e300] {
         let mut bench = accepting("automatic");
         let best = Impact {
             mass: wrong,
             ..RIGHT
         };
-        let mut record = last_of(estimate("felt", 0, START, best, true));
+        let mut record = last_of(estimate("detected", 0, START, best, true));
         record.estimate.residual_v1.mean = wrong;
         record.estimate.contact_time.low = f64::NEG_INFINITY;
         record.detection.zeros = vec![(wrong, f64::NAN)];
-        bench.feel(record.clone());
-        assert_eq!(bench.decision(), Decision::Refused, "{wrong}");
+        bench.detect(record.clone());
+        assert_eq!(bench.decision(), Decision::Rejected, "{wrong}");
         record.event_id = "nowhere".into();
         record.estimate.contact_time.mean = wrong * 1e9;
-        bench.feel(record);
+        bench.detect(record);
         bench.go_on(100 * MS);
         assert!(!bench.twin.is_responding());
         for output in &bench.out {
@@ -644,15 +650,15 @@ fn impossible_numbers_are_refused_and_read_back_from_the_journal() {
     }
 }
 
-/// What was felt is part of a checkpoint: a twin that continues from it goes on alike.
+/// What was detected is part of a checkpoint: a twin that continues from it goes on alike.
 #[test]
-fn a_twin_from_a_checkpoint_knows_what_was_felt() {
+fn a_twin_from_a_checkpoint_knows_what_was_detected() {
     let mut bench = accepting("confirmation");
     bench.hit(event("event", START));
     bench.rest();
     bench.go_on(2_000 * MS);
-    bench.feel(last_of(estimate(
-        "felt",
+    bench.detect(last_of(estimate(
+        "detected",
         0,
         bench.now - 10 * MS,
         RIGHT,
@@ -668,9 +674,9 @@ fn a_twin_from_a_checkpoint_knows_what_was_felt() {
         now: bench.now,
         out: Vec::new(),
     };
-    assert_eq!(&*other.status().waiting_estimate, "felt");
+    assert_eq!(&*other.status().waiting_estimate, "detected");
     for it in [&mut bench, &mut other] {
-        assert_eq!(it.confirm("felt", true), Ok(Accepted::Applied));
+        assert_eq!(it.confirm("detected", true), Ok(Accepted::Applied));
         it.rest();
     }
     assert_same_outcome(&other, &bench);

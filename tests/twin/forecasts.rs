@@ -165,7 +165,7 @@ fn an_impact_that_the_column_cannot_take_when_it_is_due_has_no_forecast() {
     let told = told(&bench);
     let withdrawn = [(false, ForecastEnd::Rejected)];
     assert_eq!(told["too late"].withdrawals, withdrawn);
-    assert_eq!(bench.refusals().len(), 1);
+    assert_eq!(bench.rejections().len(), 1);
 }
 
 #[test]
@@ -198,11 +198,11 @@ fn an_approach_without_end_is_rejected() {
         ..event("a", START)
     };
     bench.hit(slow(100.0, 1e-6));
-    let refusal = &bench.refusals()[0].refusal;
-    assert_eq!(refusal.code.name(), "approach_too_long");
+    let rejection = &bench.rejections()[0].rejection;
+    assert_eq!(rejection.code.name(), "approach_too_long");
     assert!(
-        refusal.reason.contains("response.duration allows 2 s"),
-        "{refusal}"
+        rejection.reason.contains("response.duration allows 2 s"),
+        "{rejection}"
     );
     assert!(!bench.twin.is_responding() && bench.states().is_empty());
     // What response.duration allows is followed.

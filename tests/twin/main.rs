@@ -1,10 +1,10 @@
 //! The twin under a mock clock: no test waits for real time.
 
 mod bad_input;
-mod calibration;
 mod clock;
 mod critical;
 mod damage;
+mod damage_correction;
 mod estimates;
 mod forecasts;
 mod memory;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::time::Nanos;
 use column_twin::twin::{
-    Accepted, Command, ImpactCommand, Output, Refusal, Refused, ReportOutput, SavedState,
+    Accepted, Command, ImpactCommand, Output, Rejected, Rejection, ReportOutput, SavedState,
     StateOutput, Status, Twin,
 };
 
@@ -61,12 +61,12 @@ impl Bench {
         }
     }
 
-    pub(crate) fn handle(&mut self, command: Command) -> Result<Accepted, Refusal> {
+    pub(crate) fn handle(&mut self, command: Command) -> Result<Accepted, Rejection> {
         self.twin.handle(command, self.now, &mut self.out)
     }
 
     pub(crate) fn hit(&mut self, event: ImpactCommand) {
-        let _ = self.handle(Command::Impact(event)); // a refusal is among the outputs
+        let _ = self.handle(Command::Impact(event)); // a rejection is among the outputs
     }
 
     /// Advances to a time as the solver's thread would, with the forecast first.
@@ -142,10 +142,10 @@ impl Bench {
         })
     }
 
-    pub(crate) fn refusals(&self) -> Vec<&Refused> {
+    pub(crate) fn rejections(&self) -> Vec<&Rejected> {
         self.all(|it| {
-            if let Output::Refused(refused) = it {
-                Some(refused)
+            if let Output::Rejected(rejected) = it {
+                Some(rejected)
             } else {
                 None
             }

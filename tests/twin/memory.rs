@@ -13,7 +13,7 @@ struct Counted {
     states: u64,
     forecasts: u64,
     reports: u64,
-    refused: u64,
+    rejected: u64,
     statuses: u64,
     saved: u64,
 }
@@ -24,7 +24,7 @@ impl Outputs for Counted {
             Output::State(_) => self.states += 1,
             Output::Forecast(_) => self.forecasts += 1,
             Output::Report(_) => self.reports += 1,
-            Output::Refused(_) => self.refused += 1,
+            Output::Rejected(_) => self.rejected += 1,
             Output::Status(_) => self.statuses += 1,
             Output::Save(_) => self.saved += 1,
             Output::Ranged(_)
@@ -32,7 +32,7 @@ impl Outputs for Counted {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::Calibrated(_)
+            | Output::CorrectDamaged(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
             | Output::Journal(_) => {}
@@ -127,13 +127,13 @@ fn an_hour_of_traffic_accumulates_no_memory() {
     assert_eq!(now - START, 3_600_000 * MS);
     let status = twin.status(now);
     assert!(
-        out.refused >= 1_900 && out.reports > 5_000,
+        out.rejected >= 1_900 && out.reports > 5_000,
         "{} {}",
-        out.refused,
+        out.rejected,
         out.reports
     );
     assert_eq!(
-        status.counts.events_accepted + status.counts.events_refused,
+        status.counts.events_accepted + status.counts.events_rejected,
         9_900
     );
     assert!(out.statuses < 100_000 && out.saved < 30_000 && out.forecasts >= out.reports);

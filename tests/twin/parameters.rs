@@ -2,7 +2,7 @@
 
 use column_twin::parameters::Value;
 use column_twin::twin::{
-    Accepted, Command, Output, ParametersChanged, Refusal, RefusalCode, RefusedInput,
+    Accepted, Command, Output, ParametersChanged, RejectedInput, Rejection, RejectionCode,
 };
 
 use crate::{Bench, MS, START, event, light};
@@ -53,23 +53,23 @@ fn one_invalid_value_rejects_the_whole_change() {
         ],
         source: "test".into(),
     });
-    let Refusal { code, reason } = outcome.expect_err("refused");
-    assert_eq!(code, RefusalCode::ParametersInvalid);
+    let Rejection { code, reason } = outcome.expect_err("rejected");
+    assert_eq!(code, RejectionCode::ParametersInvalid);
     assert!(
         reason.contains("impact.velocity") && reason.contains("impact.mass"),
         "{reason}"
     );
     assert_eq!(*bench.twin.parameters(), before);
-    assert_eq!(bench.refusals()[0].what, RefusedInput::Parameters);
+    assert_eq!(bench.rejections()[0].what, RejectedInput::Parameters);
     let status = bench.status();
     assert_eq!(
         (
-            status.counts.parameters_refused,
+            status.counts.parameters_rejected,
             status.counts.parameters_accepted
         ),
         (1, 0)
     );
-    assert_eq!(status.last_refusal_reason, reason);
+    assert_eq!(status.last_rejection_reason, reason);
 }
 
 #[test]
@@ -77,9 +77,9 @@ fn a_column_without_equilibrium_is_rejected() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("top.load", 1e9.into())]);
     assert!(
-        bench.refusals()[0].refusal.reason.contains("squash"),
+        bench.rejections()[0].rejection.reason.contains("squash"),
         "{:?}",
-        bench.refusals()
+        bench.rejections()
     );
     assert_eq!(value(&bench, "top.load"), Value::Double(5e5));
 }
@@ -89,8 +89,8 @@ fn parameters_that_need_a_restart_are_read_only() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("column_id", "other".into()), ("top.load", 4e5.into())]);
     assert!(
-        bench.refusals()[0]
-            .refusal
+        bench.rejections()[0]
+            .rejection
             .reason
             .contains("column_id cannot be changed while the node runs")
     );
@@ -157,30 +157,30 @@ fn the_properties_of_a_damaged_column_cannot_change() {
         ("steel.grade", "S235".into()),
         ("support.top", "pinned".into()),
     ] {
-        let before = bench.refusals().len();
+        let before = bench.rejections().len();
         bench.change(&[change]);
-        assert_eq!(bench.refusals().len(), before + 1);
+        assert_eq!(bench.rejections().len(), before + 1);
         assert!(
-            bench.refusals()[before]
-                .refusal
+            bench.rejections()[before]
+                .rejection
                 .reason
                 .contains("reset the twin before changing them")
         );
     }
     bench.change(&[("top.load", 4e5.into()), ("solver.dt", 2e-5.into())]);
-    assert_eq!(bench.refusals().len(), 4);
+    assert_eq!(bench.rejections().len(), 4);
     bench.change(&[("top.load", 2.9e6.into())]);
     assert!(
-        bench.refusals()[4]
-            .refusal
+        bench.rejections()[4]
+            .rejection
             .reason
             .contains("the damaged column has no equilibrium"),
         "{:?}",
-        bench.refusals()[4]
+        bench.rejections()[4]
     );
     bench.reset();
     bench.change(&[("section.name", "HEB300".into())]);
-    assert_eq!(bench.refusals().len(), 5);
+    assert_eq!(bench.rejections().len(), 5);
 }
 
 /// A set was accepted during a response, and undone at its end because the column was damaged by then. What the response
@@ -192,12 +192,12 @@ fn a_change_that_the_damage_of_the_response_forbids_is_rejected_at_once() {
     for (change, code, words) in [
         (
             properties,
-            RefusalCode::ColumnDamaged,
+            RejectionCode::ColumnDamaged,
             "reset the twin before changing them",
         ),
         (
             without_equilibrium,
-            RefusalCode::NoEquilibrium,
+            RejectionCode::NoEquilibrium,
             "has no equilibrium",
         ),
     ] {
@@ -207,12 +207,12 @@ fn a_change_that_the_damage_of_the_response_forbids_is_rejected_at_once() {
         undisturbed.hit(event("a", START));
         // Before any step was made, and before the forecast is known.
         bench.change(&[change]);
-        let refused = bench.refusals();
-        let [refused] = &refused[..] else {
-            panic!("{refused:?}");
+        let rejected = bench.rejections();
+        let [rejected] = &rejected[..] else {
+            panic!("{rejected:?}");
         };
-        assert_eq!(refused.refusal.code, code);
-        let reason = &refused.refusal.reason;
+        assert_eq!(rejected.rejection.code, code);
+        let reason = &rejected.rejection.reason;
         assert!(
             reason.contains("when the response to the impact ends"),
             "{reason}"
@@ -221,7 +221,7 @@ fn a_change_that_the_damage_of_the_response_forbids_is_rejected_at_once() {
         assert!(changed(&bench).is_empty());
         bench.rest();
         undisturbed.rest();
-        assert_eq!(bench.refusals().len(), 1);
+        assert_eq!(bench.rejections().len(), 1);
         // The forecast was only computed earlier.
         let forecasts =
             |bench: &Bench| -> Vec<_> { bench.forecasts().iter().map(|it| it.report).collect() };
@@ -243,23 +243,23 @@ fn section_changed_after_a_light_impact() -> Bench {
 #[test]
 fn properties_change_after_an_elastic_response() {
     let mut bench = section_changed_after_a_light_impact();
-    assert!(bench.refusals().is_empty(), "{:?}", bench.refusals());
+    assert!(bench.rejections().is_empty(), "{:?}", bench.rejections());
     assert_eq!(value(&bench, "section.name"), Value::from("HEB220"));
     bench.rest();
     assert_eq!(value(&bench, "section.name"), Value::from("HEB300"));
 }
 
-/// A second impact, which was not foreseen, may damage the column before the change takes effect.
+/// A second impact, which was not predicted, may damage the column before the change takes effect.
 #[test]
 fn a_waiting_change_can_be_rejected_at_the_end_of_the_response() {
     let mut bench = section_changed_after_a_light_impact();
-    assert!(bench.refusals().is_empty());
+    assert!(bench.rejections().is_empty());
     let now = bench.now;
     bench.hit(event("b", now));
     bench.rest();
     assert!(
-        bench.refusals()[0]
-            .refusal
+        bench.rejections()[0]
+            .rejection
             .reason
             .contains("waited for the end of the response")
     );
@@ -289,30 +289,30 @@ fn a_waiting_change_can_be_rejected_at_the_end_of_the_response() {
 #[test]
 fn a_change_rejected_before_the_twin_is_reported() {
     let mut bench = Bench::new(&[]);
-    let refusal = Refusal::new(
-        RefusalCode::OtherColumn,
+    let rejection = Rejection::new(
+        RejectionCode::OtherColumn,
         "the message is for another column",
     );
     let outcome = bench.handle(Command::RejectedChange {
-        refusal: refusal.clone(),
+        rejection: rejection.clone(),
         source: "test".into(),
     });
-    assert_eq!(outcome, Err(refusal));
-    assert_eq!(bench.refusals()[0].what, RefusedInput::Parameters);
+    assert_eq!(outcome, Err(rejection));
+    assert_eq!(bench.rejections()[0].what, RejectedInput::Parameters);
     let status = bench.status();
-    assert_eq!(status.counts.parameters_refused, 1);
+    assert_eq!(status.counts.parameters_rejected, 1);
     assert_eq!(
-        &*status.last_refusal_reason,
+        &*status.last_rejection_reason,
         "the message is for another column"
     );
-    assert_eq!(status.last_refusal_code, Some(RefusalCode::OtherColumn));
+    assert_eq!(status.last_rejection_code, Some(RejectionCode::OtherColumn));
 }
 
 #[test]
 fn equal_values_change_nothing() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("top.load", 5e5.into())]);
-    assert!(changed(&bench).is_empty() && bench.refusals().is_empty());
+    assert!(changed(&bench).is_empty() && bench.rejections().is_empty());
     assert_eq!(bench.status().counts.parameters_accepted, 1);
 }
 
@@ -326,7 +326,7 @@ fn a_new_publish_rate_applies_to_the_next_response() {
     assert_eq!(states[1].stamp - states[0].stamp, 10 * MS);
 }
 
-/// Of a sensor that is added, the refusal names what was given, and not all that the sensor would have.
+/// Of a sensor that is added, the rejection names what was given, and not all that the sensor would have.
 #[test]
 fn sensors_cannot_be_added_while_the_node_runs() {
     let mut bench = Bench::new(&[]);
@@ -339,8 +339,8 @@ fn sensors_cannot_be_added_while_the_node_runs() {
         ],
         source: "test".into(),
     });
-    let Refusal { code, reason } = outcome.expect_err("refused");
-    assert_eq!(code, RefusalCode::ParametersReadOnly);
+    let Rejection { code, reason } = outcome.expect_err("rejected");
+    assert_eq!(code, RejectionCode::ParametersReadOnly);
     assert_eq!(
         &*reason,
         "sensors.names, sensors.laser.quantity, sensors.laser.height cannot be changed while the node runs; restart it with the new value"

@@ -144,7 +144,7 @@ fn another_impact_or_a_reset_withdraws_what_is_not_known_yet() {
 }
 
 #[test]
-fn it_ends_with_a_calibration_or_a_change_of_parameters() {
+fn it_ends_with_a_correction_or_a_change_of_parameters() {
     let mut bench = Bench::new(&[]);
     hit(&mut bench, "a", 5.0);
     bench.rest();

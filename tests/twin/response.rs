@@ -45,18 +45,18 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactCommand) {
             "{since} {}",
             state.sample.time
         );
-        // The percussion of the twin is the sum since the previous sample, that of the simulation belongs to one step.
-        let percussion = steps
+        // The impact impulse of the twin is the sum since the previous sample, that of the simulation belongs to one step.
+        let impact_impulse = steps
             .iter()
             .filter(|step| step.time > last_time && step.time <= state.sample.time)
-            .fold(0.0, |sum, step| sum + step.percussion);
+            .fold(0.0, |sum, step| sum + step.impact_impulse);
         last_time = state.sample.time;
         match steps.iter().find(|step| step.time == state.sample.time) {
             Some(step) => {
                 assert_eq!(
                     state.sample,
                     Sample {
-                        percussion,
+                        impact_impulse,
                         ..*step
                     }
                 );
@@ -127,7 +127,7 @@ fn the_stream_equals_the_simulation_of_light_touches() {
     check_against_simulation(&[("damping.ratio", 0.05.into())], &light("light", START));
 }
 
-/// Afterwards the column equals the virgin one bit for bit.
+/// Afterwards the column equals the undamaged one bit for bit.
 #[test]
 fn an_elastic_impact_causes_no_damage() {
     let mut bench = Bench::new(&[]);
@@ -203,7 +203,7 @@ fn the_forecast_is_immediate_and_contains_its_compute_time() {
     assert_eq!((&*forecast.event_id, forecast.stamp), ("a", START));
     // Every slice takes one tick of this stopwatch.
     assert!((forecast.compute_time - f64::from(slices) * 1e-3).abs() < 1e-9);
-    // The remaining capacity takes some more.
+    // The residual capacity takes some more.
     assert!(u64::from(slices) > forecast.report.steps.div_ceil(64));
     assert!(out.iter().all(|it| !matches!(it, Output::State(_))));
 }
@@ -305,12 +305,12 @@ fn a_collapse_is_reported_and_lasts_until_a_reset() {
     assert_eq!(bench.status().phase, TwinPhase::Collapsed);
     bench.hit(event("next", bench.now));
     assert!(
-        bench.refusals()[0]
-            .refusal
+        bench.rejections()[0]
+            .rejection
             .reason
             .contains("collapsed; reset"),
         "{:?}",
-        bench.refusals()
+        bench.rejections()
     );
     bench.reset();
     assert_eq!(bench.status().phase, TwinPhase::Idle);
@@ -328,14 +328,14 @@ fn an_impact_after_a_collapse_is_rejected_and_counted_once() {
     assert_eq!(bench.status().counts.events_accepted, 2);
     bench.rest();
     assert!(
-        bench.refusals()[0]
-            .refusal
+        bench.rejections()[0]
+            .rejection
             .reason
             .contains("collapsed; reset")
     );
     let status = bench.status();
     assert_eq!(
-        (status.counts.events_accepted, status.counts.events_refused),
+        (status.counts.events_accepted, status.counts.events_rejected),
         (1, 1)
     );
     assert_eq!(status.impacts_since_reset, 1);

@@ -51,11 +51,11 @@ fn check_second(bench: &Bench, first_steps: u64, stamp: i64) {
     assert!(states.len() > 30);
     for state in states {
         let step = usize::try_from((state.stamp - stamp) / 100_000).expect("after the impact");
-        let percussion = state.sample.percussion;
+        let impact_impulse = state.sample.impact_impulse;
         assert_eq!(
             state.sample,
             Sample {
-                percussion,
+                impact_impulse,
                 ..expected[step]
             }
         );
@@ -191,8 +191,8 @@ fn impacts_are_executed_in_the_order_of_their_stamps() {
     bench.go_on(5 * MS);
     bench.hit(event("b", START - MS));
     assert!(
-        bench.refusals()[0]
-            .refusal
+        bench.rejections()[0]
+            .rejection
             .reason
             .contains("order of their stamps")
     );
@@ -207,10 +207,10 @@ fn the_number_of_impacts_ahead_is_limited() {
     for k in 0..=MAX_IMPACTS_AHEAD as i64 {
         bench.hit(light(&k.to_string(), START + (500 - k) * MS));
     }
-    assert_eq!(bench.refusals().len(), 1);
+    assert_eq!(bench.rejections().len(), 1);
     assert!(
-        bench.refusals()[0]
-            .refusal
+        bench.rejections()[0]
+            .rejection
             .reason
             .contains("are still to come")
     );
@@ -239,5 +239,5 @@ fn a_reset_ends_the_response_and_drops_impacts_ahead() {
     assert!(!bench.twin.is_responding());
     assert_eq!((bench.reports().len(), bench.states().len()), (0, 11));
     bench.hit(event("a", bench.now));
-    assert!(bench.refusals().is_empty());
+    assert!(bench.rejections().is_empty());
 }

@@ -1,9 +1,9 @@
 //! Vehicles by name and by numbers; what their impacts leave behind, and how serious it is.
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::column::{ImpactSpecification, Outcome};
 use column_twin::parameters::Value;
-use column_twin::twin::{Command, ImpactCommand, Journal, Output, RefusalCode, TwinPhase};
+use column_twin::twin::{Command, ImpactCommand, Journal, Output, RejectionCode, TwinPhase};
 
 use super::{Bench, MS, START, event, parameters};
 
@@ -86,30 +86,30 @@ fn impossible_vehicles_are_rejected_with_their_code() {
     for (bad, code, reason) in [
         (
             vehicle("mid_kar", 5.0),
-            RefusalCode::VehicleInvalid,
+            RejectionCode::VehicleInvalid,
             "did you mean mid_car?",
         ),
         (
             vehicle(&"x".repeat(65), 5.0),
-            RefusalCode::VehicleInvalid,
+            RejectionCode::VehicleInvalid,
             "too long",
         ),
         (
             vehicle("mid\ncar", 5.0),
-            RefusalCode::VehicleInvalid,
+            RejectionCode::VehicleInvalid,
             "control characters",
         ),
         (
             vehicle("rigid", 5.0),
-            RefusalCode::ImpactOutOfRange,
+            RejectionCode::ImpactOutOfRange,
             "a rigid vehicle has no mass of its own",
         ),
     ] {
         let mut bench = Bench::new(&[]);
         bench.hit(bad);
-        let refusal = &bench.refusals()[0].refusal;
-        assert_eq!(refusal.code, code, "{refusal}");
-        assert!(refusal.reason.contains(reason), "{refusal}");
+        let rejection = &bench.rejections()[0].rejection;
+        assert_eq!(rejection.code, code, "{rejection}");
+        assert!(rejection.reason.contains(reason), "{rejection}");
         assert_eq!(bench.status().counts.events_accepted, 0);
     }
 }
@@ -135,7 +135,7 @@ fn the_journal_has_the_impact_as_the_catalogue_completes_it() {
     assert_eq!(masses, Some(vec![5500.0, 2500.0]));
 }
 
-/// First with the remaining capacity, then with the error of the time step; the result has both.
+/// First with the residual capacity, then with the error of the time step; the result has both.
 #[test]
 fn a_forecast_is_given_out_twice_and_the_result_is_the_same() {
     let mut bench = Bench::new(&[]);
@@ -159,17 +159,17 @@ fn a_forecast_is_given_out_twice_and_the_result_is_the_same() {
 }
 
 #[test]
-fn a_damaged_column_carries_less_and_the_severity_follows() {
+fn a_damaged_column_carries_less_and_the_action_follows() {
     let mut bench = Bench::new(&[]);
-    let virgin = bench.status().assessed.expect("assessed at the start");
-    assert_eq!(virgin.remaining.ratio, 1.0);
-    assert_eq!(virgin.assessment.severity, Severity::None);
+    let undamaged = bench.status().assessed.expect("assessed at the start");
+    assert_eq!(undamaged.remaining.ratio, 1.0);
+    assert_eq!(undamaged.assessment.action, Action::None);
     bench.hit(event("a", START));
     bench.rest();
     let now = bench.status().assessed.expect("assessed");
-    assert_eq!(now.remaining.virgin, virgin.remaining.virgin);
-    assert!(now.remaining.now.force < virgin.remaining.now.force);
-    assert!(now.assessment.severity >= Severity::Inspect);
+    assert_eq!(now.remaining.undamaged, undamaged.remaining.undamaged);
+    assert!(now.remaining.now.force < undamaged.remaining.now.force);
+    assert!(now.assessment.action >= Action::Inspect);
     // More load means less reserve.
     let load = bench.twin.parameters().settings().top.load;
     bench.change(&[("top.load", Value::from(1.2 * load))]);
@@ -189,7 +189,7 @@ fn an_elastic_impact_leaves_the_whole_capacity() {
     bench.rest();
     let assessed = bench.reports()[0].assessed.as_ref().expect("assessed");
     assert_eq!(assessed.remaining.ratio, 1.0);
-    assert_eq!(assessed.assessment.severity, Severity::None);
+    assert_eq!(assessed.assessment.action, Action::None);
 }
 
 /// The forecast of an impact is the prediction of the same impact, with everything that follows from it.
@@ -212,26 +212,29 @@ fn a_prediction_is_assessed_like_the_impact() {
 }
 
 #[test]
-fn a_severed_column_takes_no_further_impact() {
+fn a_fractured_column_takes_no_further_impact() {
     let mut bench = Bench::new(&[("assessment.ultimate_rotation", Value::from(0.02))]);
     bench.hit(event("a", START));
     bench.rest();
     let result = bench.reports()[0];
-    assert_eq!(result.report.outcome, Outcome::Severed);
+    assert_eq!(result.report.outcome, Outcome::Fractured);
     let assessed = result.assessed.as_ref().expect("assessed");
-    assert_eq!(assessed.assessment.severity, Severity::Evacuate);
+    assert_eq!(assessed.assessment.action, Action::Evacuate);
     assert_eq!(assessed.remaining.now.force, 0.0);
-    assert_eq!(bench.status().phase, TwinPhase::Severed);
+    assert_eq!(bench.status().phase, TwinPhase::Fractured);
     bench.go_on(MS);
     bench.hit(event("b", bench.now));
-    assert_eq!(bench.refusals()[0].refusal.code, RefusalCode::ColumnSevered);
-    // After a restart it is severed still.
+    assert_eq!(
+        bench.rejections()[0].rejection.code,
+        RejectionCode::ColumnFractured
+    );
+    // After a restart it is fractured still.
     let saved = bench.twin.saved_state(bench.now);
     let text = saved.to_json().expect("JSON");
     let changes = [("assessment.ultimate_rotation", Value::from(0.02))];
     let read = column_twin::twin::SavedState::from_json(&text, &parameters(&changes));
     let restarted = Bench::with(parameters(&changes), Some(&read.expect("its own file")));
-    assert_eq!(restarted.status().phase, TwinPhase::Severed);
+    assert_eq!(restarted.status().phase, TwinPhase::Fractured);
     assert_eq!(
         restarted.status().assessed,
         bench.status().assessed,
@@ -252,9 +255,9 @@ fn other_criteria_during_a_response_apply_to_the_column_at_rest() {
     bench.change(&[("assessment.criteria", Value::from(only_collapse))]);
     bench.rest();
     let result = bench.reports()[0].assessed.clone().expect("assessed");
-    assert!(result.assessment.severity >= Severity::Inspect);
+    assert!(result.assessment.action >= Action::Inspect);
     let at_rest = bench.status().assessed.expect("assessed");
-    assert_eq!(at_rest.assessment.severity, Severity::None);
+    assert_eq!(at_rest.assessment.action, Action::None);
     assert_eq!(at_rest.remaining, result.remaining);
 }
 

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::column::ImpactSpecification;
 use column_twin::fleet::make_twins;
 use column_twin::live::{Clock, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock};
 use column_twin::parameters::{FleetColumn, Parameters, Value};
-use column_twin::shape::severity_colour;
+use column_twin::shape::action_colour;
 use column_twin::twin::{Command, ImpactCommand, Output};
 use column_twin::viewer::{LiveViewer, ShownFleet, VIEWER_QUEUE, ViewerLogger, fleet_output_queue};
 
@@ -145,7 +145,7 @@ fn part_of(picture: &[u8], [red, green, blue]: [u8; 3]) -> f64 {
     count as f64 / (picture.len() / 4) as f64
 }
 
-/// The real viewer shows the struck column in the colour of its severity, which no other has, and it and the selected column in full.
+/// The real viewer shows the struck column in the colour of its action, which no other has, and it and the selected column in full.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
 fn the_real_viewer_shows_the_struck_column_and_the_selected_one() {
@@ -166,8 +166,8 @@ fn the_real_viewer_shows_the_struck_column_and_the_selected_one() {
         let complete = pictures.find(|it| is_complete(it));
         complete.expect("a picture of everything that the file contains")
     };
-    let none = severity_colour(Severity::None);
-    let evacuate = severity_colour(Severity::Evacuate);
+    let none = action_colour(Action::None);
+    let evacuate = action_colour(Action::Evacuate);
     // The legend shows every colour once or a few times, the plan that of the columns without damage 200 times.
     let before = file_of("before", &[], Vec::new());
     let before = picture_with(&before, &|it| {
@@ -178,8 +178,8 @@ fn the_real_viewer_shows_the_struck_column_and_the_selected_one() {
         part_of(it, evacuate) > part_of(&before, evacuate)
     });
     for (name, picture) in [("before", &before), ("after", &after)] {
-        let parts = Severity::ALL.map(|it| part_of(picture, severity_colour(it)));
-        println!("parts of the picture {name} by severity: {parts:?}");
+        let parts = Action::ALL.map(|it| part_of(picture, action_colour(it)));
+        println!("parts of the picture {name} by action: {parts:?}");
     }
     let content = printed(&program, &file);
     for entity in [

@@ -3,10 +3,10 @@
 // A test may listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+mod detected;
 #[cfg(all(feature = "cli", feature = "ros"))]
 #[path = "../ros/domain.rs"]
 mod domain;
-mod felt;
 mod fleet;
 mod live;
 #[path = "../../examples/viewer_moments.rs"]

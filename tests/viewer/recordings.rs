@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use column_twin::column::{Impact, Report, Sample, simulate};
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin_msgs::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport,
+};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::viewer::{
     Drawing, RecordedMessage, Timeline, ViewerError, ViewerItem, from_messages, from_samples,

@@ -99,7 +99,7 @@ impl LiveColumn {
                 Some(Output::State(state)) => states.push(state),
                 Some(Output::Forecast(_)) => forecast = true,
                 Some(Output::Report(_)) => return states,
-                Some(Output::Refused(refused)) => panic!("{refused:?}"),
+                Some(Output::Rejected(rejected)) => panic!("{rejected:?}"),
                 Some(_) => {}
                 None if forecast && now < stamp + 990 * MS => {
                     now += 5 * MS;

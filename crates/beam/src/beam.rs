@@ -108,7 +108,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         }
     }
 
-    pub fn virgin(&self) -> State<D, R> {
+    pub fn undamaged(&self) -> State<D, R> {
         let (nodes, elements) = (self.places.len(), self.elements.len());
         let initial = self
             .elements
@@ -124,14 +124,14 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             shear: [0.0; BARS],
             shear_forces: vec![0.0; elements],
             sliders: vec![[0.0; 2]; elements],
-            points: vec![self.section.virgin(); POINTS * elements],
+            points: vec![self.section.undamaged(); POINTS * elements],
             yielded: vec![false; POINTS * elements],
             rates: vec![[0.0, 1.0]; POINTS * elements],
         }
     }
 
     pub fn work(&self) -> Work<D, R> {
-        let state = self.virgin();
+        let state = self.undamaged();
         let nodes = self.places.len();
         Work {
             residual: vec![[0.0; D]; nodes],

@@ -249,11 +249,11 @@ impl BeamColumn {
         Ok(())
     }
 
-    /// Heights of the nodes for a vehicle that is compliant or not \[m\]; `elements` 0 for automatic.
-    pub(crate) fn heights(&self, elements: usize, compliant: bool) -> Vec<f64> {
+    /// Heights of the nodes for a vehicle that is deformable or not \[m\]; `elements` 0 for automatic.
+    pub(crate) fn heights(&self, elements: usize, deformable: bool) -> Vec<f64> {
         let half = 0.5 * self.bumper_height;
         let (at, top) = (self.length_below, self.length());
-        let density = if compliant { mesh::FINE } else { mesh::COARSE };
+        let density = if deformable { mesh::FINE } else { mesh::COARSE };
         if half > 0.0 {
             let keys = [0.0, at - half, at, at + half, top];
             mesh::nodes(&keys, self.depth(), elements, density)

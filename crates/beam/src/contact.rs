@@ -235,7 +235,7 @@ impl Striker {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
-    pub fn is_compliant(&self) -> bool {
+    pub fn is_deformable(&self) -> bool {
         matches!(self.behind, Behind::Chain { .. })
     }
 

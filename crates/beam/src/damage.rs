@@ -64,7 +64,7 @@ impl Damage {
         self.sections as usize
     }
 
-    /// Puts it into a virgin state; `spread` tells, where plane damage comes into space, which fibre of the plane a fibre in
+    /// Puts it into an undamaged state; `spread` tells, where plane damage comes into space, which fibre of the plane a fibre in
     /// space belongs to.
     pub(crate) fn apply<const D: usize, const R: usize>(
         &self,

@@ -15,7 +15,7 @@ use super::statics::{push_down, push_sideways, settle};
 const RIGID_STEP: u64 = 40_000;
 
 /// Step with a vehicle that crushes \[ns\].
-const COMPLIANT_STEP: u64 = 100_000;
+const DEFORMABLE_STEP: u64 = 100_000;
 
 /// Factor of the elements and of the step of the coarser run that estimates the error.
 const COARSER: f64 = 1.6;
@@ -127,7 +127,7 @@ impl BeamModel {
         let column = &self.column;
         let heights = column.heights(column.elements, true);
         let beam: Beam<3, 3, 4> = column.beam(&heights, column.bows());
-        let mut state = beam.virgin();
+        let mut state = beam.undamaged();
         let mut solver = Solver::new(&beam);
         if !settle(&beam, &mut state, &mut solver) {
             return None;
@@ -246,7 +246,7 @@ impl BeamModel {
 
     fn step(&self, hit: &Hit) -> f64 {
         let nanos = match (self.column.step_nanos, hit.impact.vehicle) {
-            (0, Some(_)) => COMPLIANT_STEP,
+            (0, Some(_)) => DEFORMABLE_STEP,
             (0, None) => RIGID_STEP,
             (given, _) => given,
         };
@@ -337,7 +337,7 @@ impl BeamModel {
         beam: &Beam<D, R, Q>,
         damage: Option<&Damage>,
     ) -> State<D, R> {
-        let mut state = beam.virgin();
+        let mut state = beam.undamaged();
         if let Some(damage) = damage {
             if damage.is_plane() && D == 6 {
                 let plane = self.column.section(true);
@@ -351,23 +351,23 @@ impl BeamModel {
     }
 
     /// Push-downs bowed about the strong and about the weak axis.
-    fn capacities(&self, damage: Option<&Damage>, compliant: bool) -> [f64; 2] {
+    fn capacities(&self, damage: Option<&Damage>, deformable: bool) -> [f64; 2] {
         let [y, z] = self.column.bows();
         let strong = if damage.is_none_or(Damage::is_plane) {
-            self.pushed::<3, 3, 4>([y, 0.0], damage, compliant)
+            self.pushed::<3, 3, 4>([y, 0.0], damage, deformable)
         } else {
-            self.pushed::<6, 6, 9>([y, 0.0], damage, compliant)
+            self.pushed::<6, 6, 9>([y, 0.0], damage, deformable)
         };
-        [strong, self.pushed::<6, 6, 9>([0.0, z], damage, compliant)]
+        [strong, self.pushed::<6, 6, 9>([0.0, z], damage, deformable)]
     }
 
     fn pushed<const D: usize, const R: usize, const Q: usize>(
         &self,
         bows: [f64; 2],
         damage: Option<&Damage>,
-        compliant: bool,
+        deformable: bool,
     ) -> f64 {
-        let heights = self.column.heights(self.column.elements, compliant);
+        let heights = self.column.heights(self.column.elements, deformable);
         let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
         let mut state = self.state(&beam, damage);
         let mut solver = Solver::new(&beam);

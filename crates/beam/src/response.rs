@@ -204,7 +204,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             }
             // A rigid vehicle lets go soon, and what the column flings back yields once more; one that crushes unloads slowly.
             let came_back = along < (1.0 - BACK) * self.course.largest[0];
-            let over = if self.striker.is_compliant() {
+            let over = if self.striker.is_deformable() {
                 self.striker.is_gone() || came_back
             } else {
                 self.striker.is_gone() && along > along_before

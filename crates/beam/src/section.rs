@@ -354,7 +354,7 @@ impl Section {
     }
 
     /// The state of a section that has never yielded.
-    pub fn virgin(&self) -> PointState {
+    pub fn undamaged(&self) -> PointState {
         let e = self.steel.young_modulus;
         let mut state = PointState {
             plain: self

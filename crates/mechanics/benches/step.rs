@@ -1,5 +1,5 @@
 //! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end, and the same
-//! column hit by compliant vehicles of one to three masses; with the argument `shear` only what the shear of its webs costs.
+//! column hit by deformable vehicles of one to three masses; with the argument `shear` only what the shear of its webs costs.
 
 #[path = "../tests/example/mod.rs"]
 mod example;
@@ -132,7 +132,7 @@ fn vehicles() -> [(&'static str, Vehicle); 3] {
     })
 }
 
-/// Compares compliant vehicles with a rigid one of the same mass and speed.
+/// Compares deformable vehicles with a rigid one of the same mass and speed.
 fn print_vehicles() {
     println!(
         "\nns per step of 10 us, fastest of {RUNS} responses to 8 t at 6 m/s, over the rigid mass's"
@@ -174,7 +174,7 @@ fn print_vehicles() {
 /// Steps in which the column and all springs stay elastic, and vehicle and column touch.
 const ELASTIC_STEPS: u64 = 1_000;
 
-/// Compares the steps of compliant vehicles with those of a rigid one where nothing yields, so that nothing but the vehicle's
+/// Compares the steps of deformable vehicles with those of a rigid one where nothing yields, so that nothing but the vehicle's
 /// own equations makes the difference. The runs alternate, so that other load on the machine meets all of them.
 fn print_elastic_vehicles() {
     println!(
@@ -193,12 +193,12 @@ fn print_elastic_vehicles() {
             "impact.velocity:=0.2",
         ]);
         let model = Model::new(&properties).expect("a column");
-        let compliant = vehicles().map(|(name, vehicle)| {
+        let deformable = vehicles().map(|(name, vehicle)| {
             let vehicle = Some(vehicle);
             (name, Impact { vehicle, ..rigid })
         });
         let mut impacts = vec![("rigid", rigid)];
-        impacts.extend(compliant);
+        impacts.extend(deformable);
         let mut fastest = vec![Duration::MAX; impacts.len()];
         for _ in 0..RUNS {
             for ((_, impact), fastest) in impacts.iter().zip(&mut fastest) {

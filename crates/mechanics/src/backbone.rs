@@ -52,7 +52,7 @@ impl Default for HingeFactors {
 }
 
 impl HingeFactors {
-    /// Moment \[N m\] and normal force \[N\] that use the virgin surface as much as the given ones use the enlarged one.
+    /// Moment \[N m\] and normal force \[N\] that use the undamaged surface as much as the given ones use the enlarged one.
     pub(crate) fn reduced(&self, moment: f64, normal_force: f64) -> (f64, f64) {
         let whole = self.whole();
         (moment / (whole * self.moment), normal_force / whole)
@@ -63,7 +63,7 @@ impl HingeFactors {
         self.dynamic * self.hardening
     }
 
-    /// With no more moment than `most` \[N m\] at a held normal force \[N\]; `surface` is the virgin one.
+    /// With no more moment than `most` \[N m\] at a held normal force \[N\]; `surface` is the undamaged one.
     pub(crate) fn capped(self, surface: &YieldSurface, normal_force: f64, most: f64) -> Self {
         let whole = self.whole();
         let of_section = whole * surface.moment_resistance(normal_force / whole);
@@ -177,7 +177,7 @@ impl Backbone {
     }
 
     /// How the moment of a hinge grows, relative to it, over the next plastic rotations \[1/rad\]: along the secant of its
-    /// hardening over the rotation `expected` \[rad\], while it bears the normal force `normal` \[N\] with the factors `factors` of the virgin
+    /// hardening over the rotation `expected` \[rad\], while it bears the normal force `normal` \[N\] with the factors `factors` of the undamaged
     /// surface `surface`.
     /// 0 where no rotation is expected.
     pub fn growth(
@@ -227,6 +227,6 @@ impl StaticStrength {
     pub fn with_held(&self, held: [bool; 2], factor: f64) -> Option<BarStrength> {
         let whole = [0, 1].map(|k| self.factors[k].whole() * if held[k] { factor } else { 1.0 });
         let moment = self.factors.map(|factors| factors.moment);
-        BarStrength::new(whole, moment, self.growth, SliderStrength::VIRGIN)
+        BarStrength::new(whole, moment, self.growth, SliderStrength::UNDAMAGED)
     }
 }

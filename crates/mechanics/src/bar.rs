@@ -170,6 +170,25 @@ impl BarTangent {
         }
     }
 
+    /// Of hinges and a web that flow: under a change of the trial moments on the two hinges and on their sum the flow takes
+    /// `taken` of both moments. Where the stress can move along the curves, `along` is how the normal force does \[N\], how the
+    /// caps do \[N m\], and the stiffness against that \[J\].
+    #[inline(always)]
+    pub(crate) fn of_flow(
+        c: &[[f64; 2]; 2],
+        along: Option<(f64, [f64; 3], f64)>,
+        taken: impl Fn([f64; 3]) -> [f64; 2],
+    ) -> Self {
+        let columns = [0, 1].map(|k| taken([c[k][0], c[k][1], c[k][0] + c[k][1]]));
+        let held = Self::held(
+            [0, 1].map(|row| [0, 1].map(|column| c[row][column] - columns[column][row])),
+        );
+        match along {
+            None => held,
+            Some((axial, carried, stiffness)) => held.sliding(axial, taken(carried), stiffness),
+        }
+    }
+
     /// With the stress free to move by `dN = axial dt`, `dM = moment dt` against the stiffness `stiffness`.
     pub(crate) fn sliding(mut self, axial: f64, moment: [f64; 2], stiffness: f64) -> Self {
         let per_stiffness = 1.0 / stiffness;

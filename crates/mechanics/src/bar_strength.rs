@@ -23,23 +23,25 @@ pub(crate) struct BarStrength {
     pub growth: [f64; 2],
     /// Of the web.
     pub slider: SliderStrength,
+    /// Whether a hinge is expected to flow, which only saves the search without it.
+    pub hinges_flow: bool,
 }
 
 impl BarStrength {
     /// Of a bar whose hinges have the factors `whole` of the whole yield surface, and in addition `moment` of the moments; all
     /// positive. `growth` is the growth of the moments, relative to them, with the plastic rotation \[1/rad\], >= 0. `slider` is
-    /// the strength of its web. `None` where all have the resistances of a virgin column at rest.
+    /// the strength of its web. `None` where all have the resistances of an undamaged column at rest.
     pub(crate) fn new(
         whole: [f64; 2],
         moment: [f64; 2],
         growth: [f64; 2],
         slider: SliderStrength,
     ) -> Option<Self> {
-        let is_virgin = whole == [1.0; 2]
+        let is_undamaged = whole == [1.0; 2]
             && moment == [1.0; 2]
             && growth == [0.0; 2]
-            && slider == SliderStrength::VIRGIN;
-        (!is_virgin).then(|| Self::of_factors(whole, moment, growth, slider))
+            && slider == SliderStrength::UNDAMAGED;
+        (!is_undamaged).then(|| Self::of_factors(whole, moment, growth, slider))
     }
 
     pub(crate) fn of_factors(
@@ -60,6 +62,7 @@ impl BarStrength {
             lead: None,
             growth,
             slider,
+            hinges_flow: false,
         }
     }
 
@@ -78,8 +81,7 @@ impl BarStrength {
         let n = self.per_axial.map(|per_axial| n * per_axial);
         let m =
             [0, 1].map(|k| surface.relative_moment(stress.moment[k]).abs() * self.per_moment[k]);
-        // With exponents >= 1 no power of a number below 1 exceeds it.
-        if m[0] + n[0] <= 1.0 && m[1] + n[1] <= 1.0 {
+        if !surface.may_be_exceeded(m[0], n[0]) && !surface.may_be_exceeded(m[1], n[1]) {
             return None;
         }
         let lead = self.lead(bar);

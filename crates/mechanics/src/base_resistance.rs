@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub enum BaseFailure {
     /// Anchors that are sheared off.
     AnchorsInShear,
-    /// Anchors that are torn.
+    /// Anchors that are fractured.
     AnchorsInTension,
     /// The plate bends between anchors and flange.
     Plate,

@@ -34,16 +34,31 @@ const BALANCE_SHARE: f64 = 0.05;
 /// Range in which `beta1` is searched \[rad\].
 const MAX_ROTATION: f64 = 1.0;
 
-/// Solves the equations of a part of a step by Newton's method, and by brackets where it fails.
+/// How the equations of a part of a step are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Solver {
+    /// By Newton's method, and by brackets where it fails.
+    NewtonFirst,
+    /// By brackets alone, which find a massless top only where it can go without a leap: for the smallest part of a step, of
+    /// which Newton's method finds a solution beyond a snap-through that is still to come.
+    Brackets,
+}
+
+/// Solves the equations of a part of a step.
 ///
 /// # Errors
 /// A part that is too long, or a column that does not carry its load.
-pub(crate) fn solve_with_fallback<S: NonlinearSystem>(
+pub(crate) fn solve_part<S: NonlinearSystem>(
     system: &S,
     guess: Displacement,
+    solver: Solver,
     point: &mut S::Point,
 ) -> Result<Solved, Rejected> {
-    match newton::solve(system, guess, point) {
+    let solved = match solver {
+        Solver::NewtonFirst => newton::solve(system, guess, point),
+        Solver::Brackets => None,
+    };
+    match solved {
         Some(solved) => Ok(solved),
         None => solve(system, guess, point).map_err(|unsolved| match unsolved {
             Unsolved::NotConverged => Rejected::TooLong,

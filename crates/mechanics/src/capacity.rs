@@ -1,8 +1,8 @@
-//! The remaining axial capacity: a static push-down of a column at rest, virgin or with the plastic strains of an impact.
+//! The residual axial capacity: a static push-down of a column at rest, undamaged or with the plastic strains of an impact.
 //!
 //! The column gets a bow `e0` as stress-free strains, starts without axial force, and is then shortened quasi-statically
 //! with plastic flow. `N_u` is the largest force at its top; the spring there takes no part. The strength of the hinges is the
-//! static one, without strain rate, after all of their accumulated rotation; the webs have their virgin resistance.
+//! static one, without strain rate, after all of their accumulated rotation; the webs have their undamaged resistance.
 //!
 //! A bumper is gone by then: both bars have their whole lengths again, and their plastic rotations are reduced so that the
 //! impact point stays where it is.
@@ -21,6 +21,7 @@ use thiserror::Error;
 
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bumper::plastic_before_bumper;
+use super::fracture::share_until_fracture;
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
@@ -30,7 +31,6 @@ use super::push_down_equations::{
 };
 use super::shear::SliderStrength;
 use super::state::State;
-use super::tearing::share_until_torn;
 
 /// Largest bow that is accepted, relative to the height.
 pub const MAX_IMPERFECTION: f64 = 0.1;
@@ -89,7 +89,7 @@ pub enum CapacityEnd {
     /// The column folded while the force still increased: it is elastic far beyond the range of the model.
     Folded,
     /// A hinge reached its ultimate rotation before the force fell.
-    Severed,
+    Fractured,
     /// The column has no equilibrium without load: it has collapsed, or it cannot be followed. The capacity is 0.
     NoEquilibrium,
     /// The path could not be followed any further. The largest force up to there is a lower bound.
@@ -123,7 +123,7 @@ pub struct Capacity {
 }
 
 impl Capacity {
-    /// A column that carries nothing: collapsed or severed.
+    /// A column that carries nothing: collapsed or fractured.
     #[must_use]
     pub fn none(end: CapacityEnd) -> Self {
         Self {
@@ -237,11 +237,11 @@ impl PushDown {
                 max,
             });
         }
-        // Without plastic strains it is the virgin column, whatever its equilibrium was found from: the same bits.
-        let virgin;
+        // Without plastic strains it is the undamaged column, whatever its equilibrium was found from: the same bits.
+        let undamaged;
         let state = if state.plastic == PerBar::default() {
-            virgin = State::at_rest(model);
-            &virgin
+            undamaged = State::at_rest(model);
+            &undamaged
         } else {
             state
         };
@@ -334,8 +334,8 @@ impl PushDown {
             u = solved.displacement;
             if share >= 1.0 {
                 self.begin(&solved, offset);
-                if self.torn_after(&self.offset).is_some() {
-                    self.finish(CapacityEnd::Severed);
+                if self.fractured_after(&self.offset).is_some() {
+                    self.finish(CapacityEnd::Fractured);
                 }
                 return;
             }
@@ -359,7 +359,7 @@ impl PushDown {
             let weakest = strength.weakest();
             utilisation = utilisation
                 .max(strength.utilisation(bar, forces))
-                .max(bar.web_utilisation(forces, &SliderStrength::VIRGIN, weakest));
+                .max(bar.web_utilisation(forces, &SliderStrength::UNDAMAGED, weakest));
         }
         self.capacity.unloaded_v1 = self.unloaded.v1;
         self.capacity.v1 = self.unloaded.v1;
@@ -467,9 +467,9 @@ impl PushDown {
             above: offset.above.plus(1.0, above),
         };
         self.hinges.add(below, above, size);
-        if let Some(share) = self.torn_after(&offset) {
+        if let Some(share) = self.fractured_after(&offset) {
             self.compare(self.force - (1.0 - share) * change, from.plus(share, step));
-            return self.finish(CapacityEnd::Severed);
+            return self.finish(CapacityEnd::Fractured);
         }
         let increases = self.compare(self.force, self.displacement);
         if !increases && self.force <= self.fallen * self.capacity.force {
@@ -527,12 +527,12 @@ impl PushDown {
         }
     }
 
-    /// The share of the last increment, which began with these strains without stress, after which a hinge or web is torn.
-    fn torn_after(&self, before: &PerBar<PlasticFlow>) -> Option<f64> {
+    /// The share of the last increment, which began with these strains without stress, after which a hinge or web is fractured.
+    fn fractured_after(&self, before: &PerBar<PlasticFlow>) -> Option<f64> {
         let plastic = |offset: &PerBar<PlasticFlow>| {
             plus(&plus(offset, -1.0, &self.bow), 1.0, &self.before_bumper)
         };
-        share_until_torn(&self.model, &plastic(before), &plastic(&self.offset))
+        share_until_fracture(&self.model, &plastic(before), &plastic(&self.offset))
     }
 
     /// Whether the solution belongs to the path: one that is much further away has leapt to another equilibrium.
@@ -625,7 +625,7 @@ pub fn push_down(
     }
 }
 
-/// `N_Ed`: the compressive force that the column of a state carries at its top, without the share of the spring \[N\].
+/// `N`: the compressive force that the column of a state carries at its top, without the share of the spring \[N\].
 #[must_use]
 pub fn carried_load(model: &Model, state: &State) -> f64 {
     force_on_top(model, &state.displacement, &state.forces)

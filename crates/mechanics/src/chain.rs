@@ -1,4 +1,4 @@
-//! The motion of a compliant vehicle: a chain of masses over one part of a step.
+//! The motion of a deformable vehicle: a chain of masses over one part of a step.
 //!
 //! With a given increment of `v1`, the midpoint rule for the masses and the mean forces of the springs determine the
 //! increments of the masses. They are condensed inside each evaluation of the column's equations, which see the mean
@@ -21,7 +21,7 @@ const BALANCED: f64 = 2e-15;
 /// Relative residual that is accepted once a correction no longer halves it.
 const STAGNATED: f64 = 1e-12;
 
-/// State of a compliant vehicle; arrays over its masses and the springs in front of them, front first.
+/// State of a deformable vehicle; arrays over its masses and the springs in front of them, front first.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Chain {
     /// State of each spring.

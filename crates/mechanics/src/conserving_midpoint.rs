@@ -2,15 +2,15 @@
 //!
 //! Discrete gradient, mean of the stresses at both ends of the step, stresses returned to the yield surface at the
 //! end: `S_m . Delta E = Delta(stored energy) + S_m . Delta E^p` holds identically and the dissipation is never
-//! negative. Closing and release of contact are located inside the step; the percussion obeys Newton's law there,
+//! negative. Closing and release of contact are located inside the step; the impact impulse obeys Newton's law there,
 //! and in persistent contact both masses move as one.
 
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
-use super::bracketing;
+use super::bracketing::{self, Solver};
 use super::chain::ChainPoint;
-use super::contact::MAX_ELASTIC_PERCUSSIONS;
+use super::contact::MAX_ELASTIC_IMPACT_IMPULSES;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
@@ -236,12 +236,13 @@ struct Trial {
 pub(crate) fn part(
     model: &Model,
     state: &mut State,
-    offset_secs: f64,
-    secs: f64,
+    [offset_secs, secs]: [f64; 2],
+    solver: Solver,
     events: &mut Events,
 ) -> Result<f64, Rejected> {
     let mut solver = Part {
         model,
+        solver,
         offset_secs,
         events,
         point: Point::default(),
@@ -249,7 +250,7 @@ pub(crate) fn part(
     };
     match &state.impactor {
         None => solver.whole(state, secs),
-        Some(impactor) if impactor.is_compliant() => solver.whole(state, secs),
+        Some(impactor) if impactor.is_deformable() => solver.whole(state, secs),
         Some(impactor) if impactor.closed => solver.closed(state, secs),
         Some(impactor)
             if state.gap() <= GAP_TOLERANCE && impactor.closing_speed(state.velocity.v1) > 0.0 =>
@@ -264,6 +265,7 @@ pub(crate) fn part(
 /// What the trials of one part share.
 struct Part<'a> {
     model: &'a Model,
+    solver: Solver,
     offset_secs: f64,
     events: &'a mut Events,
     /// The last evaluation of the last trial.
@@ -347,7 +349,7 @@ impl Part<'_> {
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
         let (mut contact_force, mut gap) = (0.0, 0.0);
-        if let Some(impactor) = impactor.filter(|it| !it.is_compliant()) {
+        if let Some(impactor) = impactor.filter(|it| !it.is_deformable()) {
             if impactor.closed {
                 let resistance = resistance(
                     model,
@@ -429,7 +431,7 @@ impl Part<'_> {
         let near = from.predictor.normal(&from.forces);
         self.point.below.stress.expect(near.below);
         self.point.above.stress.expect(near.above);
-        bracketing::solve_with_fallback(system, guess, &mut self.point)
+        bracketing::solve_part(system, guess, self.solver, &mut self.point)
     }
 
     /// Whether the mean stress does negative work on the flow of any hinge or web.
@@ -484,7 +486,7 @@ impl Part<'_> {
             .learn(&trial.increment, trial.secs, trial.end, &state.forces);
         state.contact_force = trial.contact_force;
         if let Some(impactor) = &mut state.impactor {
-            if impactor.is_compliant() {
+            if impactor.is_deformable() {
                 let part = (self.offset_secs, trial.secs);
                 state.follow(self.model, part, &self.point.contact);
                 return Ok(trial.secs);
@@ -552,8 +554,8 @@ impl Part<'_> {
 }
 
 /// Newton's impact law on an impactor that touches and closes, `offset_secs` into the step, and the contact force that it
-/// leaves behind. The last event that a step may have is perfectly inelastic, and so are percussions beyond
-/// [`MAX_ELASTIC_PERCUSSIONS`].
+/// leaves behind. The last event that a step may have is perfectly inelastic, and so are impact impulses beyond
+/// [`MAX_ELASTIC_IMPACT_IMPULSES`].
 pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events: &mut Events) {
     events.count += 1;
     let Some(mut impactor) = state.impactor else {
@@ -564,15 +566,15 @@ pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events:
     impactor.touch(model, state.step, offset_secs);
     let mut restitution = 0.0;
     if speed > 0.0 {
-        if !events.exhausted() && state.percussions < MAX_ELASTIC_PERCUSSIONS {
+        if !events.exhausted() && state.impact_impulses < MAX_ELASTIC_IMPACT_IMPULSES {
             restitution = impactor.effective_restitution(speed);
         }
-        let percussion = impactor.percussion(model, speed, restitution);
-        state.velocity.v1 += percussion.impulse / model.impact_point_mass;
-        impactor.push_back(percussion.impulse);
-        state.count_percussion(percussion.impulse);
-        state.impulse += percussion.impulse;
-        state.ledger.impact_loss += percussion.loss;
+        let impact_impulse = impactor.impact_impulse(model, speed, restitution);
+        state.velocity.v1 += impact_impulse.impulse / model.impact_point_mass;
+        impactor.push_back(impact_impulse.impulse);
+        state.count_impact_impulse(impact_impulse.impulse);
+        state.impulse += impact_impulse.impulse;
+        state.ledger.impact_loss += impact_impulse.loss;
         state.predictor.forget();
     }
     if restitution > 0.0 || speed < 0.0 {

@@ -5,8 +5,8 @@
 //! `v_c' > v_1'`.
 //!
 //! The schemes know what strikes the column only by the methods of [`Impactor`]: its gap, its closing speed and energy,
-//! what it adds to the equation of motion of the impact point ([`Coupling`], [`ChainPart`]), touch, percussion and release.
-//! A compliant vehicle strikes without a percussion: its front spring transmits a force that begins at zero.
+//! what it adds to the equation of motion of the impact point ([`Coupling`], [`ChainPart`]), touch, impact impulse and release.
+//! A deformable vehicle strikes without an impact impulse: its front spring transmits a force that begins at zero.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,22 +20,22 @@ use super::vehicle::Vehicle;
 /// taken as persistent from there on, because rebounds with restitution accumulate, infinitely many in finite time.
 pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 
-/// Percussions of one response that follow Newton's law with the restitution given; those after them are perfectly
+/// Impact impulses of one response that follow Newton's law with the restitution given; those after them are perfectly
 /// inelastic. A restitution near 1 lets the light impact point rattle before a heavy impactor, tens of times per step and
 /// without end, which is persistent contact in all but name. With a restitution of 0.9 one closing of contact makes 90
-/// percussions.
-pub const MAX_ELASTIC_PERCUSSIONS: u32 = 2_000;
+/// impact impulses.
+pub const MAX_ELASTIC_IMPACT_IMPULSES: u32 = 2_000;
 
-/// What strikes the column, on its way: a rigid mass or a compliant vehicle.
+/// What strikes the column, on its way: a rigid mass or a deformable vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {
     /// The impact as it was at the event.
     pub impact: Impact,
-    /// `v_c` \[m\]; of a compliant vehicle the contact face.
+    /// `v_c` \[m\]; of a deformable vehicle the contact face.
     pub position: f64,
-    /// Its rate \[m/s\]; of a compliant vehicle the velocity of the centre of mass.
+    /// Its rate \[m/s\]; of a deformable vehicle the velocity of the centre of mass.
     pub velocity: f64,
-    /// Whether contact is closed: a compliant vehicle transmits a force.
+    /// Whether contact is closed: a deformable vehicle transmits a force.
     pub closed: bool,
     /// First touch, since the event \[s\].
     pub touched_at: Option<f64>,
@@ -43,7 +43,7 @@ pub struct Impactor {
     pub released_at: Option<f64>,
     /// Where and when its free flight began: positions in flight are computed from here, not accumulated.
     flight: Flight,
-    /// Masses and springs of a compliant vehicle, if the impact has one.
+    /// Masses and springs of a deformable vehicle, if the impact has one.
     chain: Option<Chain>,
 }
 
@@ -99,17 +99,17 @@ impl Impactor {
         }
     }
 
-    /// The compliant vehicle and its state; `None` for a rigid mass.
+    /// The deformable vehicle and its state; `None` for a rigid mass.
     pub fn vehicle(&self) -> Option<(&Vehicle, &Chain)> {
         self.impact.vehicle.as_ref().zip(self.chain.as_ref())
     }
 
-    /// Whether it is a compliant vehicle.
-    pub(crate) fn is_compliant(&self) -> bool {
+    /// Whether it is a deformable vehicle.
+    pub(crate) fn is_deformable(&self) -> bool {
         self.chain.is_some()
     }
 
-    /// A compliant vehicle over a part of a step of `secs` seconds; `None` for a rigid mass.
+    /// A deformable vehicle over a part of a step of `secs` seconds; `None` for a rigid mass.
     #[inline]
     pub(crate) fn chain_part(&self, secs: f64) -> Option<ChainPart<'_>> {
         let (vehicle, chain) = self.vehicle()?;
@@ -121,7 +121,7 @@ impl Impactor {
         ))
     }
 
-    /// Moves a compliant vehicle to the end of a part of a step that has been solved, which began `offset_secs` into step
+    /// Moves a deformable vehicle to the end of a part of a step that has been solved, which began `offset_secs` into step
     /// `step` and took `secs` \[s\], where the column is at `v1` \[m\].
     pub(crate) fn follow(
         &mut self,
@@ -144,7 +144,7 @@ impl Impactor {
     }
 
     /// Takes the state in which long elastic steps have left it at the beginning of step `step`, where the column is at `v1`
-    /// \[m\]: `chain` of a compliant vehicle, the free flight of a rigid mass.
+    /// \[m\]: `chain` of a deformable vehicle, the free flight of a rigid mass.
     pub(crate) fn arrive(&mut self, model: &Model, step: u64, v1: f64, chain: Option<Chain>) {
         let (Some(vehicle), Some(chain)) = (&self.impact.vehicle, chain) else {
             self.fly(model, step, 0.0);
@@ -202,7 +202,7 @@ impl Impactor {
         self.velocity - v1_rate
     }
 
-    /// Kinetic energy, and the elastic energy of a compliant vehicle \[J\].
+    /// Kinetic energy, and the elastic energy of a deformable vehicle \[J\].
     #[inline]
     pub(crate) fn energies(&self) -> (f64, f64) {
         match self.vehicle() {
@@ -213,7 +213,7 @@ impl Impactor {
         }
     }
 
-    /// Contact force of a compliant vehicle \[N\]; 0 for a rigid mass.
+    /// Contact force of a deformable vehicle \[N\]; 0 for a rigid mass.
     pub(crate) fn crush_force(&self) -> f64 {
         self.vehicle()
             .map_or(0.0, |(vehicle, chain)| chain.contact_force(vehicle))
@@ -271,15 +271,15 @@ impl Impactor {
         self.velocity -= impulse / self.impact.mass;
     }
 
-    /// The percussion of an impact with the impact point at `closing_speed` \[m/s\].
-    pub(crate) fn percussion(
+    /// The impact impulse of an impact with the impact point at `closing_speed` \[m/s\].
+    pub(crate) fn impact_impulse(
         &self,
         model: &Model,
         closing_speed: f64,
         restitution: f64,
-    ) -> Percussion {
+    ) -> ImpactImpulse {
         let mass = self.impact.mass;
-        percussion(mass, model.impact_point_mass, closing_speed, restitution)
+        impact_impulse(mass, model.impact_point_mass, closing_speed, restitution)
     }
 
     /// Moves it by the little by which it lies away from the column at `v1` \[m\]: the round-off of the instant of an event, or
@@ -364,24 +364,24 @@ impl Impactor {
     }
 }
 
-/// A percussion between `m_c` and `m_1` by Newton's law (Eq 36).
+/// An impact impulse between `m_c` and `m_1` by Newton's law (Eq 36).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Percussion {
+pub(crate) struct ImpactImpulse {
     /// `Lambda_N` \[N s\].
     pub impulse: f64,
     /// Energy lost \[J\].
     pub loss: f64,
 }
 
-/// The percussion of two masses \[kg\] that close at `closing_speed` \[m/s\].
-fn percussion(
+/// The impact impulse of two masses \[kg\] that close at `closing_speed` \[m/s\].
+fn impact_impulse(
     impactor_mass: f64,
     column_mass: f64,
     closing_speed: f64,
     restitution: f64,
-) -> Percussion {
+) -> ImpactImpulse {
     let reduced = impactor_mass * column_mass / (impactor_mass + column_mass);
-    Percussion {
+    ImpactImpulse {
         impulse: (1.0 + restitution) * reduced * closing_speed,
         loss: 0.5 * (1.0 - restitution * restitution) * reduced * closing_speed * closing_speed,
     }
@@ -392,16 +392,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_papers_first_percussion() {
-        let p = percussion(1500.0, 70.1 * 4.0 / 3.0, 10.0, 0.0);
+    fn the_papers_first_impact_impulse() {
+        let p = impact_impulse(1500.0, 70.1 * 4.0 / 3.0, 10.0, 0.0);
         assert!((p.impulse - 879.842691).abs() < 1e-5, "{}", p.impulse);
         assert!((p.loss - 4399.213454941).abs() < 1e-6, "{}", p.loss);
     }
 
     #[test]
-    fn an_elastic_percussion_loses_nothing_and_turns_the_speed_round() {
+    fn an_elastic_impact_impulse_loses_nothing_and_turns_the_speed_round() {
         let (mc, m1, w) = (3.0, 2.0, 5.0);
-        let p = percussion(mc, m1, w, 1.0);
+        let p = impact_impulse(mc, m1, w, 1.0);
         assert_eq!(p.loss, 0.0);
         assert!((w - p.impulse / mc - p.impulse / m1 + w).abs() < 1e-14);
     }

@@ -1,10 +1,10 @@
-//! The elastic motion of a column in long explicit steps, for studies: between two plastic flows, before a compliant vehicle
+//! The elastic motion of a column in long explicit steps, for studies: between two plastic flows, before a deformable vehicle
 //! or without contact.
 //!
 //! The scheme is Störmer's, `U_{n+1} - 2 U_n + U_{n-1} = h^2 M*^{-1} f_n`, with one evaluation of the forces per step and
 //! no iteration but that of a massless top. A free vibration of circular frequency `omega` has in it the frequency
 //! `2/h asin(omega* h/2)`; the mass `M* = M (x / sin x)^2` with `x = omega h/2` makes that `omega` again, so that the phase
-//! is right after any number of periods, whatever the step. Slow motions do not feel the difference.
+//! is right after any number of periods, whatever the step. Slow motions do not detect the difference.
 //!
 //! It begins from and ends in a displacement with its true velocity: `U_1 = U_0 + h V_0 + h^2 (2 A_0 + A_1)/6` and
 //! `V_n = (U_n - U_{n-1})/h + h (2 A_n + A_{n-1})/6`, with the true accelerations `A`, both of third order.
@@ -144,7 +144,7 @@ impl ElasticMotion {
     /// Whether a state can move this way: no rigid impactor presses on the column.
     pub fn applies_to(state: &State) -> bool {
         state.impactor.as_ref().is_none_or(|impactor| {
-            impactor.is_compliant() || (!impactor.closed && impactor.touched_at.is_some())
+            impactor.is_deformable() || (!impactor.closed && impactor.touched_at.is_some())
         })
     }
 
@@ -193,8 +193,8 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn begin(model: &'a Model, state: &'a mut State) -> Option<Self> {
-        let compliant = state.impactor.as_ref().and_then(|i| i.vehicle());
-        let (vehicle, chain) = match compliant {
+        let deformable = state.impactor.as_ref().and_then(|i| i.vehicle());
+        let (vehicle, chain) = match deformable {
             Some((vehicle, chain)) => (Some(*vehicle), Some(*chain)),
             None => (None, None),
         };
@@ -403,7 +403,12 @@ impl<'a> Run<'a> {
             return Some(0.0);
         }
         // A rigid impactor in flight must not be reached.
-        if let Some(impactor) = self.state.impactor.as_ref().filter(|it| !it.is_compliant()) {
+        if let Some(impactor) = self
+            .state
+            .impactor
+            .as_ref()
+            .filter(|it| !it.is_deformable())
+        {
             let step = self.state.step + self.made + u64::from(steps);
             if displacement.v1 <= impactor.position_in_flight(model, step, 0.0) {
                 return Some(0.0);
@@ -460,7 +465,7 @@ impl<'a> Run<'a> {
                 Some(slider) => {
                     let least = SliderStrength {
                         factor: [web.least(); 2],
-                        ..SliderStrength::VIRGIN
+                        ..SliderStrength::UNDAMAGED
                     };
                     let n = bar.surface.relative_axial(forces.normal).abs();
                     size.max(slider.utilisation(forces.moment, &least, n))
@@ -535,8 +540,8 @@ impl<'a> Run<'a> {
             ),
         ] {
             let weakest = factors.map_or(1.0, |[a, b]| HingeFactors::weakest([a, b]));
-            let virgin = &SliderStrength::VIRGIN;
-            let used = bar.web_utilisation(forces, web.unwrap_or(virgin), weakest);
+            let undamaged = &SliderStrength::UNDAMAGED;
+            let used = bar.web_utilisation(forces, web.unwrap_or(undamaged), weakest);
             if used > largest || used.is_nan() {
                 largest = used;
             }
@@ -604,7 +609,7 @@ impl<'a> Run<'a> {
             u2: velocity[2],
         };
         state.rest_hinges();
-        state.percussion = 0.0;
+        state.impact_impulse = 0.0;
         state.contact_force = 0.0;
         state.predictor.forget();
         if let Some(law) = &model.strength {

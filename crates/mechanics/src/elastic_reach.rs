@@ -126,7 +126,7 @@ pub(crate) fn elastic_reach(
 }
 
 /// Whether an energy \[J\] does not suffice to bring either hinge of a bar to a side of the polygon, or its web, which bears `web` times
-/// its virgin resistance, to its own; `softened` is what the hinges have left of their moments.
+/// its undamaged resistance, to its own; `softened` is what the hinges have left of their moments.
 fn stays_within(
     bar: &Bar,
     forces: &BarForces,

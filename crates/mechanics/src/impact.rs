@@ -8,14 +8,14 @@ use super::vehicle::{Readable, Vehicle, VehicleError};
 
 /// The specification of an impact, as an event, a command line or a what-if gives it.
 ///
-/// The velocity is always given, and the mass unless a compliant vehicle has one of its own.
+/// The velocity is always given, and the mass unless a deformable vehicle has one of its own.
 /// [`ImpactSpecification::complete`] takes the gap and the restitution that are left open from the defaults of the column,
 /// with them the transverse force, and the vehicle that strikes. The height belongs to the column model, because it divides the column into
 /// the two bars; `None` keeps the height of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactSpecification {
-    /// `m_c`: total mass of the vehicle \[kg\], > 0; 0 or NaN is the own mass of a compliant vehicle.
+    /// `m_c`: total mass of the vehicle \[kg\], > 0; 0 or NaN is the own mass of a deformable vehicle.
     pub mass: f64,
     /// Speed of the vehicle towards the column, over the ground \[m/s\], > 0.
     pub velocity: f64,
@@ -73,7 +73,7 @@ impl From<Impact> for ImpactSpecification {
     }
 }
 
-/// A completed impact: a rigid mass `m_c` or a compliant vehicle that moves towards the impact point.
+/// A completed impact: a rigid mass `m_c` or a deformable vehicle that moves towards the impact point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Impact {
@@ -84,10 +84,10 @@ pub struct Impact {
     pub velocity: f64,
     /// Distance to the impact point at time 0 \[m\], >= 0.
     pub gap: f64,
-    /// `epsilon` of Newton's law (Eq 36), from 0 (perfectly inelastic) to 1 (elastic); without effect for a compliant
-    /// vehicle, which strikes without a percussion.
+    /// `epsilon` of Newton's law (Eq 36), from 0 (perfectly inelastic) to 1 (elastic); without effect for a deformable
+    /// vehicle, which strikes without an impact impulse.
     pub restitution: f64,
-    /// The compliant vehicle, whose masses add up to `mass`; `None` is the paper's rigid mass.
+    /// The deformable vehicle, whose masses add up to `mass`; `None` is the paper's rigid mass.
     #[serde(default)]
     pub vehicle: Option<Vehicle>,
     /// Height of the bumper, over which the vehicle holds the column straight \[m\], >= 0; 0 is a force at a point. It has an

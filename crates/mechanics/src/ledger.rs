@@ -10,11 +10,11 @@ use super::vehicle::MAX_MASSES;
 pub struct Ledger {
     /// Dissipated in the hinges and webs; the share of each web is in [`WebState::work`](super::WebState::work).
     pub plastic_work: f64,
-    /// Lost in percussions.
+    /// Lost in impact impulses.
     pub impact_loss: f64,
     /// Done against damping.
     pub damping_work: f64,
-    /// Dissipated in each spring of a compliant vehicle, front first.
+    /// Dissipated in each spring of a deformable vehicle, front first.
     pub vehicle_dissipated: [f64; MAX_MASSES],
     /// Kinetic energy of the impactor at the event.
     pub input: f64,
@@ -35,7 +35,7 @@ pub struct Energies {
     pub impactor_kinetic: f64,
     /// Elastic energy of the hinges and of the top spring.
     pub elastic: f64,
-    /// Elastic energy of the springs of a compliant vehicle.
+    /// Elastic energy of the springs of a deformable vehicle.
     pub vehicle_elastic: f64,
     /// `P u2 + F x_c`: the load on the top, and the transverse force on the vehicle times the position of its centre of mass.
     pub load_work: f64,

@@ -10,7 +10,7 @@
 //! | `Phi(M, N)` | yield function (Eqs 26-29) | - | `yield_surface.rs` |
 //! | `D`, `H` | strain rate and hardening of a hinge | - | `rate.rs`, `strength.rs` |
 //! | `V_s`, `gamma_p` | resistance and plastic shear angle of the web of a bar | N, rad | `shear.rs` |
-//! | `g`, `Lambda_N`, `epsilon` | gap, percussion, restitution (Eqs 33-38) | m, N s, - | `contact.rs` |
+//! | `g`, `Lambda_N`, `epsilon` | gap, impact impulse, restitution (Eqs 33-38) | m, N s, - | `contact.rs` |
 //! | Eqs 40, 44-46 | both time-stepping schemes | | `midpoint.rs`, `conserving_midpoint.rs` |
 //!
 //! `stepping.rs` makes a step of parts, a scheme states the equations of a part, `newton.rs` solves them, and `bar.rs`
@@ -35,6 +35,7 @@ mod crush;
 mod crushed_vehicle;
 mod elastic_motion;
 mod elastic_reach;
+mod fracture;
 mod frame;
 mod geometry;
 mod impact;
@@ -63,7 +64,6 @@ mod step_length;
 mod stepping;
 mod strength;
 mod study_response;
-mod tearing;
 mod vehicle;
 mod web_slide;
 mod webs_of_state;
@@ -87,7 +87,7 @@ pub use capacity::{
 };
 pub use chain::{Chain, ChainPart, ChainPoint, Crushed};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
-pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION};
+pub use contact::{Impactor, MAX_ELASTIC_IMPACT_IMPULSES, PERSISTENT_CONTACT_FRACTION};
 pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;

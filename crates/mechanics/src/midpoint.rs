@@ -6,7 +6,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, PerBar};
-use super::bracketing;
+use super::bracketing::{self, Solver};
 use super::chain::ChainPoint;
 use super::contact::Coupling;
 use super::frame;
@@ -106,11 +106,12 @@ struct Trial {
 pub(crate) fn part(
     model: &Model,
     state: &mut State,
-    offset_secs: f64,
-    secs: f64,
+    [offset_secs, secs]: [f64; 2],
+    solver: Solver,
 ) -> Result<(), Rejected> {
     let mut solver = Part {
         model,
+        solver,
         offset_secs,
         secs,
         point: Point::default(),
@@ -119,7 +120,7 @@ pub(crate) fn part(
     // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
     // one that held in the last step is tried first; the problem is monotone, so the consistent case is the solution.
     let touching = state.impactor.as_ref();
-    let Some(impactor) = touching.filter(|it| !it.is_compliant() && state.gap() <= 0.0) else {
+    let Some(impactor) = touching.filter(|it| !it.is_deformable() && state.gap() <= 0.0) else {
         return solver.free(state);
     };
     let closing_speed = impactor.closing_speed(state.velocity.v1);
@@ -150,6 +151,7 @@ pub(crate) fn part(
 /// What the trials of one part share.
 struct Part<'a> {
     model: &'a Model,
+    solver: Solver,
     offset_secs: f64,
     secs: f64,
     /// The last evaluation of the last trial.
@@ -187,7 +189,7 @@ impl Part<'_> {
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
         self.point.above.expect(near.above);
-        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
+        let solved = bracketing::solve_part(&system, guess, self.solver, &mut self.point)?;
         let increment = solved.increment;
         Ok(Trial {
             increment,
@@ -208,7 +210,7 @@ impl Part<'_> {
         self.accept(state, trial)?;
         state.contact_force = 0.0;
         if let Some(impactor) = &mut state.impactor {
-            if impactor.is_compliant() {
+            if impactor.is_deformable() {
                 let part = (self.offset_secs, self.secs);
                 state.follow(self.model, part, &self.point.contact);
                 return Ok(());
@@ -234,16 +236,16 @@ impl Part<'_> {
         impactor.position += 0.5 * self.secs * (before + impactor.velocity);
         impactor.closed = true;
         impactor.touch(self.model, state.step, self.offset_secs);
-        let mut percussion = 0.0;
+        let mut impact_impulse = 0.0;
         if closing_speed > IMPACT_FRACTION * impactor.impact.arrival_velocity() {
-            percussion = impactor
-                .percussion(self.model, closing_speed, restitution)
+            impact_impulse = impactor
+                .impact_impulse(self.model, closing_speed, restitution)
                 .impulse
                 .min(impulse);
-            state.count_percussion(percussion);
+            state.count_impact_impulse(impact_impulse);
         }
         state.impulse += impulse;
-        state.contact_force = (impulse - percussion) / self.secs;
+        state.contact_force = (impulse - impact_impulse) / self.secs;
         state.ledger.impact_loss += impulse * 0.5 * (1.0 - restitution) * closing_speed;
         Ok(())
     }

@@ -37,7 +37,7 @@ pub struct Model {
     /// `m_1`: a third of the column's mass, at the impact point; if the top is free, the mass there that gives the column
     /// its moment of inertia about the base \[kg\].
     pub impact_point_mass: f64,
-    /// Static equilibrium of the virgin column under its load.
+    /// Static equilibrium of the undamaged column under its load.
     pub rest: RestState,
     /// Period of the slowest elastic mode about it \[s\].
     pub slowest_period: f64,
@@ -56,7 +56,7 @@ pub struct Model {
 /// Relative residual to which the conserving scheme solves its equations: its energy balance is as exact as their solution.
 const TOLERANCE: f64 = 1e-13;
 
-/// Static equilibrium of the virgin column: `v1 = beta1 = 0`.
+/// Static equilibrium of the undamaged column: `v1 = beta1 = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestState {
     /// `u1` \[m\].

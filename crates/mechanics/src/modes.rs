@@ -26,7 +26,7 @@ fn stiffness(frame: &Frame, u: &Displacement, plastic: &PerBar<PlasticFlow>) -> 
     frame.elastic_stiffness(&chords, &forces)
 }
 
-/// Elastic stiffness against `v1` of the virgin column at rest, with `beta1` free \[N/m\]. The axial displacements do not
+/// Elastic stiffness against `v1` of the undamaged column at rest, with `beta1` free \[N/m\]. The axial displacements do not
 /// couple with it there.
 pub(crate) fn transverse_stiffness(frame: &Frame, rest: &Displacement) -> f64 {
     let k = stiffness(frame, rest, &PerBar::default());

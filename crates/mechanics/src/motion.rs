@@ -90,7 +90,7 @@ pub(crate) struct Motion<'a> {
     /// `2 m / h` of every displacement \[kg/s\].
     inertia: Vector4<f64>,
     damping: Option<&'a Damping>,
-    /// A compliant vehicle.
+    /// A deformable vehicle.
     chain: Option<&'a ChainPart<'a>>,
     /// Forces besides those of the column: the load and the force of contact \[N\].
     applied: Vector4<f64>,
@@ -99,7 +99,7 @@ pub(crate) struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     /// The motion over `secs` of a column that starts from `from`, with the share `coupling` of a rigid impactor or with the
-    /// compliant vehicle `chain`.
+    /// deformable vehicle `chain`.
     // Inlined, as `residual`, measured: a step takes 3 % less.
     #[inline(always)]
     pub fn new(
@@ -173,7 +173,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Whether a compliant vehicle takes part.
+    /// Whether a deformable vehicle takes part.
     pub fn has_vehicle(&self) -> bool {
         self.chain.is_some()
     }

@@ -3,10 +3,10 @@
 
 use super::bar::{Bar, BarForces, BarTangent, Place, Returned};
 use super::bar_strength::BarStrength;
-use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
+use super::capped_moments::{CappedMoments, Hardening, cap_moments};
 use super::return_search::{MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, RETURN_TOLERANCE};
 use super::shear::{TIP_SLOPE, axial_share_jet};
-use super::sheared_moments::{Mechanisms, WebCap};
+use super::sheared_moments::{HingeAndWeb, Mechanisms, WebCap};
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
 /// A share of an elongation below this may be round-off of the root search.
@@ -33,7 +33,7 @@ pub(crate) struct PairSearch<'a, const HARDENS: bool, const SHEARS: bool> {
     scale: [f64; 2],
     /// `K / N_w^2` \[1/J\].
     per_energy: f64,
-    /// Resistance of a virgin web against the sum of the moments \[N m\].
+    /// Resistance of an undamaged web against the sum of the moments \[N m\].
     web: f64,
 }
 
@@ -46,6 +46,8 @@ struct Web {
     angle: f64,
     /// Hardening \[N m/rad\].
     hardening: f64,
+    /// The hinge that flows with the web and no other, and both of them.
+    together: Option<(usize, HingeAndWeb)>,
 }
 
 impl Web {
@@ -58,6 +60,7 @@ impl Web {
         },
         angle: 0.0,
         hardening: 0.0,
+        together: None,
     };
 }
 
@@ -126,7 +129,9 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         for k in 0..2 {
             if HARDENS && growth[k] > 0.0 && hardening.flexibility[k] > 0.0 {
                 hardening.diagonal[k] += limits[k] * growth[k];
-                hardening.flexibility[k] = 1.0 / hardening.diagonal[k];
+                if !SHEARS {
+                    hardening.flexibility[k] = 1.0 / hardening.diagonal[k];
+                }
             }
         }
         let (capped, web) = if SHEARS {
@@ -168,7 +173,8 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     }
 
     /// The plastic deformations that bring the trial moments within the caps of the hinges, `limits` \[N m\], and their sum
-    /// within that of the web, at the normal force `axial`.
+    /// within that of the web, at the normal force `axial`. Of `hardening`, the flexibilities only tell which hinges bear a moment.
+    #[inline(always)]
     fn cap_with_web(
         &self,
         hardening: &Hardening,
@@ -186,6 +192,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
                 hardening.diagonal[1] - c[1][1],
                 0.0,
             ],
+            together: None,
         };
         let moments = self.trial.moment;
         let mut web = [0, 1].map(|direction| WebCap {
@@ -199,6 +206,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
                 limit: limit * own.most.max(factor),
                 hardening: 0.0,
             });
+            mechanisms.together = None;
             x = mechanisms.cap(hardening.flexibility, moments, limits, web);
         }
         let capped = CappedMoments {
@@ -209,6 +217,10 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
             share,
             angle: x[2],
             hardening: mechanisms.hardening[2],
+            // Not where round-off has turned one of them against its direction.
+            together: mechanisms
+                .together
+                .filter(|(k, _)| x[*k] != 0.0 && x[2] != 0.0),
         };
         (capped, web)
     }
@@ -229,6 +241,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         Mechanisms {
             rotational: c,
             hardening: [d[0] - c[0][0], d[1] - c[1][1], state.web.hardening],
+            together: None,
         }
     }
 
@@ -247,25 +260,20 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     /// force moves \[N\], how the caps do \[N m\], and the stiffness against that \[J\].
     fn sheared(&self, state: &PairedState, along: Option<(f64, [f64; 3], f64)>) -> Place {
         let c = &self.bar.rotational;
-        let mechanisms = self.mechanisms(state);
-        let [first, second] = state.capped.rotation;
-        let active = [first, second, state.web.angle].map(|x| x != 0.0);
-        let solved = |right: [f64; 3]| {
-            let right = [0, 1, 2].map(|k| if active[k] { right[k] } else { 0.0 });
-            // Of three mechanisms that depend on each other two determine both moments.
-            let x = mechanisms
-                .solve(active, right)
-                .or_else(|| mechanisms.solve([active[0], active[1], false], right))
-                .unwrap_or_default();
-            times(c, [x[0] + x[2], x[1] + x[2]])
-        };
-        let columns = [0, 1].map(|k| solved([c[k][0], c[k][1], c[k][0] + c[k][1]]));
-        let rotational =
-            [0, 1].map(|row| [0, 1].map(|column| c[row][column] - columns[column][row]));
-        let held = BarTangent::held(rotational);
-        let tangent = match along {
-            None => held,
-            Some((axial, carried, stiffness)) => held.sliding(axial, solved(carried), stiffness),
+        let tangent = match &state.web.together {
+            Some((k, pair)) => {
+                let turning = self.turning();
+                BarTangent::of_flow(c, along, |right| {
+                    let [rotation, angle] = pair.solve([right[*k], right[2]]);
+                    [0, 1].map(|row| c[row][*k] * rotation + turning[row] * angle)
+                })
+            }
+            None => {
+                let mechanisms = self.mechanisms(state);
+                let [first, second] = state.capped.rotation;
+                let active = [first, second, state.web.angle].map(|x| x != 0.0);
+                BarTangent::of_flow(c, along, |right| mechanisms.taken(active, right))
+            }
         };
         Place::Sheared { tangent }
     }
@@ -405,6 +413,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
             low.capped.rotation[k] = mixed(low.capped.rotation[k], high.capped.rotation[k]);
         }
         low.web.angle = mixed(low.web.angle, high.web.angle);
+        low.web.together = None;
         let normal = self.sign * self.point(branch, bracket[0]).axial.value * self.axial;
         Some(self.held(normal, &low, self.shared(normal, &low)))
     }
@@ -604,6 +613,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         }
         state.capped.rotation = left(least);
         state.web.angle = least;
+        state.web.together = None;
     }
 
     /// The stress at the tip of the weaker surface. Its hinge takes what is left of the elongation after each hinge has taken
@@ -667,6 +677,11 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     /// Second derivative of the complementary energy where the moments of the hinges change by `carried` \[N m\]; \[J\].
     fn compliance(&self, state: &PairedState, carried: [f64; 2]) -> f64 {
         if SHEARS {
+            if let Some((k, pair)) = &state.web.together {
+                let (hinge, web) = (carried[*k], self.web_carried(state));
+                let [rotation, angle] = pair.solve([hinge, web]);
+                return hinge * rotation + web * angle;
+            }
             let [first, second] = state.capped.rotation;
             let active = [first, second, state.web.angle].map(|x| x != 0.0);
             let carried = [carried[0], carried[1], self.web_carried(state)];

@@ -55,7 +55,7 @@ pub struct ColumnProperties {
     /// what the section does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_connection: Option<BaseResistance>,
-    /// Absolute plastic rotation at which a hinge is severed, of hinges 1a and 1b together \[rad\], >= 0; 0 for no limit.
+    /// Absolute plastic rotation at which a hinge is fractured, of hinges 1a and 1b together \[rad\], >= 0; 0 for no limit.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
     /// Shear of the web of each bar; `None` in the paper: the web neither yields nor deforms.
@@ -230,6 +230,20 @@ pub enum RateLaw {
         /// `e0` \[1/s\], > 0.
         reference: f64,
     },
+}
+
+impl RateLaw {
+    /// Dynamic increase factor at a strain rate \[1/s\], >= 1 and without an upper limit.
+    #[must_use]
+    pub fn factor(&self, rate: f64) -> f64 {
+        match *self {
+            Self::CowperSymonds { d, q } if rate > 0.0 => 1.0 + libm::exp(libm::log(rate / d) / q),
+            Self::Logarithmic { c, reference } if rate > reference => {
+                1.0 + c * libm::log(rate / reference)
+            }
+            Self::CowperSymonds { .. } | Self::Logarithmic { .. } => 1.0,
+        }
+    }
 }
 
 /// Elastic law of a bar's two hinges.

@@ -264,7 +264,7 @@ impl Flowing {
                 let (moment, normal) = own.factors[k].reduced(forces.moment[k], forces.normal);
                 !held[k] || bar.surface.sum(moment, normal) <= 1.0 + HELD_TOLERANCE
             }) && (held == [false; 2]
-                || bar.web_utilisation(forces, &SliderStrength::VIRGIN, own.weakest())
+                || bar.web_utilisation(forces, &SliderStrength::UNDAMAGED, own.weakest())
                     <= 1.0 + HELD_TOLERANCE)
         };
         let (frame, held, stress) = (&model.frame, &self.held, &solved.stress);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::contact::MAX_ELASTIC_PERCUSSIONS;
+use super::contact::MAX_ELASTIC_IMPACT_IMPULSES;
 use super::properties::is_default;
 use super::sample::{BaseForces, HINGES, WEBS};
 use super::vehicle::MAX_MASSES;
@@ -18,8 +18,8 @@ pub enum Outcome {
     /// The column has lost its shape or its equilibrium.
     Collapsed,
     /// The plastic rotation of a hinge has exceeded the ultimate rotation, or the plastic shear angle of a web the ultimate
-    /// angle: it is torn and carries nothing.
-    Severed,
+    /// angle: it is fractured and carries nothing.
+    Fractured,
 }
 
 /// Why a response ended.
@@ -32,17 +32,17 @@ pub enum End {
     DurationReached,
     /// The column has collapsed.
     Collapsed,
-    /// A hinge or a web has been severed.
-    Severed,
+    /// A hinge or a web has been fractured.
+    Fractured,
     /// The next step did not converge, however small its parts; the report tells what happened until then.
     NotConverged,
 }
 
 /// The outcome of one impact. Times count from the event \[s\]; an event that did not happen is `None`. The largest values of a
-/// response that ends with a torn hinge or web are those up to the instant of the tear, which is interpolated within its last step.
+/// response that ends with a fractured hinge or web are those up to the instant of the fracture, which is interpolated within its last step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Elastic, plastic, collapsed or severed.
+    /// Elastic, plastic, collapsed or fractured.
     pub outcome: Outcome,
     /// Why the response ended.
     pub end: End,
@@ -53,11 +53,11 @@ pub struct Report {
     /// Time of the largest `v1` \[s\].
     pub max_v1_time: f64,
     /// `v1` of the static equilibrium under the load with the plastic deformations frozen \[m\]; `None` if collapsed or
-    /// severed.
+    /// fractured.
     pub residual_v1: Option<f64>,
     /// Largest `u2` \[m\].
     pub max_u2: f64,
-    /// `u2` of the residual equilibrium \[m\]; `None` if collapsed or severed.
+    /// `u2` of the residual equilibrium \[m\]; `None` if collapsed or fractured.
     pub residual_u2: Option<f64>,
     /// First touch \[s\].
     pub first_contact_time: Option<f64>,
@@ -71,11 +71,11 @@ pub struct Report {
     pub peak_contact_force: f64,
     /// Time of the largest smooth contact force \[s\].
     pub peak_contact_force_time: Option<f64>,
-    /// Number of percussions.
-    pub percussions: u32,
-    /// Impulse of the percussions alone \[N s\].
-    pub percussion_impulse: f64,
-    /// Impulse of percussions and contact force \[N s\].
+    /// Number of impact impulses.
+    pub impact_impulses: u32,
+    /// Impulse of the impact impulses alone \[N s\].
+    pub total_impact_impulse: f64,
+    /// Impulse of impact impulses and contact force \[N s\].
     pub impulse: f64,
     /// Kinetic energy of the impactor at the event \[J\].
     pub input_energy: f64,
@@ -87,7 +87,7 @@ pub struct Report {
     pub elastic_energy_change: f64,
     /// Work dissipated in the hinges and webs \[J\].
     pub plastic_work: f64,
-    /// Energy lost in percussions \[J\].
+    /// Energy lost in impact impulses \[J\].
     pub impact_loss: f64,
     /// Work of the damping \[J\].
     pub damping_work: f64,
@@ -102,7 +102,7 @@ pub struct Report {
     pub steps: u64,
     /// The hinges.
     pub hinges: [HingeReport; HINGES],
-    /// The compliant vehicle; its default for a rigid one.
+    /// The deformable vehicle; its default for a rigid one.
     pub vehicle: VehicleReport,
     /// The webs; their default in a column without shear.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -113,7 +113,7 @@ pub struct Report {
 }
 
 /// The reactions of the base in a response. Except for the plateau they are means over 1 ms
-/// ([`BASE_WINDOW`](super::BASE_WINDOW)); each comes with the other forces of the same millisecond. Percussions do not count.
+/// ([`BASE_WINDOW`](super::BASE_WINDOW)); each comes with the other forces of the same millisecond. Impact impulses do not count.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BaseReport {
     /// Mean over the time in which `v1` grew from 0.30 to 0.95 of its largest value; `None` where it did not grow.
@@ -135,7 +135,7 @@ pub struct BaseReport {
     pub checked_moment: BaseForces,
 }
 
-/// What became of a compliant vehicle: arrays over its masses and the springs in front of them, front first.
+/// What became of a deformable vehicle: arrays over its masses and the springs in front of them, front first.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct VehicleReport {
     /// Number of masses; 0 for a rigid vehicle.
@@ -153,10 +153,10 @@ pub struct VehicleReport {
 }
 
 impl Report {
-    /// Whether the response had more percussions than follow the restitution given (only with the conserving scheme): from
-    /// number [`MAX_ELASTIC_PERCUSSIONS`] on they were perfectly inelastic, and what they lost is part of `impact_loss`.
+    /// Whether the response had more impact impulses than follow the restitution given (only with the conserving scheme): from
+    /// number [`MAX_ELASTIC_IMPACT_IMPULSES`] on they were perfectly inelastic, and what they lost is part of `impact_loss`.
     pub fn restitution_ended_early(&self) -> bool {
-        self.percussions > MAX_ELASTIC_PERCUSSIONS
+        self.impact_impulses > MAX_ELASTIC_IMPACT_IMPULSES
     }
 }
 

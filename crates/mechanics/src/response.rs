@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::base_reactions::{BaseHistory, BaseInstant};
 use super::elastic_motion::Glimpse;
+use super::fracture::share_until_fracture;
 use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
@@ -19,7 +20,6 @@ use super::sample::{HINGES, WEBS};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
-use super::tearing::share_until_torn;
 use super::yield_surface::YieldSurface;
 use super::yielding::{over_hinges, share_until_shear, share_until_yield, yield_sums};
 
@@ -165,7 +165,7 @@ impl Response {
             self.base.wait(self.counted_from);
             return Ok(Progress::Running);
         }
-        self.observed_stride::<true>(model, state, 1)
+        self.observed_macro_step::<true>(model, state, 1)
     }
 
     /// Advances the state by `steps` steps that are made as one, for a study: the residual of the ledger, the utilisations and
@@ -174,17 +174,17 @@ impl Response {
     /// # Errors
     /// As [`Response::advance`].
     #[inline]
-    pub(crate) fn stride(
+    pub(crate) fn macro_step(
         &mut self,
         model: &Model,
         state: &mut State,
         steps: u32,
     ) -> Result<Progress, StepError> {
-        self.observed_stride::<false>(model, state, steps)
+        self.observed_macro_step::<false>(model, state, steps)
     }
 
     #[inline]
-    fn observed_stride<const IN_FULL: bool>(
+    fn observed_macro_step<const IN_FULL: bool>(
         &mut self,
         model: &Model,
         state: &mut State,
@@ -199,13 +199,13 @@ impl Response {
             forces: state.forces,
             plastic: state.plastic,
         };
-        let made = stepping::stride(model, state, steps);
-        let torn_after = made
+        let made = stepping::macro_step(model, state, steps);
+        let fractured_after = made
             .ok()
-            .and_then(|()| share_until_torn(model, &before.plastic, &state.plastic));
-        self.record::<IN_FULL>(model, &before, state, torn_after);
+            .and_then(|()| share_until_fracture(model, &before.plastic, &state.plastic));
+        self.record::<IN_FULL>(model, &before, state, fractured_after);
         match made {
-            Ok(()) if torn_after.is_some() => Ok(Progress::Over(End::Severed)),
+            Ok(()) if fractured_after.is_some() => Ok(Progress::Over(End::Fractured)),
             Ok(()) => Ok(self.progress(model, state)),
             Err(StepError::Collapsed(_)) => Ok(Progress::Over(End::Collapsed)),
             Err(error) => Err(error),
@@ -236,7 +236,7 @@ impl Response {
             .impactor
             .as_ref()
             .is_none_or(|i| i.touched_at.is_some());
-        // The period of the virgin column is known; that of the deformed column is computed only after it has passed.
+        // The period of the undamaged column is known; that of the deformed column is computed only after it has passed.
         if !touched || now - self.last_flow < QUIET_PERIODS * model.slowest_period {
             return false;
         }
@@ -260,7 +260,7 @@ impl Response {
         let quiet = |since: f64| now - since >= QUIET_PERIODS * period;
         quiet(self.last_flow)
             && state.impactor.as_ref().is_none_or(|impactor| {
-                if impactor.closed && impactor.is_compliant() {
+                if impactor.closed && impactor.is_deformable() {
                     // Its front pushes itself away.
                     false
                 } else if impactor.closed {
@@ -275,18 +275,18 @@ impl Response {
             })
     }
 
-    /// Takes what a step led to. Of a step in which a hinge tears only the share `torn_after` counts for the extremes: the model
+    /// Takes what a step led to. Of a step in which a hinge fractures only the share `fractured_after` counts for the extremes: the model
     /// does not know how the column moves without that hinge.
     fn record<const IN_FULL: bool>(
         &mut self,
         model: &Model,
         before: &StepStart,
         state: &State,
-        torn_after: Option<f64>,
+        fractured_after: Option<f64>,
     ) {
         let now = model.time_of_step(state.step);
         let touching = state.impactor.as_ref().is_some_and(|i| i.closed);
-        if touching || state.percussion > 0.0 {
+        if touching || state.impact_impulse > 0.0 {
             self.last_contact = now;
         }
         if touching
@@ -297,15 +297,15 @@ impl Response {
         {
             self.pressed += before.secs;
         }
-        self.record_peak_between(model, before, state, torn_after.unwrap_or(1.0));
-        match torn_after {
+        self.record_peak_between(model, before, state, fractured_after.unwrap_or(1.0));
+        match fractured_after {
             None => self.record_extremes(&Extremes::of(state), now),
             Some(share) => {
                 let instant = model.time_of_step(before.step) + share * before.secs;
                 self.record_extremes(&before.extremes_after(share, state), instant);
             }
         }
-        // However many strides the approach takes, the windows of the base begin where it ends.
+        // However many macro-steps the approach takes, the windows of the base begin where it ends.
         match state.is_waiting() {
             true => self.base.wait(now),
             false => self
@@ -351,7 +351,7 @@ impl Response {
         until: f64,
     ) {
         let (rate, next_rate) = (before.v1_rate, state.velocity.v1);
-        if state.percussion > 0.0 || !(rate > 0.0 && next_rate < 0.0) {
+        if state.impact_impulse > 0.0 || !(rate > 0.0 && next_rate < 0.0) {
             return;
         }
         let share = rate / (rate - next_rate);
@@ -516,7 +516,7 @@ impl Response {
     /// The summary of a response that is over, or of what has happened so far.
     pub fn report(&self, model: &Model, state: &State, end: End) -> Report {
         let energies = state.energies(model);
-        let stands = !matches!(end, End::Collapsed | End::Severed);
+        let stands = !matches!(end, End::Collapsed | End::Fractured);
         let residual = stands
             .then(|| statics::residual_state(model, state))
             .flatten();
@@ -544,7 +544,7 @@ impl Response {
         Report {
             outcome: match end {
                 End::Collapsed => Outcome::Collapsed,
-                End::Severed => Outcome::Severed,
+                End::Fractured => Outcome::Fractured,
                 End::AtRest | End::DurationReached | End::NotConverged if yielded => {
                     Outcome::Plastic
                 }
@@ -563,8 +563,8 @@ impl Response {
             impactor_velocity: impactor.map_or(0.0, |i| i.velocity),
             peak_contact_force: self.peak_force,
             peak_contact_force_time: self.peak_force_time,
-            percussions: state.percussions,
-            percussion_impulse: state.percussion_impulse,
+            impact_impulses: state.impact_impulses,
+            total_impact_impulse: state.total_impact_impulse,
             impulse: state.impulse,
             input_energy: ledger.input,
             column_kinetic_energy: energies.column_kinetic,
@@ -606,7 +606,7 @@ fn web_report(history: &WebReport, plastic: &PlasticFlow, web: &WebState) -> Web
     }
 }
 
-/// What has become of a compliant vehicle.
+/// What has become of a deformable vehicle.
 fn vehicle_report(state: &State) -> VehicleReport {
     let impactor = state.impactor.as_ref();
     let Some((vehicle, chain)) = impactor.and_then(|i| i.vehicle()) else {
@@ -652,12 +652,12 @@ impl Extremes {
 
 impl StepStart {
     /// After a share of the step that ends in `end`: `v1` on the parabola of its rates, the others on a straight line, and so is
-    /// `v1` over a percussion.
+    /// `v1` over an impact impulse.
     fn extremes_after(&self, share: f64, end: &State) -> Extremes {
         let between = |from: f64, to: f64| from + share * (to - from);
         let Displacement { v1, u2, .. } = self.displacement;
         Extremes {
-            v1: match end.percussion > 0.0 {
+            v1: match end.impact_impulse > 0.0 {
                 true => between(v1, end.displacement.v1),
                 false => {
                     let mean_rate = self.v1_rate + 0.5 * share * (end.velocity.v1 - self.v1_rate);

@@ -75,9 +75,9 @@ pub struct Sample {
     pub gap: f64,
     /// Smooth contact force \[N\], >= 0.
     pub contact_force: f64,
-    /// Percussion since the previous sample, >= 0 \[N s\].
-    pub percussion: f64,
-    /// Impulse since the event, percussions included \[N s\].
+    /// Impact impulse since the previous sample, >= 0 \[N s\].
+    pub impact_impulse: f64,
+    /// Impulse since the event, impact impulses included \[N s\].
     pub impulse: f64,
     /// Kinetic energy of column and impactor \[J\].
     pub kinetic_energy: f64,
@@ -85,7 +85,7 @@ pub struct Sample {
     pub elastic_energy: f64,
     /// Work dissipated in the hinges \[J\].
     pub plastic_work: f64,
-    /// Energy lost in percussions \[J\].
+    /// Energy lost in impact impulses \[J\].
     pub impact_loss: f64,
     /// Work of the damping \[J\].
     pub damping_work: f64,
@@ -93,7 +93,7 @@ pub struct Sample {
     pub load_work: f64,
     /// Error of the energy balance \[J\].
     pub ledger_residual: f64,
-    /// The compliant vehicle; its default for a rigid one or none.
+    /// The deformable vehicle; its default for a rigid one or none.
     pub vehicle: VehicleSample,
     /// The hinges.
     pub hinges: [HingeSample; HINGES],
@@ -116,7 +116,7 @@ pub struct BaseForces {
     pub normal_force: f64,
 }
 
-/// A compliant vehicle at one instant: arrays over its masses and the springs in front of them, front first.
+/// A deformable vehicle at one instant: arrays over its masses and the springs in front of them, front first.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct VehicleSample {
     /// Number of masses; 0 for a rigid vehicle or none.

@@ -29,7 +29,7 @@ pub(crate) const TIP_SLOPE: f64 = 4.0;
 /// What the web of one bar bears.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Slider {
-    /// `V_s l`: the largest sum of the end moments of a virgin bar at rest without normal force \[N m\].
+    /// `V_s l`: the largest sum of the end moments of an undamaged bar at rest without normal force \[N m\].
     pub resistance: f64,
     /// `C (1, 1)`: by how much the moments fall with the angle of shear \[N m/rad\].
     pub turning: [f64; 2],
@@ -49,8 +49,8 @@ pub(crate) struct SliderStrength {
 }
 
 impl SliderStrength {
-    /// That of a virgin column at rest, which does not harden.
-    pub const VIRGIN: Self = Self {
+    /// That of an undamaged column at rest, which does not harden.
+    pub const UNDAMAGED: Self = Self {
         factor: [1.0; 2],
         growth: [0.0; 2],
         most: f64::INFINITY,
@@ -133,7 +133,7 @@ impl Slider {
         }
     }
 
-    /// The largest sum of the end moments \[N m\] of a web whose resistance is `factor` times that of a virgin one, with the
+    /// The largest sum of the end moments \[N m\] of a web whose resistance is `factor` times that of an undamaged one, with the
     /// normal force `n >= 0` relative to the squash load.
     pub fn limit(&self, factor: f64, n: f64) -> f64 {
         self.resistance * factor * axial_share(n)

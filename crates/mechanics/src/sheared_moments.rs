@@ -19,6 +19,8 @@ pub(crate) struct Mechanisms<'a> {
     pub rotational: &'a [[f64; 2]; 2],
     /// Hardening of each mechanism \[N m/rad\].
     pub hardening: [f64; 3],
+    /// The hinge that flows with the web, and both of them, once [`Mechanisms::cap`] has found that they do.
+    pub together: Option<(usize, HingeAndWeb)>,
 }
 
 /// What the web bears in one direction \[N m\], and its hardening there \[N m/rad\].
@@ -49,13 +51,28 @@ impl Mechanisms<'_> {
             [false, false, false] => {}
             [true, true, true] => return eliminated(a, right),
             [true, true, false] => (x[0], x[1]) = pair(&a, &right, 0, 1)?,
-            [true, false, true] => (x[0], x[2]) = pair(&a, &right, 0, 2)?,
-            [false, true, true] => (x[1], x[2]) = pair(&a, &right, 1, 2)?,
+            [true, false, true] => {
+                [x[0], x[2]] = self.hinge_and_web(0)?.solve([right[0], right[2]])
+            }
+            [false, true, true] => {
+                [x[1], x[2]] = self.hinge_and_web(1)?.solve([right[1], right[2]])
+            }
             [true, false, false] => x[0] = single(&a, &right, 0)?,
             [false, true, false] => x[1] = single(&a, &right, 1)?,
             [false, false, true] => x[2] = single(&a, &right, 2)?,
         }
         Some(x)
+    }
+
+    /// The moments that the mechanisms of `active` take by their deformations under `right` \[N m\].
+    pub fn taken(&self, active: [bool; 3], right: [f64; 3]) -> [f64; 2] {
+        let right = [0, 1, 2].map(|k| if active[k] { right[k] } else { 0.0 });
+        // Of three mechanisms that depend on each other two determine both moments.
+        let x = self
+            .solve(active, right)
+            .or_else(|| self.solve([active[0], active[1], false], right))
+            .unwrap_or_default();
+        times(self.rotational, [x[0] + x[2], x[1] + x[2]])
     }
 
     /// The moments that are left of `trial` after the deformations `x`, and their sum \[N m\].
@@ -67,8 +84,7 @@ impl Mechanisms<'_> {
 
     /// The deformations \[rad\] that bring each of the `trial` moments within its cap, and their sum within that of the web in
     /// its direction, positive or negative, with the least complementary energy; the hardening of the web is set to that of
-    /// the direction. `flexibility` is the inverse of the stiffness of each hinge alone with its
-    /// hardening, 0 for one that bears no moment.
+    /// the direction. `flexibility` is 0 for a hinge that bears no moment.
     pub fn cap(
         &mut self,
         flexibility: [f64; 2],
@@ -87,6 +103,10 @@ impl Mechanisms<'_> {
         let mut stiffness = *c;
         stiffness[0][0] += self.hardening[0];
         stiffness[1][1] += self.hardening[1];
+        let flexibility = [0, 1].map(|k| match flexibility[k] {
+            0.0 => 0.0,
+            _ => 1.0 / stiffness[k][k],
+        });
         let hinges = cap_moments(&stiffness, flexibility, trial, hinge_caps).rotation;
         let without = [hinges[0], hinges[1], 0.0];
         let sum = self.left(trial, &without)[2];
@@ -115,29 +135,70 @@ impl Mechanisms<'_> {
         sum: f64,
     ) -> Option<[f64; 3]> {
         self.hardening[2] = web.hardening;
-        let caps = [hinge_caps[0], hinge_caps[1], web.limit];
         let sign = sum.signum();
-        let alone = self.flow([0.0, 0.0, sign], trial, caps)?;
-        let moment = self.left(trial, &alone);
+        let turning = self.turning();
+        let stiffness = turning[0] + turning[1] + web.hardening;
+        if stiffness.is_nan() || stiffness <= 0.0 {
+            return None;
+        }
+        let right = trial[0] + trial[1] - sign * web.limit;
+        let alone = right / stiffness;
+        let moment = [0, 1].map(|k| trial[k] - turning[k] * alone);
         let excess = [0, 1].map(|k| match flexibility[k] {
             0.0 => f64::NEG_INFINITY,
-            _ => moment[k].abs() - caps[k],
+            _ => moment[k].abs() - hinge_caps[k],
         });
         if excess[0] <= 0.0 && excess[1] <= 0.0 {
-            return (sign * alone[2] >= 0.0).then_some(alone);
+            return (sign * alone >= 0.0).then_some([0.0, 0.0, alone]);
         }
+        // What may be violated, as `violation`, which is relative to the largest moment.
+        let tolerance = TOLERANCE * (trial[0].abs() + trial[1].abs());
         let first = usize::from(excess[1] > excess[0]);
         for k in [first, 1 - first] {
-            let mut signs = [0.0, 0.0, sign];
-            signs[k] = moment[k].signum();
             if excess[k] > 0.0
-                && let Some(x) = self.flow(signs, trial, caps)
-                && self.violation(&x, signs, trial, caps) <= TOLERANCE
+                && let Some(pair) = self.hinge_and_web(k)
             {
-                return Some(forwards(x, signs));
+                let (own, other) = (moment[k].signum(), 1 - k);
+                let [rotation, angle] = pair.solve([trial[k] - own * hinge_caps[k], right]);
+                let left =
+                    trial[other] - self.rotational[other][k] * rotation - turning[other] * angle;
+                let is_solution = left.abs() - hinge_caps[other] <= tolerance
+                    && -own * rotation * pair.hinge <= tolerance
+                    && -sign * angle * pair.web <= tolerance;
+                if is_solution {
+                    let mut x = [0.0, 0.0, angle];
+                    x[k] = rotation;
+                    let mut signs = [0.0, 0.0, sign];
+                    signs[k] = own;
+                    self.together = Some((k, pair));
+                    return Some(forwards(x, signs));
+                }
             }
         }
         None
+    }
+
+    /// By how much the moments fall with the angle of the web \[N m/rad\].
+    #[inline(always)]
+    fn turning(&self) -> [f64; 2] {
+        let c = self.rotational;
+        [c[0][0] + c[0][1], c[1][0] + c[1][1]]
+    }
+
+    /// Hinge `k` and the web; `None` if they are not independent.
+    #[inline(always)]
+    pub fn hinge_and_web(&self, k: usize) -> Option<HingeAndWeb> {
+        let turning = self.turning();
+        let hinge = self.rotational[k][k] + self.hardening[k];
+        let web = turning[0] + turning[1] + self.hardening[2];
+        let full = hinge * web;
+        let determinant = full - turning[k] * turning[k];
+        (determinant > PIVOT * full).then(|| HingeAndWeb {
+            hinge,
+            both: turning[k],
+            web,
+            per_determinant: 1.0 / determinant,
+        })
     }
 
     /// The deformations if the mechanisms flow in the directions of `signs`, 0 for one that does not.
@@ -190,6 +251,27 @@ impl Mechanisms<'_> {
             }
         }
         best
+    }
+}
+
+/// A hinge and the web, which flow together and determine both moments: the case of most steps in which a web flows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HingeAndWeb {
+    /// Stiffness of the hinge, of either against the other, and of the web \[N m/rad\].
+    hinge: f64,
+    both: f64,
+    web: f64,
+    per_determinant: f64,
+}
+
+impl HingeAndWeb {
+    /// How both deform under moments \[N m\].
+    #[inline(always)]
+    pub fn solve(&self, [hinge, web]: [f64; 2]) -> [f64; 2] {
+        [
+            (self.web * hinge - self.both * web) * self.per_determinant,
+            (self.hinge * web - self.both * hinge) * self.per_determinant,
+        ]
     }
 }
 

@@ -1,4 +1,4 @@
-//! One impact on the virgin column, from the event to the end of the response.
+//! One impact on the undamaged column, from the event to the end of the response.
 
 use super::impact::Impact;
 use super::model::Model;
@@ -8,9 +8,9 @@ use super::response::{Progress, Response, SimulationError};
 use super::sample::Sample;
 use super::state::State;
 
-/// Simulates one impact on the virgin column from the event to the end of the response, at most `max_duration` \[s\] after
+/// Simulates one impact on the undamaged column from the event to the end of the response, at most `max_duration` \[s\] after
 /// first contact. `observe` receives a sample of the state at the event and after every step; the approach to the column at
-/// rest is passed in one stride.
+/// rest is passed in one macro-step.
 ///
 /// # Errors
 /// A column or an impact that is out of range, or a step that does not converge. A collapse is a result.

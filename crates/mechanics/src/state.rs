@@ -53,13 +53,13 @@ pub struct State {
     pub impactor: Option<Impactor>,
     /// Smooth contact force \[N\].
     pub contact_force: f64,
-    /// Percussion in the last step \[N s\].
-    pub percussion: f64,
-    /// Percussions since the event \[N s\].
-    pub percussion_impulse: f64,
-    /// Number of percussions since the event.
-    pub percussions: u32,
-    /// Impulse since the event, percussions included \[N s\].
+    /// Impact impulse in the last step \[N s\].
+    pub impact_impulse: f64,
+    /// Impact impulses since the event \[N s\].
+    pub total_impact_impulse: f64,
+    /// Number of impact impulses since the event.
+    pub impact_impulses: u32,
+    /// Impulse since the event, impact impulses included \[N s\].
     pub impulse: f64,
     /// Newton iterations since the event: what the steps have cost.
     pub newton_iterations: u64,
@@ -158,7 +158,7 @@ impl Predictor {
 }
 
 impl State {
-    /// The virgin column at rest under its load.
+    /// The undamaged column at rest under its load.
     pub fn at_rest(model: &Model) -> Self {
         Self::settled(model, model.rest.displacement(), PerBar::default())
     }
@@ -181,9 +181,9 @@ impl State {
             flowing: PerBar::default(),
             impactor: None,
             contact_force: 0.0,
-            percussion: 0.0,
-            percussion_impulse: 0.0,
-            percussions: 0,
+            impact_impulse: 0.0,
+            total_impact_impulse: 0.0,
+            impact_impulses: 0,
             impulse: 0.0,
             newton_iterations: 0,
             ledger: Ledger::default(),
@@ -259,9 +259,9 @@ impl State {
         self.step = 0;
         self.flowing = PerBar::default();
         self.contact_force = 0.0;
-        self.percussion = 0.0;
-        self.percussion_impulse = 0.0;
-        self.percussions = 0;
+        self.impact_impulse = 0.0;
+        self.total_impact_impulse = 0.0;
+        self.impact_impulses = 0;
         self.impulse = 0.0;
         self.newton_iterations = 0;
         for hinge in self
@@ -364,7 +364,7 @@ impl State {
         self.webs.above.flowing = false;
     }
 
-    /// Moves a compliant vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
+    /// Moves a deformable vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
     pub(crate) fn follow(
         &mut self,
         model: &Model,
@@ -384,11 +384,11 @@ impl State {
         }
     }
 
-    /// Records a percussion with this impulse \[N s\].
-    pub(crate) fn count_percussion(&mut self, impulse: f64) {
-        self.percussion += impulse;
-        self.percussion_impulse += impulse;
-        self.percussions += 1;
+    /// Records an impact impulse with this impulse \[N s\].
+    pub(crate) fn count_impact_impulse(&mut self, impulse: f64) {
+        self.impact_impulse += impulse;
+        self.total_impact_impulse += impulse;
+        self.impact_impulses += 1;
     }
 
     /// Number of whole steps for which an impactor still approaches a column at rest; `None` if the column moves or has
@@ -410,7 +410,7 @@ impl State {
     /// Lets `steps` of [`State::steps_to_contact`] pass, during which only the impactor moves.
     pub(crate) fn coast(&mut self, model: &Model, steps: u64) {
         self.step += steps;
-        self.percussion = 0.0;
+        self.impact_impulse = 0.0;
         if let Some(impactor) = &mut self.impactor {
             impactor.coast(model, self.step, self.displacement.v1);
         }
@@ -457,7 +457,7 @@ impl State {
             .chain(bar(&self.plastic.below, &self.forces.below))
             .chain(bar(&self.plastic.above, &self.forces.above))
             .chain(struck_by)
-            .chain([self.contact_force, self.impulse, self.percussion_impulse])
+            .chain([self.contact_force, self.impulse, self.total_impact_impulse])
             .chain([ledger.plastic_work, ledger.impact_loss, ledger.damping_work])
             .chain(chain.into_iter().flat_map(Chain::numbers))
             .chain(sheared);
@@ -487,7 +487,7 @@ impl State {
             impactor_velocity: impactor.map_or(0.0, |i| i.velocity),
             gap: self.gap(),
             contact_force: self.contact_force,
-            percussion: self.percussion,
+            impact_impulse: self.impact_impulse,
             impulse: self.impulse,
             kinetic_energy: energies.column_kinetic + energies.impactor_kinetic,
             elastic_energy: energies.elastic,

@@ -19,7 +19,7 @@ pub const STEPS_PER_PERIOD: f64 = 80.0;
 const STEP_GRAIN_NANOS: u64 = 100;
 
 /// The step that keeps the error of the largest `v1` below about 3.5e-4 \[ns\]: a fraction of the period in which the mass at
-/// the impact point \[kg\] vibrates against the transverse stiffness of the virgin column \[N/m\], within fixed bounds.
+/// the impact point \[kg\] vibrates against the transverse stiffness of the undamaged column \[N/m\], within fixed bounds.
 pub(crate) fn recommended_step_nanos(impact_point_mass: f64, transverse_stiffness: f64) -> u64 {
     let period = TAU * (impact_point_mass / transverse_stiffness).sqrt();
     let nanos = period / STEPS_PER_PERIOD * NANOS_PER_SECOND;

@@ -1,6 +1,7 @@
 //! The event of an impact and the time step with either scheme: a step is made in parts, which are halved where they do
 //! not converge, a bounded number of times.
 
+use super::bracketing::Solver;
 use super::conserving_midpoint;
 use super::contact::Impactor;
 use super::impact::{Impact, ImpactError};
@@ -37,7 +38,7 @@ pub fn begin_impact(model: &Model, state: &mut State, impact: Impact) -> Result<
 /// # Errors
 /// Collapse or a part that does not converge; the state is then where its last accepted part ended.
 pub fn step(model: &Model, state: &mut State) -> Result<(), StepError> {
-    stride(model, state, 1)
+    macro_step(model, state, 1)
 }
 
 /// As [`step`], with the length of `steps` steps.
@@ -45,38 +46,44 @@ pub fn step(model: &Model, state: &mut State) -> Result<(), StepError> {
 /// # Errors
 /// As [`step`].
 #[inline]
-pub(crate) fn stride(model: &Model, state: &mut State, steps: u32) -> Result<(), StepError> {
+pub(crate) fn macro_step(model: &Model, state: &mut State, steps: u32) -> Result<(), StepError> {
     match model.scheme() {
-        Scheme::Midpoint => in_parts(model, state, steps, |state, offset, secs| {
-            midpoint::part(model, state, offset, secs).map(|()| secs)
+        Scheme::Midpoint => in_parts(model, state, steps, |state, [offset, secs], solver| {
+            midpoint::part(model, state, [offset, secs], solver).map(|()| secs)
         }),
         Scheme::ConservingMidpoint => {
             let mut events = conserving_midpoint::Events::default();
-            in_parts(model, state, steps, |state, offset, secs| {
-                conserving_midpoint::part(model, state, offset, secs, &mut events)
+            in_parts(model, state, steps, |state, span, solver| {
+                conserving_midpoint::part(model, state, span, solver, &mut events)
             })
         }
     }
 }
 
-/// Makes a step, or `steps` of them as one, of parts; `part` advances the state by at most a given time and returns how long the part became, since
-/// an event ends it early.
+/// Makes a step, or `steps` of them as one, of parts; `part` advances the state from a given offset by at most a given time and
+/// returns how long the part became, since an event ends it early.
 fn in_parts(
     model: &Model,
     state: &mut State,
     steps: u32,
-    mut part: impl FnMut(&mut State, f64, f64) -> Result<f64, Rejected>,
+    mut part: impl FnMut(&mut State, [f64; 2], Solver) -> Result<f64, Rejected>,
 ) -> Result<(), StepError> {
     let whole = f64::from(steps) * model.step_secs;
     let min_secs = whole / f64::from(1_u32 << MAX_HALVINGS);
-    state.percussion = 0.0;
+    state.impact_impulse = 0.0;
     state.rest_hinges();
     let mut offset = 0.0;
     let mut secs = whole;
     // What a longer attempt at the present part led to.
     let mut collapse = None;
     for _ in 0..MAX_PARTS {
-        let made = match part(state, offset, secs) {
+        let mut made = part(state, [offset, secs], Solver::NewtonFirst);
+        if made == Err(Rejected::TooLong) && 0.5 * secs < min_secs {
+            // A massless top that is about to snap through: Newton's method leaps to where it comes to rest afterwards,
+            // however short the part is. Brackets say whether it has a place to go to before.
+            made = part(state, [offset, secs], Solver::Brackets);
+        }
+        let made = match made {
             Ok(made) => made,
             Err(rejected) => {
                 if let Rejected::Collapsed(way) = rejected {

@@ -32,7 +32,7 @@ pub(crate) struct BarStress {
     tangent: BarTangent,
     /// Expected normal force \[N\].
     near: f64,
-    /// `None` where it is that of a virgin column at rest.
+    /// `None` where it is that of an undamaged column at rest.
     strength: Option<BarStrength>,
 }
 
@@ -43,7 +43,7 @@ impl BarStress {
         self.tangent = BarTangent::default();
     }
 
-    /// Sets the strength of the hinges, which is at first that of a virgin column at rest.
+    /// Sets the strength of the hinges, which is at first that of an undamaged column at rest.
     pub(crate) fn set_strength(&mut self, strength: Option<BarStrength>) {
         self.strength = strength;
     }
@@ -57,12 +57,18 @@ impl BarStress {
             + first * (strain.rotation[0] - self.strain.rotation[0])
             + second * (strain.rotation[1] - self.strain.rotation[1]);
         let trial = bar.elastic(&strain);
-        self.returned = return_stress(bar, self.strength.as_mut(), trial, self.near);
+        let (strength, near) = (self.strength.as_mut(), self.near);
+        match &bar.slider {
+            None => self.returned = return_to_hinges(bar, strength, trial, near),
+            Some(slider) => {
+                return_with_web((bar, slider), strength, trial, near, &mut self.returned)
+            }
+        }
         self.near = self.returned.forces.normal;
         self.strain = strain;
     }
 
-    /// Moves the last stress, of hinges with the strength of a virgin column at rest, by a small change of the deformation along
+    /// Moves the last stress, of hinges with the strength of an undamaged column at rest, by a small change of the deformation along
     /// the last tangent. `false` if it leaves the yield surface, or a hinge begins or ends to flow.
     pub(crate) fn follow(&mut self, bar: &Bar, change: &BarStrain) -> bool {
         let (
@@ -113,10 +119,9 @@ impl BarStress {
     }
 }
 
-/// Returns the trial stress to the yield surfaces of the hinges with their `strength`, `None` that of a virgin column at
+/// Returns the trial stress to the yield surfaces of the hinges with their `strength`, `None` that of an undamaged column at
 /// rest. `near` \[N\] is the expected normal force, which only saves iterations.
-// Inlined, measured: a step takes 2 % less.
-#[inline(always)]
+#[cfg(test)]
 pub(crate) fn return_stress(
     bar: &Bar,
     strength: Option<&mut BarStrength>,
@@ -125,11 +130,17 @@ pub(crate) fn return_stress(
 ) -> Returned {
     match &bar.slider {
         None => return_to_hinges(bar, strength, trial, near),
-        Some(slider) => return_with_web(bar, slider, strength, trial, near),
+        Some(slider) => {
+            let mut returned = Returned::default();
+            return_with_web((bar, slider), strength, trial, near, &mut returned);
+            returned
+        }
     }
 }
 
-/// As [`return_stress`], for a bar whose web does not yield.
+/// Returns the trial stress of a bar whose web does not yield to the yield surfaces of its hinges with their `strength`, `None`
+/// that of an undamaged column at rest. `near` \[N\] is the expected normal force, which only saves iterations.
+// Inlined, measured: a step takes 2 % less.
 #[inline(always)]
 fn return_to_hinges(
     bar: &Bar,
@@ -146,7 +157,7 @@ fn return_to_hinges(
 /// Whether a stress exceeds the resistance of the web of a bar with `strength`.
 fn exceeds_web(bar: &Bar, strength: Option<&BarStrength>, stress: &BarForces) -> bool {
     bar.slider.as_ref().is_some_and(|slider| {
-        let (own, weakest) = strength.map_or((&SliderStrength::VIRGIN, 1.0), |it| {
+        let (own, weakest) = strength.map_or((&SliderStrength::UNDAMAGED, 1.0), |it| {
             (&it.slider, it.weakest)
         });
         let n = bar.surface.relative_axial(stress.normal).abs() / weakest;
@@ -154,51 +165,61 @@ fn exceeds_web(bar: &Bar, strength: Option<&BarStrength>, stress: &BarForces) ->
     })
 }
 
-/// As [`return_stress`], for a bar whose web may yield: without its hinges, without the web, or with all of them. A return
+/// As [`return_to_hinges`], into `returned`, for a bar whose web may yield: without its hinges, without the web, or with all of them. A return
 /// without a constraint that turns out to hold is the return with it, because the problem is convex.
+// Measured: written where it belongs instead of being moved there, a step takes 2 % less.
 #[inline(never)]
 fn return_with_web(
-    bar: &Bar,
-    slider: &Slider,
+    (bar, slider): (&Bar, &Slider),
     mut strength: Option<&mut BarStrength>,
     trial: BarForces,
     near: f64,
-) -> Returned {
+    returned: &mut Returned,
+) {
     let (own, weakest) = match strength.as_deref() {
-        None => (SliderStrength::VIRGIN, 1.0),
+        None => (SliderStrength::UNDAMAGED, 1.0),
         Some(strength) => (strength.slider, strength.weakest),
     };
     let n = bar.surface.relative_axial(trial.normal).abs() / weakest;
     if !slider.is_exceeded(trial.moment, &own, n) {
-        let returned = return_to_hinges(bar, strength.as_deref_mut(), trial, near);
-        if returned.place == Place::Elastic
+        *returned = return_to_hinges(bar, strength.as_deref_mut(), trial, near);
+        if matches!(returned.place, Place::Elastic)
             || !exceeds_web(bar, strength.as_deref(), &returned.forces)
         {
-            return returned;
+            return;
         }
-    } else if let Some(returned) =
-        slider.slide_alone(bar, &own, &trial, weakest * bar.surface.resistance_axial)
-    {
-        let exceeded = match strength.as_deref_mut() {
-            None => bar
-                .surface
-                .exceeded(returned.forces.moment, returned.forces.normal),
-            Some(strength) => strength.exceeded(bar, &returned.forces).is_some(),
-        };
-        if !exceeded {
-            return returned;
+    } else {
+        if let Some(strength) = strength.as_deref_mut().filter(|it| it.hinges_flow) {
+            let lead = strength.lead(bar);
+            *returned = PairSearch::<true, true>::new(bar, strength, lead, trial).run(near);
+            if returned.flow.rotation != [0.0; 2] {
+                return;
+            }
+        }
+        let axial = weakest * bar.surface.resistance_axial;
+        if slider.slide_alone((bar, &own), &trial, axial, returned) {
+            let exceeded = match strength.as_deref_mut() {
+                None => bar
+                    .surface
+                    .exceeded(returned.forces.moment, returned.forces.normal),
+                Some(strength) => strength.exceeded(bar, &returned.forces).is_some(),
+            };
+            if !exceeded {
+                return;
+            }
         }
     }
-    let mut virgin;
+    let mut undamaged;
     let strength = match strength {
         Some(strength) => strength,
         None => {
-            virgin = BarStrength::of_factors([1.0; 2], [1.0; 2], [0.0; 2], SliderStrength::VIRGIN);
-            &mut virgin
+            undamaged =
+                BarStrength::of_factors([1.0; 2], [1.0; 2], [0.0; 2], SliderStrength::UNDAMAGED);
+            &mut undamaged
         }
     };
     let lead = strength.lead(bar);
-    PairSearch::<true, true>::new(bar, strength, lead, trial).run(near)
+    *returned = PairSearch::<true, true>::new(bar, strength, lead, trial).run(near);
 }
 
 impl BarStrength {
@@ -249,7 +270,7 @@ mod tests {
                 self.dynamic,
                 self.moment,
                 self.growth,
-                SliderStrength::VIRGIN,
+                SliderStrength::UNDAMAGED,
             )
         }
 

@@ -3,13 +3,13 @@
 //! A study compares thousands of impacts by a few numbers. It does not need the energy balance of every step, and it may end
 //! a response as soon as nothing can change any more. Compared with [`Response`](super::Response):
 //!
-//! - While hinges flow, or a rigid impactor presses on the column, several steps are made as one (a *stride*).
-//! - While the column is elastic, before a compliant vehicle or without contact, it moves in long explicit steps
+//! - While hinges flow, or a rigid impactor presses on the column, several steps are made as one (a *macro-step*).
+//! - While the column is elastic, before a deformable vehicle or without contact, it moves in long explicit steps
 //!   (`elastic_motion.rs`).
 //! - Without contact the response ends once the energy that is left can neither reach a yield surface nor the impactor
 //!   (`elastic_reach.rs`).
 //! - A vehicle on which a transverse force acts is followed with the steps of the model alone, to the end of its response.
-//! - A collapse or a tear is followed again with the steps of the model, from the beginning of the stride in which it lies.
+//! - A collapse or a fracture is followed again with the steps of the model, from the beginning of the macro-step in which it lies.
 
 use super::bar::PerBar;
 use super::elastic_motion::{ElasticMotion, Interruption};
@@ -25,35 +25,35 @@ use super::sample::{HINGES, WEBS};
 use super::state::State;
 use super::statics;
 
-/// How long strides are.
+/// How long macro-steps are.
 #[derive(Debug, Clone, Copy)]
-struct StridesPerPeriod {
+struct MacroStepsPerPeriod {
     /// Per slowest period while the plastic rotations are small beside [`FAR_ROTATION`]: the column vibrates.
     near: f64,
     /// Beyond it: the column moves on as a mechanism.
     far: f64,
 }
 
-/// While a compliant vehicle pushes.
-const OF_COMPLIANT: StridesPerPeriod = StridesPerPeriod {
+/// While a deformable vehicle pushes.
+const OF_DEFORMABLE: MacroStepsPerPeriod = MacroStepsPerPeriod {
     near: 50.0,
     far: 16.0,
 };
 
-/// With a rigid impactor, whose percussion makes the column vibrate more.
-const OF_RIGID: StridesPerPeriod = StridesPerPeriod {
+/// With a rigid impactor, whose impact impulse makes the column vibrate more.
+const OF_RIGID: MacroStepsPerPeriod = MacroStepsPerPeriod {
     near: 70.0,
     far: 70.0,
 };
 
 /// Where the strength of the hinges depends on the strain rate, which has to be followed all the time.
-const WITH_RATE: StridesPerPeriod = StridesPerPeriod {
+const WITH_RATE: MacroStepsPerPeriod = MacroStepsPerPeriod {
     near: 50.0,
     far: 50.0,
 };
 
 /// Where it grows with the plastic rotation, which it does fastest as a hinge begins to flow.
-const WITH_HARDENING: StridesPerPeriod = StridesPerPeriod {
+const WITH_HARDENING: MacroStepsPerPeriod = MacroStepsPerPeriod {
     near: 70.0,
     far: 50.0,
 };
@@ -61,7 +61,7 @@ const WITH_HARDENING: StridesPerPeriod = StridesPerPeriod {
 /// Plastic rotation of a hinge, or plastic shear angle of a web, beyond which the motion of the column is large beside its vibration \[rad\].
 const FAR_ROTATION: f64 = 0.01;
 
-/// Relative residual to which the equations of a stride are solved: an error of the forces far below that of the stride.
+/// Relative residual to which the equations of a macro-step are solved: an error of the forces far below that of the macro-step.
 const TOLERANCE: f64 = 1e-6;
 
 /// Relative residual below which a correction is so small that its square, 1e-10 where no hinge begins or ends to flow, does not
@@ -72,10 +72,10 @@ const LINEAR_RESIDUAL: f64 = 1e-2;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyModel {
     model: Model,
-    /// With a compliant vehicle.
-    with_compliant: Strides,
+    /// With a deformable vehicle.
+    with_deformable: MacroSteps,
     /// With a rigid impactor.
-    with_rigid: Strides,
+    with_rigid: MacroSteps,
     motion: Option<ElasticMotion>,
     polygons: PerBar<Polygon>,
 }
@@ -83,7 +83,7 @@ pub struct StudyModel {
 /// What a study needs of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyResponse {
-    /// Whether the column yields, collapses or tears.
+    /// Whether the column yields, collapses or fractures.
     pub outcome: Outcome,
     /// Why the response ended.
     pub end: End,
@@ -105,8 +105,8 @@ pub struct StudyResponse {
     pub utilisation_sum: f64,
     /// The reactions of the base.
     pub base: BaseReport,
-    /// Strides and steps of the model.
-    pub strides: u32,
+    /// Macro-steps and steps of the model.
+    pub macro_steps: u32,
     /// Long elastic steps.
     pub elastic_steps: u32,
 }
@@ -127,8 +127,8 @@ impl StudyModel {
         Self {
             polygons: elastic_reach::polygons(&model.frame),
             model,
-            with_compliant: Strides::SINGLE,
-            with_rigid: Strides::SINGLE,
+            with_deformable: MacroSteps::SINGLE,
+            with_rigid: MacroSteps::SINGLE,
             motion: None,
         }
     }
@@ -144,7 +144,7 @@ impl StudyModel {
         model.tolerance = TOLERANCE;
         model.linear_residual = LINEAR_RESIDUAL;
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
-        let strides = |per_period: StridesPerPeriod| {
+        let macro_steps = |per_period: MacroStepsPerPeriod| {
             let per_period = match model.strength {
                 Some(_) if model.properties.hardening_ratio > 0.0 => WITH_HARDENING,
                 Some(_) => WITH_RATE,
@@ -154,14 +154,14 @@ impl StudyModel {
                 let longest = model.slowest_period / (per_period * fineness);
                 (longest / model.step_secs).clamp(1.0, 1e6) as u32
             };
-            Strides {
+            MacroSteps {
                 near: steps(per_period.near),
                 far: steps(per_period.far),
             }
         };
         Self {
-            with_compliant: strides(OF_COMPLIANT),
-            with_rigid: strides(OF_RIGID),
+            with_deformable: macro_steps(OF_DEFORMABLE),
+            with_rigid: macro_steps(OF_RIGID),
             model,
             motion: ElasticMotion::new(&model, stiffness, fineness),
             ..plain
@@ -170,8 +170,8 @@ impl StudyModel {
 
     /// Whether it makes the steps of its model and no longer ones.
     fn is_stepwise(&self) -> bool {
-        let single = Strides::SINGLE;
-        self.motion.is_none() && self.with_compliant == single && self.with_rigid == single
+        let single = MacroSteps::SINGLE;
+        self.motion.is_none() && self.with_deformable == single && self.with_rigid == single
     }
 
     /// The model.
@@ -199,14 +199,14 @@ impl StudyModel {
         let mut course = Course {
             study: self,
             lengths: match impact.vehicle {
-                Some(_) => self.with_compliant,
+                Some(_) => self.with_deformable,
                 None => self.with_rigid,
             },
             state,
             response,
             reach: Reach::Unknown,
             utilisation_sum: 0.0,
-            strides: 0,
+            macro_steps: 0,
             elastic_steps: 0,
         };
         let end = course.follow()?;
@@ -217,23 +217,23 @@ impl StudyModel {
 /// A response under way.
 struct Course<'a> {
     study: &'a StudyModel,
-    lengths: Strides,
+    lengths: MacroSteps,
     state: State,
     response: Response,
     reach: Reach,
     utilisation_sum: f64,
-    strides: u32,
+    macro_steps: u32,
     elastic_steps: u32,
 }
 
 /// How many steps are made as one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Strides {
+struct MacroSteps {
     near: u32,
     far: u32,
 }
 
-impl Strides {
+impl MacroSteps {
     const SINGLE: Self = Self { near: 1, far: 1 };
 
     fn of(&self, state: &State) -> u32 {
@@ -272,7 +272,7 @@ impl Course<'_> {
                     return Ok(end);
                 }
             }
-            if let Some(end) = self.stride()? {
+            if let Some(end) = self.macro_step()? {
                 return Ok(end);
             }
         }
@@ -351,32 +351,34 @@ impl Course<'_> {
         }
     }
 
-    /// One stride; the end of the response if it is over.
-    fn stride(&mut self) -> Result<Option<End>, StepError> {
+    /// One macro-step; the end of the response if it is over.
+    fn macro_step(&mut self) -> Result<Option<End>, StepError> {
         let model = &self.study.model;
-        let stride = self.lengths.of(&self.state);
+        let macro_step = self.lengths.of(&self.state);
         let before = (self.state, self.response);
-        self.strides += 1;
-        let made = self.response.stride(model, &mut self.state, stride);
+        self.macro_steps += 1;
+        let made = self.response.macro_step(model, &mut self.state, macro_step);
         match made {
             Ok(Progress::Over(end @ (End::AtRest | End::DurationReached))) => return Ok(Some(end)),
             Ok(Progress::Running) => {}
-            _ if stride == 1 => match made? {
+            _ if macro_step == 1 => match made? {
                 Progress::Over(end) => return Ok(Some(end)),
                 Progress::Running => {}
             },
             _ => {
                 (self.state, self.response) = before;
-                for _ in 0..stride {
-                    self.strides += 1;
-                    let made = self.response.stride(model, &mut self.state, 1)?;
+                for _ in 0..macro_step {
+                    self.macro_steps += 1;
+                    let made = self.response.macro_step(model, &mut self.state, 1)?;
                     if let Progress::Over(end) = made {
                         return Ok(Some(end));
                     }
                 }
             }
         }
-        if self.state.is_flowing() || self.state.contact_force > 0.0 || self.state.percussion > 0.0
+        if self.state.is_flowing()
+            || self.state.contact_force > 0.0
+            || self.state.impact_impulse > 0.0
         {
             self.reach = Reach::Unknown;
         }
@@ -385,10 +387,10 @@ impl Course<'_> {
 
     fn result(&self, end: End) -> StudyResponse {
         let model = &self.study.model;
-        let stands = !matches!(end, End::Collapsed | End::Severed);
+        let stands = !matches!(end, End::Collapsed | End::Fractured);
         let outcome = match end {
             End::Collapsed => Outcome::Collapsed,
-            End::Severed => Outcome::Severed,
+            End::Fractured => Outcome::Fractured,
             _ if self.response.has_yielded() => Outcome::Plastic,
             _ => Outcome::Elastic,
         };
@@ -413,7 +415,7 @@ impl Course<'_> {
             last: self.state,
             utilisation_sum: self.utilisation_sum,
             base: self.response.base(),
-            strides: self.strides,
+            macro_steps: self.macro_steps,
             elastic_steps: self.elastic_steps,
         }
     }

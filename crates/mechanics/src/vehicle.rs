@@ -1,4 +1,4 @@
-//! A compliant vehicle: a chain of masses with crushable springs in front of them.
+//! A deformable vehicle: a chain of masses with crushable springs in front of them.
 //!
 //! Spring 1 lies between a massless contact face and the front mass, spring `i >= 2` between mass `i - 1` and mass `i`.
 

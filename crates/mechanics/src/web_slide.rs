@@ -6,21 +6,22 @@ use super::shear::{FREE_AXIAL, Slider, SliderStrength, axial_share_jet};
 
 impl Slider {
     /// The return of a stress that exceeds the resistance of the web where it flows alone, with `axial` \[N\] the squash load
-    /// of the weaker hinge; `None` where it would shorten beyond that. Up to half the squash load, where the normal force
-    /// remains, it has a closed form.
+    /// of the weaker hinge, into `returned`; `false` where it would shorten beyond that. Up to half the squash load, where the
+    /// normal force remains, it has a closed form.
     pub fn slide_alone(
         &self,
-        bar: &Bar,
-        strength: &SliderStrength,
+        (bar, strength): (&Bar, &SliderStrength),
         trial: &BarForces,
         axial: f64,
-    ) -> Option<Returned> {
+        returned: &mut Returned,
+    ) -> bool {
         let sum = trial.moment[0] + trial.moment[1];
         let n = trial.normal.abs() / axial;
         if n <= FREE_AXIAL {
             let slide = self.slide(strength, sum, 1.0);
             let tangent = self.frozen(bar, &slide);
-            return Some(self.slid(bar, trial, &slide, trial.normal, tangent));
+            *returned = self.slid(bar, trial, &slide, trial.normal, tangent);
+            return true;
         }
         // As in the problem of all mechanisms, the derivative in `n` never decreases.
         let per_energy = bar.axial / (axial * axial);
@@ -40,7 +41,7 @@ impl Slider {
             let value = t - n - flow;
             if value < 0.0 {
                 if t >= 1.0 {
-                    return None;
+                    return false;
                 }
                 low = t;
             } else {
@@ -59,7 +60,8 @@ impl Slider {
                     along,
                     slope / per_energy,
                 );
-                return Some(self.slid(bar, trial, &slide, normal, tangent));
+                *returned = self.slid(bar, trial, &slide, normal, tangent);
+                return true;
             }
             t = if next > low && next < high {
                 next
@@ -67,7 +69,7 @@ impl Slider {
                 0.5 * (low + high)
             };
         }
-        None
+        false
     }
 
     /// How the web slides alone under a trial sum of the moments \[N m\] that exceeds the share `share` of its resistance.
@@ -111,6 +113,7 @@ impl Slider {
     }
 
     /// The stress after a slide, with the normal force `normal` \[N\].
+    #[inline(always)]
     fn slid(
         &self,
         bar: &Bar,
@@ -196,7 +199,7 @@ mod tests {
             })
         }
 
-        /// The sum of moments \[N m\] of a virgin web at this normal force.
+        /// The sum of moments \[N m\] of an undamaged web at this normal force.
         fn web_limit(&self, normal: f64) -> f64 {
             let n = (normal / (self.weakest() * AXIAL)).abs();
             let share = if n <= 0.5 {
@@ -352,7 +355,7 @@ mod tests {
             ],
             resistance in prop_oneof![0.05..2.5_f64, Just(2.0), Just(1.0)],
             web in prop_oneof![
-                2 => Just(SliderStrength::VIRGIN),
+                2 => Just(SliderStrength::UNDAMAGED),
                 1 => (0.01..2.0_f64, 0.01..2.0_f64, 0.0..20.0_f64, 1.0..2.0_f64).prop_map(
                     |(a, b, growth, most)| SliderStrength {
                         factor: [a, b],

@@ -54,9 +54,9 @@ impl State {
         self.web_shares(model, WebState::strength)
     }
 
-    /// The same share of the resistance of a virgin web at rest.
+    /// The same share of the resistance of an undamaged web at rest.
     pub(crate) fn web_uses(&self, model: &Model) -> [f64; WEBS] {
-        self.web_shares(model, |_| SliderStrength::VIRGIN)
+        self.web_shares(model, |_| SliderStrength::UNDAMAGED)
     }
 
     fn web_shares(

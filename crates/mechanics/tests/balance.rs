@@ -136,7 +136,7 @@ fn largest(worst: &mut f64, value: f64) {
     *worst = worst.max(value);
 }
 
-/// Columns of the paper's kind, virgin and without damping.
+/// Columns of the paper's kind, undamaged and without damping.
 const COLUMNS: [&[&str]; 4] = [
     &[],
     &[
@@ -167,7 +167,7 @@ fn conserving_midpoint_satisfies_the_equations_of_motion_over_every_smooth_step(
             let before = state;
             step(&model, &mut state).expect("a step");
             let [was, is] = [before, state].map(|s| s.impactor.expect("an impactor"));
-            let events = state.percussion > 0.0 || was.released_at != is.released_at;
+            let events = state.impact_impulse > 0.0 || was.released_at != is.released_at;
             if events || was.closed != is.closed {
                 continue;
             }

@@ -111,7 +111,7 @@ fn the_equilibrium_of_the_lower_bar() {
             let (cos, sin) = (x / chord, v / chord);
             let bare = (a.moment + base.moment) / chord * cos + base.normal_force * sin;
             if let Some((time, rate)) = last
-                && sample.percussion == 0.0
+                && sample.impact_impulse == 0.0
                 && sample.time > 1e-3
             {
                 let acceleration = (sample.v1_rate - rate) / (sample.time - time);
@@ -134,7 +134,7 @@ fn the_equilibrium_of_the_lower_bar() {
     }
 }
 
-/// What a study follows in strides and long steps has the same reactions, but for what vibrates between them.
+/// What a study follows in macro-steps and long steps has the same reactions, but for what vibrates between them.
 #[test]
 fn studies_have_the_same_reactions() {
     let impacts = lines(include_str!("data/shear_cases.jsonl"));

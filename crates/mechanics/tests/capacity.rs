@@ -224,8 +224,8 @@ fn a_push_down_that_straightens_the_column_first_is_followed() {
     p.elastic_law = ElasticLaw::Coupled;
     let model = Model::new(&p).expect("a column");
     let e0 = 0.0117;
-    let virgin = capacity(&model, &State::at_rest(&model), e0).expect("a bow");
-    let mut before = virgin;
+    let undamaged = capacity(&model, &State::at_rest(&model), e0).expect("a bow");
+    let mut before = undamaged;
     for step in 1..=30 {
         let rotation = 2.5e-4 * f64::from(step);
         let state = at_rest(
@@ -248,6 +248,6 @@ fn a_push_down_that_straightens_the_column_first_is_followed() {
         );
         before = now;
     }
-    let ratio = before.force / virgin.force;
+    let ratio = before.force / undamaged.force;
     assert!((0.97..0.98).contains(&ratio), "{ratio}");
 }

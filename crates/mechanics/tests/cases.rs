@@ -37,7 +37,7 @@ fn numbers(sample: &Sample) -> Vec<f64> {
         sample.impactor_velocity,
         sample.gap,
         sample.contact_force,
-        sample.percussion,
+        sample.impact_impulse,
         sample.impulse,
         sample.kinetic_energy,
         sample.elastic_energy,
@@ -67,7 +67,10 @@ fn check(p: &ColumnProperties, impact: &Impact, before: &Sample, now: &Sample) {
         numbers(now).iter().all(|number| number.is_finite()),
         "{now:?}"
     );
-    assert!(now.contact_force >= 0.0 && now.percussion >= 0.0, "{now:?}");
+    assert!(
+        now.contact_force >= 0.0 && now.impact_impulse >= 0.0,
+        "{now:?}"
+    );
     assert!(now.impulse >= before.impulse, "{before:?} {now:?}");
     // The round-off of the ledger is relative to the energies that it adds up.
     let energies = impact.energy() + now.elastic_energy + now.load_work.abs() + now.kinetic_energy;
@@ -115,13 +118,13 @@ fn run(name: &str, overrides: &[&str]) -> [(Report, Vec<Sample>); 2] {
         let (p, impact) = example(&[&[scheme], overrides].concat());
         let (report, samples) = follow(&p, &impact);
         println!(
-            "{name:<28} {:?}: {:?} {:?} at {:.4} s, max v1 {:.4e} m, {} percussions, {} steps",
+            "{name:<28} {:?}: {:?} {:?} at {:.4} s, max v1 {:.4e} m, {} impact_impulses, {} steps",
             p.scheme,
             report.outcome,
             report.end,
             report.end_time,
             report.max_v1,
-            report.percussions,
+            report.impact_impulses,
             report.steps
         );
         (report, samples)
@@ -256,7 +259,7 @@ fn rebound_of_a_light_impactor_is_newtons() {
     for (text, restitution) in [("0.5", 0.5), ("1.0", 1.0)] {
         let restitution_text = format!("impact.restitution:={text}");
         let overrides = ["impact.mass:=10.0", restitution_text.as_str()];
-        // The paper's rule spreads the percussion over a step, in which the column's resistance is felt.
+        // The paper's rule spreads the impact impulse over a step, in which the column's resistance is detected.
         let tolerances = [6e-5, 1e-12];
         for ((report, _), tolerance) in run(&restitution_text, &overrides)
             .into_iter()
@@ -270,7 +273,7 @@ fn rebound_of_a_light_impactor_is_newtons() {
             println!("rebound {velocity:+.1e} m/s, loss {loss:+.1e} J");
             assert!((velocity / 10.0).abs() <= tolerance);
             assert!((loss / (0.5 * mc * 100.0)).abs() <= tolerance);
-            assert_eq!(report.percussions, 1);
+            assert_eq!(report.impact_impulses, 1);
         }
     }
 }
@@ -284,7 +287,10 @@ fn elastic_rebound_loses_no_energy() {
     );
     assert_eq!(report.outcome, Outcome::Elastic);
     assert_eq!((report.impact_loss, report.plastic_work), (0.0, 0.0));
-    assert!(report.percussions >= 2, "the heavy impactor strikes again");
+    assert!(
+        report.impact_impulses >= 2,
+        "the heavy impactor strikes again"
+    );
     let left = report.column_kinetic_energy
         + report.impactor_kinetic_energy
         + report.elastic_energy_change
@@ -479,12 +485,12 @@ fn accumulating_rebounds_end_in_contact() {
         let mut persistent = 0;
         while let Progress::Running = response.advance(&model, &mut state, 1).expect("a step") {
             let closed = state.impactor.is_some_and(|i| i.closed);
-            persistent += u32::from(closed && state.percussion == 0.0);
+            persistent += u32::from(closed && state.impact_impulse == 0.0);
         }
         println!(
-            "{scheme}: {} percussions, {persistent} steps of contact",
-            state.percussions
+            "{scheme}: {} impact_impulses, {persistent} steps of contact",
+            state.impact_impulses
         );
-        assert!(state.percussions >= 2 && persistent > 50);
+        assert!(state.impact_impulses >= 2 && persistent > 50);
     }
 }

@@ -103,7 +103,7 @@ fn web(resistance: f64) -> ShearProperties {
     }
 }
 
-/// A rigid-plastic cantilever turns by the kinetic energy after the percussion over its plastic moment, however far that is.
+/// A rigid-plastic cantilever turns by the kinetic energy after the impact impulse over its plastic moment, however far that is.
 #[test]
 fn a_rigid_plastic_cantilever_turns_by_its_energy_over_its_moment() {
     for (mass, velocity, top_mass) in [(1500.0, 4.0, 0.0), (1500.0, 8.0, 0.0), (800.0, 6.0, 100.0)]
@@ -318,7 +318,7 @@ fn random_cantilevers_keep_their_energy() {
     runner
         .run(
             &strategy,
-            |((a, b, size), (coupled, heavy, sheared, compliant), (mass, v, push))| {
+            |((a, b, size), (coupled, heavy, sheared, deformable), (mass, v, push))| {
                 let column = ColumnProperties {
                     length_below: a,
                     length_above: b,
@@ -333,7 +333,7 @@ fn random_cantilevers_keep_their_energy() {
                     step_nanos: 20_000,
                     ..bollard(1.0)
                 };
-                let vehicle = compliant.then(lorry);
+                let vehicle = deformable.then(lorry);
                 let mass = vehicle.map_or(mass, |it| it.total_mass());
                 let impact = Impact {
                     vehicle,

@@ -245,18 +245,18 @@ fn the_capacity_is_that_of_the_hardened_and_softened_hinges() {
     while response.advance(&model, &mut state, u64::MAX) == Ok(Progress::Running) {}
     let [plain, hardening, softened] = [plain, hardening, softened].map(|properties| {
         let model = Model::new(&properties).expect("a column");
-        let virgin = capacity(&model, &State::at_rest(&model), bow).expect("a bow");
+        let undamaged = capacity(&model, &State::at_rest(&model), bow).expect("a bow");
         let rest = residual_state(&model, &state).expect("an equilibrium");
         let damaged = capacity(&model, &rest, bow).expect("a bow");
-        assert!(!virgin.is_lower_bound() && !damaged.is_lower_bound());
+        assert!(!undamaged.is_lower_bound() && !damaged.is_lower_bound());
         println!(
             "{:.1} kN, {:.1} kN",
-            1e-3 * virgin.force,
+            1e-3 * undamaged.force,
             1e-3 * damaged.force
         );
-        [virgin.force, damaged.force]
+        [undamaged.force, damaged.force]
     });
-    // The virgin column yields so little before its largest force that neither matters much.
+    // The undamaged column yields so little before its largest force that neither matters much.
     assert!(hardening[0] > plain[0] && hardening[0] < 1.15 * plain[0]);
     assert!((softened[0] / plain[0] - 1.0).abs() < 1e-3);
     // H of a hinge at 0.1 rad is 1.3 to 1.5.
@@ -281,9 +281,9 @@ fn a_pinned_column_pushes_down_with_hardening_and_softening() {
             properties.hardening_ratio = b;
             properties.softening = softening;
             let model = Model::new(&properties).expect("a column");
-            let virgin = State::at_rest(&model);
+            let undamaged = State::at_rest(&model);
             for bow in [1e-3, 0.016, 0.2] {
-                let found = capacity(&model, &virgin, bow).expect("a bow");
+                let found = capacity(&model, &undamaged, bow).expect("a bow");
                 assert!(!found.is_lower_bound(), "{b} {bow}: {found:?}");
                 assert!(found.force > 0.0 && found.force <= properties.resistance_axial);
             }

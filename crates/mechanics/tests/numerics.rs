@@ -8,8 +8,8 @@
 mod example;
 
 use column_mechanics::{
-    ColumnProperties, ElasticLaw, End, Impact, MAX_ELASTIC_PERCUSSIONS, Model, Outcome, Progress,
-    Report, Response, Scheme, State, Support, error_estimate, respond,
+    ColumnProperties, ElasticLaw, End, Impact, MAX_ELASTIC_IMPACT_IMPULSES, Model, Outcome,
+    Progress, Report, Response, Scheme, State, Support, error_estimate, respond,
 };
 use example::{example, paper};
 use serde_json::Value;
@@ -145,9 +145,9 @@ fn the_turning_point_of_an_elastic_push_is_not_rest() {
     }
 }
 
-/// An elastic impactor that pushes a light impact point with damping made 24 593 percussions in 6 482 steps.
+/// An elastic impactor that pushes a light impact point with damping made 24 593 impact impulses in 6 482 steps.
 #[test]
-fn percussions_with_restitution_one_and_damping_are_bounded() {
+fn impact_impulses_with_restitution_one_and_damping_are_bounded() {
     for case in cases(include_str!("data/rattling.jsonl")) {
         assert_eq!(case.impact.restitution, 1.0);
         let model = Model::new(&case.column).expect("a column");
@@ -166,8 +166,8 @@ fn percussions_with_restitution_one_and_damping_are_bounded() {
         }
         let report = response.report(&model, &state, end);
         assert!(report.restitution_ended_early());
-        assert!(report.percussions < MAX_ELASTIC_PERCUSSIONS + 100);
-        assert!(state.newton_iterations < 20 * u64::from(MAX_ELASTIC_PERCUSSIONS));
+        assert!(report.impact_impulses < MAX_ELASTIC_IMPACT_IMPULSES + 100);
+        assert!(state.newton_iterations < 20 * u64::from(MAX_ELASTIC_IMPACT_IMPULSES));
         // Restitution 1 loses nothing; what its end loses is part of the ledger, and by then there is little left to lose.
         assert!(report.impact_loss > 0.0 && report.impact_loss < 1e-3 * report.input_energy);
         assert!(report.ledger_residual < 1e-10);
@@ -180,7 +180,11 @@ fn a_restitution_below_one_is_never_cut_short_in_the_papers_example() {
         let change = format!("impact.restitution:={restitution}");
         let (column, impact) = example(&[&change]);
         let report = respond(&column, &impact, 0.5).expect("a response");
-        assert!(!report.restitution_ended_early(), "{}", report.percussions);
+        assert!(
+            !report.restitution_ended_early(),
+            "{}",
+            report.impact_impulses
+        );
     }
 }
 

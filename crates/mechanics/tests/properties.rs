@@ -23,7 +23,7 @@ const CASES: u32 = 6_000;
 /// Steps for which one random response is followed.
 const STEPS: u32 = 300;
 
-/// Push-downs of random columns, virgin and after an impact.
+/// Push-downs of random columns, undamaged and after an impact.
 const PUSH_DOWNS: u32 = 1_000;
 
 /// Most evaluations of one increment of a push-down.
@@ -170,7 +170,7 @@ fn pushed(impacts: impl Strategy<Value = Impact>) -> impl Strategy<Value = Impac
     })
 }
 
-/// What holds for a compliant vehicle in each step, whatever the scheme.
+/// What holds for a deformable vehicle in each step, whatever the scheme.
 fn check_vehicle(impact: &Impact, before: &Sample, sample: &Sample) -> Result<(), TestCaseError> {
     let Some(vehicle) = &impact.vehicle else {
         return Ok(());
@@ -193,7 +193,7 @@ fn check_vehicle(impact: &Impact, before: &Sample, sample: &Sample) -> Result<()
         prop_assert!(force >= 0.0 && force <= envelope + round_off, "{chain:?}");
     }
     prop_assert!(chain.elastic_energy >= 0.0);
-    prop_assert_eq!(sample.percussion, 0.0);
+    prop_assert_eq!(sample.impact_impulse, 0.0);
     // The vehicle has lost the momentum that the column has received.
     let momentum = impact.mass * impact.velocity + impact.transverse_force * sample.time;
     let lost = momentum - impact.mass * sample.impactor_velocity;
@@ -277,7 +277,7 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
             dissipated
         );
         dissipated = sample.plastic_work;
-        prop_assert!(sample.contact_force >= 0.0 && sample.percussion >= 0.0);
+        prop_assert!(sample.contact_force >= 0.0 && sample.impact_impulse >= 0.0);
         prop_assert!(sample.damping_work >= 0.0);
         if conserving {
             prop_assert!(sample.impact_loss >= 0.0);
@@ -386,7 +386,7 @@ fn every_push_down_ends_with_a_capacity() {
         };
         let imperfection = bow * (properties.length_below + properties.length_above);
         let mut state = State::at_rest(&model);
-        let virgin = push_down(&model, &state, imperfection);
+        let undamaged = push_down(&model, &state, imperfection);
         let mut response = Response::begin(&model, &mut state, impact, 1e3).expect("a response");
         for _ in 0..STEPS {
             match response.advance(&model, &mut state, u64::MAX) {
@@ -395,7 +395,7 @@ fn every_push_down_ends_with_a_capacity() {
             }
         }
         let now = residual_state(&model, &state).map(|rest| push_down(&model, &rest, imperfection));
-        for capacity in [Some(virgin), now].into_iter().flatten() {
+        for capacity in [Some(undamaged), now].into_iter().flatten() {
             let capacity = capacity.unwrap_or_else(|failure| {
                 let case =
                     serde_json::json!({ "column": properties, "impact": impact, "bow": bow });

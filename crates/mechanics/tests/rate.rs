@@ -1,4 +1,4 @@
-//! Strain rate, hardening and severed hinges: reference solutions of an unrelated program, closed forms, properties.
+//! Strain rate, hardening and fractured hinges: reference solutions of an unrelated program, closed forms, properties.
 
 #![allow(
     clippy::disallowed_methods,
@@ -368,25 +368,25 @@ fn the_filter_starts_from_zero_at_every_impact_and_hardening_does_not() {
 
 /// Version 0.2 printed rotations of 68 degrees and "remains standing".
 #[test]
-fn a_hinge_beyond_its_ultimate_rotation_is_severed() {
+fn a_hinge_beyond_its_ultimate_rotation_is_fractured() {
     for scheme in SCHEMES {
         let (mut properties, impact) = example(&[scheme]);
         properties.ultimate_rotation = 0.08;
         let (report, samples) = respond(&properties, &impact, 0.1);
         assert_eq!(
             (report.outcome, report.end),
-            (Outcome::Severed, End::Severed)
+            (Outcome::Fractured, End::Fractured)
         );
         assert_eq!((report.residual_v1, report.residual_u2), (None, None));
-        let torn = |sample: &Sample| {
+        let fractured = |sample: &Sample| {
             let [a, b, top, base] = sample.hinges.map(|hinge| hinge.plastic_rotation);
             [a + b, top, base].iter().any(|turn| turn.abs() > 0.08)
         };
         // It ends with the step in which the limit is passed.
         let (last, before) = samples.split_last().expect("samples");
-        assert!(torn(last) && !before.iter().any(torn));
+        assert!(fractured(last) && !before.iter().any(fractured));
         assert_eq!(report.end_time, last.time);
-        println!("{scheme}: severed at {:.3} ms", 1e3 * report.end_time);
+        println!("{scheme}: fractured at {:.3} ms", 1e3 * report.end_time);
         // Hinge 1a reaches 0.108 rad and 0.111 rad with these exponents.
         properties.ultimate_rotation = 0.12;
         let (report, _) = respond(&properties, &impact, 0.1);

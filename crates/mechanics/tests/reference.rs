@@ -152,7 +152,7 @@ fn midpoint_has_the_papers_errors() {
     assert!((1.9..=2.1).contains(&order), "order {order}");
 }
 
-/// Before the first hinge yields at 0.29 ms the response is smooth. The percussion is spread over the first step there,
+/// Before the first hinge yields at 0.29 ms the response is smooth. The impact impulse is spread over the first step there,
 /// half of which the column loses (`docs/theory.md`, section 5), so that `n` steps are compared with `n - 1/2` of the
 /// continuous motion; the step lengths are chosen such that this is the reference's row at 0.2 ms.
 #[test]
@@ -247,14 +247,14 @@ fn conserving_midpoint_reaches_the_reference() {
 }
 
 #[test]
-fn the_first_percussion_is_the_closed_form() {
+fn the_first_impact_impulse_is_the_closed_form() {
     for (case, exponents) in CASES {
         let (report, samples) = run("conserving_midpoint", "2.0e-5", &exponents);
-        assert!((samples[0].percussion - 879.842_691).abs() < 1e-6);
+        assert!((samples[0].impact_impulse - 879.842_691).abs() < 1e-6);
         assert!((samples[0].impact_loss - 4_399.213_455).abs() < 1e-6);
         assert!((samples[0].impact_loss / summary(case).impact_loss - 1.0).abs() < 1e-12);
-        assert_eq!(report.percussions, 1);
-        assert_eq!(report.percussion_impulse, samples[0].percussion);
+        assert_eq!(report.impact_impulses, 1);
+        assert_eq!(report.total_impact_impulse, samples[0].impact_impulse);
         assert_eq!(report.first_contact_time, Some(0.0));
     }
 }

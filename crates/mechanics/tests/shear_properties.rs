@@ -26,7 +26,7 @@ const CASES: u32 = 5_000;
 /// Steps for which one random response is followed.
 const STEPS: u32 = 300;
 
-/// Push-downs of random columns, virgin and after an impact.
+/// Push-downs of random columns, undamaged and after an impact.
 const PUSH_DOWNS: u32 = 600;
 
 /// Most evaluations of one increment of a push-down.
@@ -327,7 +327,7 @@ fn midpoint_holds_on_random_columns_with_shear() {
     run(Scheme::Midpoint);
 }
 
-/// Push-downs end, virgin and after an impact, and a plateau with a web is none above that without one.
+/// Push-downs end, undamaged and after an impact, and a plateau with a web is none above that without one.
 #[test]
 fn every_push_down_with_shear_ends_with_a_capacity() {
     let seed = TestRng::deterministic_rng(Config::default().rng_algorithm);
@@ -346,7 +346,7 @@ fn every_push_down_with_shear_ends_with_a_capacity() {
         let [below, above] = properties.clear_lengths();
         let imperfection = bow * (below + above);
         let mut state = State::at_rest(&model);
-        let virgin = state;
+        let undamaged = state;
         let mut response = Response::begin(&model, &mut state, impact, 1e3).expect("a response");
         for _ in 0..STEPS {
             match response.advance(&model, &mut state, u64::MAX) {
@@ -356,7 +356,7 @@ fn every_push_down_with_shear_ends_with_a_capacity() {
         }
         let rest = residual_state(&model, &state);
         sheared += u32::from(rest.is_some_and(|it| it.plastic.below.shear_angle != 0.0));
-        for state in [Some(virgin), rest].into_iter().flatten() {
+        for state in [Some(undamaged), rest].into_iter().flatten() {
             let mut push_down = PushDown::new(&model, &state, imperfection).expect("a bow");
             let capacity = loop {
                 if let Some(capacity) = push_down.advance(100) {

@@ -178,7 +178,7 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
         if let Progress::Over(end) = progress {
             let report = response.report(&model, &state, end);
             prop_assert!(report.max_v1.is_finite());
-            prop_assert_eq!(report.outcome == Outcome::Severed, end == End::Severed);
+            prop_assert_eq!(report.outcome == Outcome::Fractured, end == End::Fractured);
             break;
         }
     }

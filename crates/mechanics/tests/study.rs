@@ -132,7 +132,7 @@ fn no_response_that_was_ended_early_yields_later() {
         for _ in 0..(0.05 / model.step_secs) as u64 {
             step(&model, &mut state).expect("a step");
             prop_assert!(
-                !state.is_flowing() && state.contact_force == 0.0 && state.percussion == 0.0
+                !state.is_flowing() && state.contact_force == 0.0 && state.impact_impulse == 0.0
             );
             prop_assert!(state.displacement.v1 <= study.max_v1 * (1.0 + 1e-9));
         }

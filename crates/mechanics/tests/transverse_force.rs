@@ -43,7 +43,7 @@ fn falling(mass: f64, velocity: f64) -> Impact {
     }
 }
 
-/// The energy balance closes with the work of the force: before, in and after contact, with percussions, and with vehicles.
+/// The energy balance closes with the work of the force: before, in and after contact, with impact impulses, and with vehicles.
 #[test]
 fn the_energy_balance_closes_with_the_work_of_the_force() {
     for (changes, tolerance) in [
@@ -117,7 +117,7 @@ fn the_energy_balance_closes_with_the_work_of_the_force() {
     }
 }
 
-/// A mass that falls from a gap arrives with the velocity and at the time of free fall, in one stride or step by step, and with
+/// A mass that falls from a gap arrives with the velocity and at the time of free fall, in one macro-step or step by step, and with
 /// either kind of vehicle.
 #[test]
 fn a_falling_mass_arrives_as_in_free_fall() {
@@ -134,15 +134,15 @@ fn a_falling_mass_arrives_as_in_free_fall() {
         },
     ] {
         let impact = Impact { gap, ..impact };
-        for stride in [u64::MAX, 1, 700] {
+        for macro_step in [u64::MAX, 1, 700] {
             let model = Model::new(&column).expect("a column");
             let mut state = State::at_rest(&model);
             let mut response = Response::begin(&model, &mut state, impact, 0.2).expect("an impact");
             let mut last = None;
-            while state.percussions == 0 && state.contact_force == 0.0 {
+            while state.impact_impulses == 0 && state.contact_force == 0.0 {
                 last = state.impactor.map(|it| (it.position, it.velocity));
                 let progress = response
-                    .advance(&model, &mut state, stride)
+                    .advance(&model, &mut state, macro_step)
                     .expect("a step");
                 assert_eq!(progress, Progress::Running);
             }
@@ -180,7 +180,7 @@ fn the_peak_on_an_elastic_beam_is_that_of_the_textbook() {
     }
 }
 
-/// `F0 w = E + m g w` with the kinetic energy `E` after the percussion, for a rigid-plastic beam.
+/// `F0 w = E + m g w` with the kinetic energy `E` after the impact impulse, for a rigid-plastic beam.
 #[test]
 fn the_peak_on_a_rigid_plastic_beam_is_that_of_the_energy_balance() {
     let column = beam(1e3);

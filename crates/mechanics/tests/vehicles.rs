@@ -1,4 +1,4 @@
-//! Compliant vehicles against reference solutions by an unrelated program, closed forms and a measured wall test.
+//! Deformable vehicles against reference solutions by an unrelated program, closed forms and a measured wall test.
 
 #![allow(
     clippy::disallowed_methods,
@@ -44,7 +44,7 @@ struct Case {
     tolerance: Value,
 }
 
-/// All reference cases with a compliant vehicle.
+/// All reference cases with a deformable vehicle.
 fn cases() -> Vec<Case> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/reality_cases.json");
     let text = fs::read_to_string(path).expect("the reference");
@@ -345,7 +345,7 @@ fn an_elastic_vehicle_gives_the_peak_force_of_annex_c() {
         relative(-report.impactor_velocity, velocity);
         assert_eq!(report.vehicle.dissipated[0], 0.0);
         assert_eq!(report.vehicle.permanent_crush[0], 0.0);
-        assert_eq!((report.percussions, report.impact_loss), (0, 0.0));
+        assert_eq!((report.impact_impulses, report.impact_loss), (0, 0.0));
         assert_eq!(
             (report.end, report.outcome),
             (End::AtRest, Outcome::Elastic)

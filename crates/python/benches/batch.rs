@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("run crates/python/benches/overhead.py, which compares Rust and Python in turns");
         return Ok(());
     }
-    let column = StudyColumn::virgin(&Parameters::default())?;
+    let column = StudyColumn::undamaged(&Parameters::default())?;
     let mut output = io::stdout();
     for line in io::stdin().lock().lines() {
         let line = line?;
@@ -56,11 +56,11 @@ fn many(
         count,
         |index| {
             let impact = column.impact(Some(vehicle), None, from + step * index as f64)?;
-            column.screen(&impact)
+            column.evaluate(&impact)
         },
-        |screenings| -> Result<(), Box<dyn Error>> {
-            for screening in screenings {
-                sum += screening?.max_v1;
+        |evaluations| -> Result<(), Box<dyn Error>> {
+            for evaluation in evaluations {
+                sum += evaluation?.max_v1;
             }
             Ok(())
         },
@@ -78,7 +78,7 @@ fn one_by_one(
     let mut sum = 0.0;
     for _ in 0..count {
         let impact = column.impact(Some(vehicle), None, velocity)?;
-        sum += column.screen(&impact)?.max_v1;
+        sum += column.evaluate(&impact)?.max_v1;
     }
     Ok((start.elapsed().as_secs_f64(), sum))
 }

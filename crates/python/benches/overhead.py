@@ -34,11 +34,11 @@ class Rust:
 
 
 def single(column: Column, rust: Rust, rounds: int) -> tuple[float, float]:
-    """Fastest seconds per call of `screen` in Python and in Rust, of calls in turns. The impact is one that is over quickly."""
+    """Fastest seconds per call of `evaluate` in Python and in Rust, of calls in turns. The impact is one that is over quickly."""
     fastest = [float("inf")] * 2
     for _ in range(rounds):
         start = time.perf_counter()
-        column.screen("mid_car", None, 0.01)
+        column.evaluate("mid_car", None, 0.01)
         fastest[0] = min(fastest[0], time.perf_counter() - start)
         fastest[1] = min(fastest[1], rust.ask("single", "mid_car", 1, 0.01)[0])
     return fastest[0], fastest[1]
@@ -50,12 +50,12 @@ def batch(column: Column, rust: Rust, count: int, threads: int, rounds: int) -> 
     for number in range(rounds):
         start = time.perf_counter()
         velocities = 1.0 + (20.0 - 1.0) / (count - 1) * np.arange(count)
-        screenings = column.screen_batch(None, velocities, "mid_car", threads=threads)
+        evaluations = column.evaluate_batch(None, velocities, "mid_car", threads=threads)
         fastest[0] = min(fastest[0], time.perf_counter() - start)
         seconds, checksum = rust.ask("batch", "mid_car", count, 1.0, 20.0, threads)
         fastest[1] = min(fastest[1], seconds)
         if number == 0:
-            assert np.isclose(screenings["max_v1"].sum(), checksum, rtol=1e-12), "Python and Rust disagree"
+            assert np.isclose(evaluations["max_v1"].sum(), checksum, rtol=1e-12), "Python and Rust disagree"
     return fastest[0], fastest[1]
 
 
@@ -78,12 +78,12 @@ def main() -> None:
     print(f"load average {os.getloadavg()[0]:.1f}, {threads} threads\n")
     print("| | Python | Rust | difference | ratio |\n|---|---|---|---|---|")
     ours, theirs = single(column, rust, 300)
-    print(f"| one `screen` [us] | {1e6 * ours:.1f} | {1e6 * theirs:.1f} | {1e6 * (ours - theirs):.1f} | {ours / theirs:.3f} |")
+    print(f"| one `evaluate` [us] | {1e6 * ours:.1f} | {1e6 * theirs:.1f} | {1e6 * (ours - theirs):.1f} | {ours / theirs:.3f} |")
     for many in (1, threads):
         ours, theirs = batch(column, rust, options.count, many, options.rounds)
         name = f"batch of {options.count}, {many} thread{'s' if many > 1 else ''} [s]"
         print(f"| {name} | {ours:.3f} | {theirs:.3f} | {ours - theirs:+.3f} | {ours / theirs:.3f} |")
-    for call in ('column["top.load"]', 'column.screen_batch(None, [], "mid_car")'):
+    for call in ('column["top.load"]', 'column.evaluate_batch(None, [], "mid_car")'):
         print(f"| `{call}` [us] | {1e6 * per_call(call, column, 1000):.1f} | | | |")
 
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use column_twin::column::Impact;
 use column_twin::parameters::CRITERION_NAMES;
-use column_twin::study::{Batch, Screening, Threads};
+use column_twin::study::{Batch, Evaluation, Threads};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
@@ -21,50 +21,50 @@ pub const ROW_BYTES: usize = NUMBERS * 8 + 8;
 /// Time between two looks at the signals of Python.
 const SIGNALS: Duration = Duration::from_millis(50);
 
-/// One impact and what it leads to, as numbers. The order is that of `_screening.py`.
+/// One impact and what it leads to, as numbers. The order is that of `_evaluation.py`.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// Mass, velocity, max v1, residual v1, peak contact force, remaining capacity, its ratio, its reserve, and the largest
+    /// Mass, velocity, max v1, residual v1, peak contact force, residual capacity, its ratio, its reserve, and the largest
     /// plastic rotation; NaN where there is none.
     pub numbers: [f64; NUMBERS],
     /// Its verdict.
     pub codes: Codes,
 }
 
-/// Severity, outcome, and the place of the deciding criterion among the names.
+/// Action, outcome, and the place of the deciding criterion among the names.
 #[derive(Debug, Clone, Copy)]
 pub struct Codes(pub [u8; 3]);
 
 impl Codes {
-    /// Of what could not be computed: larger than every severity, so that a comparison does not take it for harmless.
+    /// Of what could not be computed: larger than every action, so that a comparison does not take it for harmless.
     pub const UNKNOWN: Self = Self([u8::MAX; 3]);
 }
 
 impl Row {
-    pub fn new(impact: &Impact, screening: &Screening) -> Self {
-        Self::of([impact.mass, impact.velocity], screening)
+    pub fn new(impact: &Impact, evaluation: &Evaluation) -> Self {
+        Self::of([impact.mass, impact.velocity], evaluation)
     }
 
-    pub fn of([mass, velocity]: [f64; 2], screening: &Screening) -> Self {
+    pub fn of([mass, velocity]: [f64; 2], evaluation: &Evaluation) -> Self {
         let criterion = CRITERION_NAMES
             .iter()
-            .position(|name| *name == screening.deciding_criterion)
+            .position(|name| *name == evaluation.deciding_criterion)
             .expect("every criterion has a name");
         Self {
             numbers: [
                 mass,
                 velocity,
-                screening.max_v1,
-                screening.residual_v1.unwrap_or(f64::NAN),
-                screening.peak_contact_force,
-                screening.remaining_capacity,
-                screening.capacity_ratio,
-                screening.capacity_reserve.unwrap_or(f64::NAN),
-                screening.max_plastic_rotation,
+                evaluation.max_v1,
+                evaluation.residual_v1.unwrap_or(f64::NAN),
+                evaluation.peak_contact_force,
+                evaluation.residual_capacity,
+                evaluation.capacity_ratio,
+                evaluation.reserve.unwrap_or(f64::NAN),
+                evaluation.max_plastic_rotation,
             ],
             codes: Codes([
-                screening.severity as u8,
-                screening.outcome as u8,
+                evaluation.action as u8,
+                evaluation.outcome as u8,
                 criterion as u8,
             ]),
         }
@@ -76,8 +76,8 @@ impl Row {
         for (chunk, number) in chunks.iter_mut().zip(self.numbers) {
             *chunk = number.to_ne_bytes();
         }
-        let [severity, outcome, criterion] = self.codes.0;
-        codes[..2].copy_from_slice(&u16::from(severity).to_ne_bytes());
+        let [action, outcome, criterion] = self.codes.0;
+        codes[..2].copy_from_slice(&u16::from(action).to_ne_bytes());
         codes[2..4].copy_from_slice(&u16::from(outcome).to_ne_bytes());
         codes[4..].copy_from_slice(&u32::from(criterion).to_ne_bytes());
     }

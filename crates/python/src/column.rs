@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use column_twin::assessment::{
-    AssessmentInput, ImpactEvaluation, RemainingCapacity, assess, imperfection, observe_and_rest,
+    AssessmentInput, ImpactEvaluation, ResidualCapacity, assess, imperfection, observe_and_rest,
     respond_and_rest,
 };
 use column_twin::column::{Impact, Model, PushDownPoint, SimulationError, State, push_down};
@@ -29,8 +29,8 @@ type Bracket = (Option<f64>, Option<f64>);
 /// Names and values that change parameters.
 type Changes<'py> = Vec<(String, Bound<'py, PyAny>)>;
 
-/// Numbers and codes of a screening, see `_screening.py`.
-type Screened = ([f64; NUMBERS], [u8; 3]);
+/// Numbers and codes of an evaluation, see `_evaluation.py`.
+type Evaluated = ([f64; NUMBERS], [u8; 3]);
 
 /// Name, value, unit and meaning of a parameter.
 type Described<'py> = (String, Bound<'py, PyAny>, &'static str, &'static str);
@@ -119,26 +119,26 @@ impl Column {
     }
 
     /// One impact without its history.
-    fn screen(
+    fn evaluate(
         &self,
         py: Python<'_>,
         vehicle: Option<&str>,
         mass: Option<f64>,
         velocity: Option<f64>,
-    ) -> PyResult<Screened> {
+    ) -> PyResult<Evaluated> {
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.screen(py, vehicle, mass, velocity);
+            return there.evaluate(py, vehicle, mass, velocity);
         }
         let impact = self.impact(vehicle, mass, velocity)?;
-        let screened = py.detach(|| self.study.screen(&impact));
-        let screening = screened.map_err(|fault| fault::study(&fault))?;
-        let row = Row::new(&impact, &screening);
+        let evaluated = py.detach(|| self.study.evaluate(&impact));
+        let evaluation = evaluated.map_err(|fault| fault::study(&fault))?;
+        let row = Row::new(&impact, &evaluation);
         Ok((row.numbers, row.codes.0))
     }
 
     /// Many impacts without their histories, as rows of bytes. `masses` and `velocities` are arrays of doubles; without masses
     /// each vehicle has its own.
-    fn screen_batch<'py>(
+    fn evaluate_batch<'py>(
         &self,
         py: Python<'py>,
         vehicle: Option<&str>,
@@ -147,7 +147,7 @@ impl Column {
         threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyByteArray>> {
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.screen_batch(py, vehicle, masses, velocities, threads);
+            return there.evaluate_batch(py, vehicle, masses, velocities, threads);
         }
         let velocities = numbers(velocities);
         let masses = masses.map(numbers);
@@ -166,12 +166,13 @@ impl Column {
         let end = interruptible(py, &batch, |batch| {
             batch.run(
                 impacts.len() as u64,
-                |index| self.study.screen(&impacts[index as usize]),
+                |index| self.study.evaluate(&impacts[index as usize]),
                 |results| -> Result<(), BatchFault> {
                     for result in results {
                         let index = rows.len();
-                        let screening = result.map_err(|fault| BatchFault::Impact(index, fault))?;
-                        rows.push(Row::new(&impacts[index], &screening));
+                        let evaluation =
+                            result.map_err(|fault| BatchFault::Impact(index, fault))?;
+                        rows.push(Row::new(&impacts[index], &evaluation));
                     }
                     Ok(())
                 },
@@ -221,7 +222,7 @@ impl Column {
         risk(py, self.parameters(), &request)
     }
 
-    /// The velocities around the critical one of each severity, least severe first, and the number of responses.
+    /// The velocities around the critical one of each action, least severe first, and the number of responses.
     fn critical_velocities(
         &self,
         py: Python<'_>,
@@ -273,16 +274,16 @@ impl Column {
         ))
     }
 
-    /// The capacity of the virgin column as JSON, and its push-down.
+    /// The capacity of the undamaged column as JSON, and its push-down.
     fn capacity<'py>(&self, py: Python<'py>) -> PyResult<(String, Curve<'py>)> {
         let computed = py.detach(|| {
             let model = self.model()?;
-            let virgin = State::at_rest(&model);
-            let remaining = RemainingCapacity::compute(self.parameters(), &model, Some(&virgin));
+            let undamaged = State::at_rest(&model);
+            let remaining = ResidualCapacity::compute(self.parameters(), &model, Some(&undamaged));
             let remaining = remaining.map_err(|fault| fault::of_capacity(&fault))?;
-            let input = AssessmentInput::of_state(self.parameters(), &model, &virgin, remaining);
-            let json = capacity_json("virgin", &remaining, &input)?;
-            Ok::<_, PyErr>((json, self.push_down(&model, Some(&virgin))?))
+            let input = AssessmentInput::of_state(self.parameters(), &model, &undamaged, remaining);
+            let json = capacity_json("undamaged", &remaining, &input)?;
+            Ok::<_, PyErr>((json, self.push_down(&model, Some(&undamaged))?))
         });
         let (json, points) = computed?;
         Ok((json, curve(py, &points)?))
@@ -306,7 +307,7 @@ impl Column {
             let duration = self.parameters().response_duration();
             let (report, rest) = respond_and_rest(&properties, &impact, duration)
                 .map_err(|fault| fault::of_simulation(&fault))?;
-            let remaining = RemainingCapacity::compute(self.parameters(), &model, rest.as_ref());
+            let remaining = ResidualCapacity::compute(self.parameters(), &model, rest.as_ref());
             let remaining = remaining.map_err(|fault| fault::of_capacity(&fault))?;
             let input = AssessmentInput::of_response(
                 self.parameters(),
@@ -348,7 +349,7 @@ impl From<rayon::ThreadPoolBuildError> for BatchFault {
 
 impl Column {
     fn of(parameters: &Parameters) -> PyResult<Self> {
-        let study = StudyColumn::virgin(parameters).map_err(|fault| fault::study(&fault))?;
+        let study = StudyColumn::undamaged(parameters).map_err(|fault| fault::study(&fault))?;
         Ok(Self { study })
     }
 
@@ -490,7 +491,7 @@ fn admits(name: &str, number: f64) -> bool {
 
 fn capacity_json(
     state: &str,
-    remaining: &RemainingCapacity,
+    remaining: &ResidualCapacity,
     input: &AssessmentInput,
 ) -> PyResult<String> {
     let assessment = assess(input);

@@ -21,8 +21,8 @@ pub struct Request {
     scenario: String,
     /// Name and text of a file of scenarios; `None`: the shipped ones.
     scenarios: Option<(String, String)>,
-    /// Other laws, as `--law` of the command line.
-    laws: Vec<String>,
+    /// Other distributions, as `--distribution` of the command line.
+    distributions: Vec<String>,
     /// \[1/d\]
     vehicles_per_day: f64,
     /// \[a\]
@@ -42,9 +42,9 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
         Some((place, text)) => Scenario::from_json(place, text, &request.scenario),
     }
     .map_err(|reason| fault::input(reason.to_string()))?;
-    for law in &request.laws {
+    for distribution in &request.distributions {
         scenario
-            .set("laws", law)
+            .set("distributions", distribution)
             .map_err(|reason| fault::input(reason.to_string()))?;
     }
     let scenario = scenario.for_column(parameters);

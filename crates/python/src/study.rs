@@ -79,7 +79,7 @@ pub fn map<'py>(
         Some(compared) => DamageMap::comparing(parameters, vehicle, compared, axes),
         None => DamageMap::new(parameters, vehicle, axes),
     };
-    let map = map.map_err(|reason| refused(&reason))?;
+    let map = map.map_err(|reason| rejected(&reason))?;
     let batch = batch(py, threads, map.len())?;
     let table = interruptible(py, &batch, |batch| map.table(batch))?;
     let table = table.map_err(|reason| fault::no_threads(&reason))?;
@@ -101,7 +101,7 @@ pub fn map<'py>(
         for (chunk, result) in chunks.iter_mut().zip(&table.result) {
             let row = match result {
                 // Mass and velocity are those of the axes.
-                Ok(screening) => Row::of([f64::NAN; 2], screening),
+                Ok(evaluation) => Row::of([f64::NAN; 2], evaluation),
                 Err(_) => Row {
                     numbers: [f64::NAN; NUMBERS],
                     codes: Codes::UNKNOWN,
@@ -115,7 +115,7 @@ pub fn map<'py>(
     Ok(result)
 }
 
-fn refused(reason: &MapError) -> PyErr {
+fn rejected(reason: &MapError) -> PyErr {
     match reason {
         MapError::Parameters(faults) => fault::parameters(faults),
         other => fault::input(other.to_string()),

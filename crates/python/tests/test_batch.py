@@ -12,16 +12,16 @@ import time
 import numpy as np
 import pytest
 
-from column_twin import CRITERIA, SCREENING, Column, Severity, to_pandas
+from column_twin import CRITERIA, SCREENING, Column, Action, to_pandas
 
 
 def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
     masses = np.linspace(1000.0, 9000.0, 12)
     velocities = np.linspace(1.0, 25.0, 12)
     for vehicle in (None, "mid_car"):
-        batch = steel.screen_batch(masses, velocities, vehicle=vehicle)
+        batch = steel.evaluate_batch(masses, velocities, vehicle=vehicle)
         for row, mass, velocity in zip(batch, masses, velocities, strict=True):
-            one = steel.screen(vehicle, mass, velocity)
+            one = steel.evaluate(vehicle, mass, velocity)
             for name in SCREENING.names or ():
                 expected = getattr(one, name)
                 if name == "deciding_criterion":
@@ -32,33 +32,33 @@ def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
 
 def test_the_number_of_threads_does_not_matter(steel: Column) -> None:
     velocities = np.linspace(0.5, 20.0, 60)
-    batches = [steel.screen_batch(None, velocities, "mid_car", threads=count).tobytes() for count in (1, 2, 3, None)]
+    batches = [steel.evaluate_batch(None, velocities, "mid_car", threads=count).tobytes() for count in (1, 2, 3, None)]
     assert len(set(batches)) == 1
 
 
 def test_arrays_are_broadcast(steel: Column) -> None:
-    grid = steel.screen_batch(np.array([1500.0, 2500.0]), np.array([[1.0], [2.0], [3.0]]))
+    grid = steel.evaluate_batch(np.array([1500.0, 2500.0]), np.array([[1.0], [2.0], [3.0]]))
     assert grid.shape == (3, 2)
     assert np.array_equal(grid["mass"][0], [1500.0, 2500.0])
     assert np.array_equal(grid["velocity"][:, 0], [1.0, 2.0, 3.0])
-    assert steel.screen_batch(None, [], "mid_car").shape == (0,)
-    assert steel.screen_batch(1500.0, 3.0).shape == ()
-    own = steel.screen_batch([np.nan, 1800.0], 5.0, "mid_car")
+    assert steel.evaluate_batch(None, [], "mid_car").shape == (0,)
+    assert steel.evaluate_batch(1500.0, 3.0).shape == ()
+    own = steel.evaluate_batch([np.nan, 1800.0], 5.0, "mid_car")
     assert np.array_equal(own["mass"], [1719.0, 1800.0])
     # Views that are not contiguous, and whole numbers.
-    assert np.array_equal(steel.screen_batch(np.arange(1000, 3000, 500)[::2], 3)["mass"], [1000.0, 2000.0])
+    assert np.array_equal(steel.evaluate_batch(np.arange(1000, 3000, 500)[::2], 3)["mass"], [1000.0, 2000.0])
     with pytest.raises(ValueError, match="broadcast"):
-        steel.screen_batch([1.0, 2.0], [1.0, 2.0, 3.0])
+        steel.evaluate_batch([1.0, 2.0], [1.0, 2.0, 3.0])
 
 
-def test_severities_are_ordered(steel: Column) -> None:
-    batch = steel.screen_batch(8000.0, np.linspace(0.5, 25.0, 20))
-    severities = batch["severity"].astype(int)
-    assert severities[0] == Severity.NONE and severities[-1] == Severity.EVACUATE
-    assert (np.diff(severities) >= 0).all()
+def test_actions_are_ordered(steel: Column) -> None:
+    batch = steel.evaluate_batch(8000.0, np.linspace(0.5, 25.0, 20))
+    actions = batch["action"].astype(int)
+    assert actions[0] == Action.NONE and actions[-1] == Action.EVACUATE
+    assert (np.diff(actions) >= 0).all()
     table = to_pandas(batch)
     assert list(table.columns) == list(SCREENING.names or ())
-    assert (table["severity"] >= "prop").sum() == (severities >= Severity.PROP).sum()
+    assert (table["action"] >= "shore").sum() == (actions >= Action.SHORE).sum()
 
 
 def test_other_threads_run_meanwhile(steel: Column) -> None:
@@ -77,7 +77,7 @@ def test_other_threads_run_meanwhile(steel: Column) -> None:
     thread.start()
     before = count
     start = time.perf_counter()
-    steel.screen_batch(None, velocities, "mid_car", threads=1)
+    steel.evaluate_batch(None, velocities, "mid_car", threads=1)
     elapsed = time.perf_counter() - start
     counted = count - before
     over.set()
@@ -88,11 +88,11 @@ def test_other_threads_run_meanwhile(steel: Column) -> None:
 
 def test_two_threads_compute_at_once(steel: Column) -> None:
     velocities = np.linspace(5.0, 20.0, 50)
-    expected = steel.screen_batch(None, velocities, "mid_car").tobytes()
+    expected = steel.evaluate_batch(None, velocities, "mid_car").tobytes()
     found: list[bytes] = []
 
     def work() -> None:
-        found.append(steel.screen_batch(None, velocities, "mid_car", threads=1).tobytes())
+        found.append(steel.evaluate_batch(None, velocities, "mid_car", threads=1).tobytes())
 
     threads = [threading.Thread(target=work) for _ in range(3)]
     for thread in threads:
@@ -108,7 +108,7 @@ def test_ctrl_c_interrupts_a_batch() -> None:
         "import numpy as np, column_twin\n"
         "print('ready', flush=True)\n"
         "try:\n"
-        "    column_twin.Column().screen_batch(None, np.linspace(1.0, 20.0, 2_000_000), 'mid_car')\n"
+        "    column_twin.Column().evaluate_batch(None, np.linspace(1.0, 20.0, 2_000_000), 'mid_car')\n"
         "except KeyboardInterrupt:\n"
         "    print('interrupted', flush=True)\n"
     )

@@ -58,7 +58,7 @@ def test_faults_of_parameters_are_those_of_the_command_line(
         ({"mass": 1e9}, "--mass=1e9"),
         ({"mass": float("inf")}, "--mass=inf"),
         ({"vehicle": "mid_cra"}, "--vehicle=mid_cra"),
-        ({"vehicle": "lorry_8t", "mass": 0.0}, "--vehicle=lorry_8t --mass=0"),
+        ({"vehicle": "lorry_8t", "mass": -1.0}, "--vehicle=lorry_8t --mass=-1"),
         ({"vehicle": "rigid", "mass": 0.0}, "--vehicle=rigid --mass=0"),
     ],
 )
@@ -68,7 +68,7 @@ def test_faults_of_impacts_are_those_of_the_command_line(
     ran = program("simulate", *option.split())
     assert ran.returncode == 2
     column = Column()
-    for call in (column.screen, column.simulate, column.capacity):
+    for call in (column.evaluate, column.simulate, column.capacity):
         with pytest.raises(ParameterError) as raised:
             call(**impact)
         for fault in raised.value.faults:
@@ -77,13 +77,13 @@ def test_faults_of_impacts_are_those_of_the_command_line(
 
 def test_a_fault_in_a_batch_names_its_element() -> None:
     with pytest.raises(ParameterError, match="element 2: .*\n  impact.velocity: `-1.0` is out of range"):
-        Column().screen_batch(1500.0, [1.0, 2.0, -1.0, -2.0])
+        Column().evaluate_batch(1500.0, [1.0, 2.0, -1.0, -2.0])
     with pytest.raises(ParameterError, match="element 0: .*\n  impact.mass"):
-        Column().screen_batch([0.0, 1.0], 2.0, "rigid")
+        Column().evaluate_batch([0.0, 1.0], 2.0, "rigid")
     with pytest.raises(ParameterError, match="threads: expected at least 1, found 0"):
-        Column().screen_batch(1500.0, [1.0], threads=0)
+        Column().evaluate_batch(1500.0, [1.0], threads=0)
     with pytest.raises(ValueError, match="could not convert"):
-        Column().screen_batch(["heavy"], [1.0])
+        Column().evaluate_batch(["heavy"], [1.0])
 
 
 def test_faults_of_files_have_line_and_column(program: Program, tmp_path: Path) -> None:

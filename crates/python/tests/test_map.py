@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from column_twin import Column, ParameterError, Severity
+from column_twin import Column, ParameterError, Action
 
 
-def test_every_cell_equals_a_screening_bit_for_bit(steel: Column) -> None:
+def test_every_cell_equals_a_evaluation_bit_for_bit(steel: Column) -> None:
     damage = steel.map(mass=(6000, 12000, 4), velocity=np.linspace(2.0, 20.0, 5), vehicle="lorry_8t")
     assert damage.cells.shape == (4, 5)
     assert (damage.rows.name, damage.columns.name) == ("mass", "velocity")
     assert not damage.failures
-    expected = steel.screen_batch(damage.rows.values[:, None], damage.columns.values[None, :], "lorry_8t")
+    expected = steel.evaluate_batch(damage.rows.values[:, None], damage.columns.values[None, :], "lorry_8t")
     for field in damage.cells.dtype.names or ():
         assert damage[field].tobytes() == np.ascontiguousarray(expected[field]).tobytes(), field
 
@@ -25,13 +25,13 @@ def test_an_axis_of_the_column_and_a_comparison(steel: Column) -> None:
     assert damage.labels == ["HEB220", "HEB300"]
     assert damage.cells.shape == (2, 2, 4)
     other = steel.with_changes(section__name="HEB 300", top__load=6e5)
-    row = other.screen_batch(None, np.linspace(3.0, 12.0, 4), "van")
+    row = other.evaluate_batch(None, np.linspace(3.0, 12.0, 4), "van")
     assert np.array_equal(damage["max_v1"][1, 1], row["max_v1"])
     assert (damage["max_v1"][1] < damage["max_v1"][0]).all()
     assert "HEB300" in damage._repr_html_()
     named = steel.map(vehicle=["mid_car", "van"], velocity=(5, 10, 2))
     assert list(named.rows.values) == ["mid_car", "van"]
-    assert named["max_v1"][0, 1] == steel.screen("mid_car", velocity=10.0).max_v1
+    assert named["max_v1"][0, 1] == steel.evaluate("mid_car", velocity=10.0).max_v1
 
 
 def test_too_many_threads_are_not_started(steel: Column) -> None:
@@ -40,7 +40,7 @@ def test_too_many_threads_are_not_started(steel: Column) -> None:
     one = steel.map(mass=(1000, 2000, 2), velocity=(2, 4, 2), threads=1)
     assert many.cells.tobytes() == one.cells.tobytes()
     with pytest.warns(UserWarning, match="^9999 threads were asked for; 2 are used, because"):
-        steel.screen_batch(1500, [2.0, 3.0], threads=9999)
+        steel.evaluate_batch(1500, [2.0, 3.0], threads=9999)
     with pytest.raises(ParameterError, match="threads"):
         steel.map(mass=(1000, 2000, 2), velocity=(2, 4, 2), threads=0)
 
@@ -52,8 +52,8 @@ def test_tables_and_figures_of_maps(steel: Column) -> None:
     damage = steel.map(mass=(1000, 20000, 5), velocity=(1, 25, 6))
     table = damage.to_pandas()
     assert len(table) == 30 and list(table.columns[:3]) == ["label", "mass", "velocity"]
-    worst = table[table["severity"] == "evacuate"]
-    assert len(worst) == (damage["severity"] == Severity.EVACUATE).sum() > 0
+    worst = table[table["action"] == "evacuate"]
+    assert len(worst) == (damage["action"] == Action.EVACUATE).sum() > 0
     assert worst["velocity"].min() > 1.0
     ax = damage.plot()
     assert ax.get_xlabel() == "velocity of the vehicle [m/s]"
@@ -79,16 +79,16 @@ def test_axes_that_are_not_accepted(steel: Column, axes: dict[str, Any], message
         steel.map(**axes)
 
 
-def test_critical_velocities_hold_the_severity(steel: Column) -> None:
+def test_critical_velocities_hold_the_action(steel: Column) -> None:
     found = steel.critical_velocities("lorry_8t", lowest=0.5, highest=30.0)
-    assert list(found) == [Severity.INSPECT, Severity.RESTRICT, Severity.PROP, Severity.EVACUATE]
+    assert list(found) == [Action.INSPECT, Action.RESTRICT, Action.SHORE, Action.EVACUATE]
     brackets = [it for it in found.items() if it[1].below is not None and it[1].at is not None]
     assert brackets
-    for severity, (below, at) in brackets:
+    for action, (below, at) in brackets:
         assert below is not None and at is not None and below < at <= 1.0101 * below
-        assert steel.screen("lorry_8t", velocity=at).severity >= severity
-        assert steel.screen("lorry_8t", velocity=below).severity < severity
-    assert steel.critical_velocity(Severity.PROP, "lorry_8t", lowest=0.5, highest=30.0) == found[Severity.PROP]
+        assert steel.evaluate("lorry_8t", velocity=at).action >= action
+        assert steel.evaluate("lorry_8t", velocity=below).action < action
+    assert steel.critical_velocity(Action.SHORE, "lorry_8t", lowest=0.5, highest=30.0) == found[Action.SHORE]
     with pytest.raises(ParameterError, match="out of range"):
         steel.critical_velocities("lorry_8t", highest=100.0)
     with pytest.raises(ParameterError, match="below the highest"):

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from column_twin import Column, Outcome, Severity
+from column_twin import Column, Outcome, Action
 
 Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -83,24 +83,24 @@ def test_arrays_over_hinges_and_springs(steel: Column) -> None:
     assert steel.simulate("rigid", 1500.0, 3.0).crush.shape[1] == 0
 
 
-def test_a_screening_is_the_report_without_the_history(steel: Column) -> None:
+def test_a_evaluation_is_the_report_without_the_history(steel: Column) -> None:
     for vehicle, velocity in [("mid_car", 10.0), ("van", 20.0), ("articulated_36t", 25.0), ("rigid", 4.0)]:
-        screening = steel.screen(vehicle=vehicle, velocity=velocity)
+        evaluation = steel.evaluate(vehicle=vehicle, velocity=velocity)
         result = steel.simulate(vehicle=vehicle, velocity=velocity)
-        assert screening.severity is result.severity
-        assert screening.outcome is result.outcome
-        assert screening.deciding_criterion == result.report["deciding_criterion"]
-        assert screening.max_v1 == pytest.approx(result.max_v1, rel=1e-3)
+        assert evaluation.action is result.action
+        assert evaluation.outcome is result.outcome
+        assert evaluation.deciding_criterion == result.report["deciding_criterion"]
+        assert evaluation.max_v1 == pytest.approx(result.max_v1, rel=1e-3)
         if result.residual_v1 is None:
-            assert np.isnan(screening.residual_v1)
-    assert steel.screen("rigid", 36e3, 25.0).severity is Severity.EVACUATE
+            assert np.isnan(evaluation.residual_v1)
+    assert steel.evaluate("rigid", 36e3, 25.0).action is Action.EVACUATE
 
 
 def test_defaults_of_an_impact_are_those_of_the_parameters(steel: Column) -> None:
     column = steel.with_changes(vehicle__name="van", impact__mass=3000.0, impact__velocity=4.0)
-    screening = column.screen()
-    assert (screening.mass, screening.velocity) == (3000.0, 4.0)
-    assert column.screen(vehicle="mid_car").mass == 1719.0
-    assert column.screen(vehicle="mid_car", mass=1800.0).mass == 1800.0
+    evaluation = column.evaluate()
+    assert (evaluation.mass, evaluation.velocity) == (3000.0, 4.0)
+    assert column.evaluate(vehicle="mid_car").mass == 1719.0
+    assert column.evaluate(vehicle="mid_car", mass=1800.0).mass == 1800.0
     # The rigid mass has no mass of its own: it is that of the parameters.
-    assert column.screen(vehicle="rigid").mass == 3000.0
+    assert column.evaluate(vehicle="rigid").mass == 3000.0

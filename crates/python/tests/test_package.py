@@ -26,8 +26,8 @@ def test_a_pickled_column_computes_the_same_bits(steel: Column) -> None:
         for twin in (pickle.loads(pickle.dumps(column)), copy.deepcopy(column)):
             assert twin == column and hash(twin) == hash(column) and twin.parameters == column.parameters
             velocities = [2.0, 7.0, 12.0]
-            expected = column.screen_batch(None, velocities, "van").tobytes()
-            assert twin.screen_batch(None, velocities, "van").tobytes() == expected
+            expected = column.evaluate_batch(None, velocities, "van").tobytes()
+            assert twin.evaluate_batch(None, velocities, "van").tobytes() == expected
     assert steel != Column() and steel != 3
 
 
@@ -44,13 +44,13 @@ def test_the_version_is_that_of_the_distribution() -> None:
 
 def test_notebooks_show_columns_results_and_capacities(paper: Column, steel: Column) -> None:
     result = paper.simulate()
-    for shown in (paper, result, paper.screen(), paper.capacity(), steel.simulate("mid_car", velocity=10.0)):
+    for shown in (paper, result, paper.evaluate(), paper.capacity(), steel.simulate("mid_car", velocity=10.0)):
         html = shown._repr_html_()
         ElementTree.fromstring(html)
         assert len(html) < 40_000
     html = result._repr_html_()
-    assert "PROP" in html and "<svg" in html and "94.6 mm" in html
-    assert "94.6 mm" in repr(result) and "prop" in repr(result)
+    assert "SHORE" in html and "<svg" in html and "94.6 mm" in html
+    assert "94.6 mm" in repr(result) and "shore" in repr(result)
     hostile = Column(column_id="<b>&", section__name="", section__area=9e-3, section__second_moment=8e-5,
                      section__mass_per_length=70.0, resistance__moment=3e5)
     assert "<b>&<" not in hostile._repr_html_()
@@ -92,7 +92,7 @@ def test_the_catalogues(root: Path) -> None:
     car = vehicles()["mid_car"]
     assert car.mass == 1719.0 and car.data["masses"]["tag"] in "TCMA" and car.data["masses"]["source"]
     for name in vehicles():
-        assert Column().screen(name, velocity=3.0).max_v1 > 0.0
+        assert Column().evaluate(name, velocity=3.0).max_v1 > 0.0
 
 
 def test_types() -> None:

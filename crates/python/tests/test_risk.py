@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from column_twin import Column, ParameterError, Severity
+from column_twin import Column, ParameterError, Action
 
 Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -35,17 +35,17 @@ def test_equal_seeds_give_equal_results_on_any_number_of_threads(steel: Column) 
 
 def test_probabilities_tables_and_figures(steel: Column) -> None:
     risk = steel.risk("courtyard", 500, distance=0.5, samples=500, years=10.0)
-    chances = [risk.in_period(it) for it in Severity if it is not Severity.NONE]
+    chances = [risk.in_period(it) for it in Action if it is not Action.NONE]
     assert all(chance.low <= chance.value <= chance.high for chance in chances)
     assert [it.value for it in chances] == sorted((it.value for it in chances), reverse=True)
-    assert risk.given_impact(Severity.INSPECT).value >= risk.in_period(Severity.EVACUATE).value
+    assert risk.given_impact(Action.INSPECT).value >= risk.in_period(Action.EVACUATE).value
     assert "courtyard" in repr(risk) and "evacuate or worse" in risk._repr_html_()
     with pytest.raises(ValueError, match="from inspect to evacuate"):
-        risk.in_period(Severity.NONE)
+        risk.in_period(Action.NONE)
     pytest.importorskip("pandas")
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
-    assert list(risk.to_pandas().index) == ["inspect", "restrict", "prop", "evacuate"]
+    assert list(risk.to_pandas().index) == ["inspect", "restrict", "shore", "evacuate"]
     assert risk.plot().get_xlabel()
 
 
@@ -53,7 +53,7 @@ def test_studies_that_are_not_accepted(steel: Column, tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match="motorway"):
         steel.risk("motorwy", 100, samples=10)
     with pytest.raises(ParameterError, match="speed_km_h"):
-        steel.risk("urban", 100, samples=10, laws=["speed_km_h=normal:50:-5"])
+        steel.risk("urban", 100, samples=10, distributions=["speed_km_h=normal:50:-5"])
     for wrong in ({"years": 0.0}, {"confidence": 1.0}, {"samples": 0}, {"threads": 0}):
         with pytest.raises(ParameterError, match=next(iter(wrong))):
             steel.risk("urban", 100, **wrong)

@@ -4,7 +4,7 @@
 #   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/wheels
 #   crates/python/tests/wheels.sh install             # pip install of both, as a user does; the demonstration of the program
 #   crates/python/tests/wheels.sh test [ARGUMENT...]  # pytest of the installed library
-#   crates/python/tests/wheels.sh mixed               # the library beside the ROS 2 messages of the same name
+#   crates/python/tests/wheels.sh mixed               # the library beside the ROS 2 messages
 #
 # COLUMN_TWIN_PROGRAM_FLAGS are further flags of maturin for the program, such as --no-default-features --features cli,ros,record.
 set -euo pipefail
@@ -58,25 +58,27 @@ run_tests() {
   (cd "$here" && PATH=$folder/venv/bin:$PATH PYTHONDONTWRITEBYTECODE=1 "$folder/venv/bin/python" -m pytest -p no:cacheprovider -q "$@")
 }
 
-# Both packages `column_twin`, in two folders in either order, and in one folder.
+# The library `column_twin` beside the messages `column_twin_msgs`: in two folders, in one, and each without the other.
 mixed() {
-  local ros site python=$folder/venv/bin/python pip=$folder/venv/bin/pip messages=$folder/ros/column_twin
-  ros=$("$repository/tests/interop/environment.sh")
-  fresh_environment "$folder/venv" "$ros"
-  "$pip" install --quiet --disable-pip-version-check --no-deps "$wheels"/column_twin-*.whl
+  local environment ros site python=$folder/venv/bin/python pip=$folder/venv/bin/pip
+  environment=$("$repository/tests/interop/environment.sh")
+  ros=$(site_packages "$environment")
+  fresh_environment "$folder/venv" "$environment"
   site=$(site_packages "$folder/venv")
-  mkdir "$folder/ros"
-  cp -r "$(site_packages "$ros")/column_twin" "$messages"
-  PYTHONPATH=$folder/ros:$site "$python" "$here/beside_ros_messages.py" "$messages" "$messages"
-  PYTHONPATH=$site:$folder/ros "$python" "$here/beside_ros_messages.py" "$site" "$messages"
-  # As `colcon build --merge-install` or pip in the environment of ROS put them.
-  cp -r "$messages" "$site"
+  "$pip" install --quiet --disable-pip-version-check --no-deps "$wheels"/column_twin-*.whl
+  "$python" "$here/beside_ros_messages.py" "$site" "$ros"
+  # As `colcon build --merge-install` or pip in the environment of ROS put them, with the metadata that ament installs.
+  cp -r "$ros"/column_twin_msgs* "$site"
   "$python" "$here/beside_ros_messages.py" "$site" "$site"
   # pip neither takes the messages for the library nor removes them with it.
   "$pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/column_twin-*.whl
   "$python" "$here/beside_ros_messages.py" "$site" "$site"
   "$pip" uninstall --quiet --disable-pip-version-check --yes column-twin
-  "$python" -c 'from column_twin.msg import ColumnState; print(ColumnState.__name__, "without the library")'
+  (cd / && "$python" -c '
+from importlib.util import find_spec
+from column_twin_msgs.msg import ColumnState
+assert find_spec("column_twin") is None, "ROS has installed a Python package column_twin"
+print(ColumnState.__name__, "without the library")')
 }
 
 folder=$(mktemp -d)

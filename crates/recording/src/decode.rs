@@ -126,9 +126,15 @@ impl<'a, BO: ByteOrder> Cdr<'a, BO> {
                 Ok(Decoded::Fields(values))
             }
             Shape::Array(element, length) => self.read_list(element, *length),
-            Shape::Sequence(element) => {
+            Shape::Sequence(element, bound) => {
                 let length = self.bytes.read_u32().map_err(|error| error.to_string())?;
-                self.read_list(element, usize::try_from(length).unwrap_or(usize::MAX))
+                let length = usize::try_from(length).unwrap_or(usize::MAX);
+                match bound {
+                    Some(bound) if length > *bound => {
+                        Err(format!("expected at most {bound} elements, found {length}"))
+                    }
+                    _ => self.read_list(element, length),
+                }
             }
         }
     }

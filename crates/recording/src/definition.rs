@@ -24,7 +24,8 @@ pub(crate) enum Shape {
     One(BuiltInType),
     Fields(Arc<[(Arc<str>, Shape)]>),
     Array(Box<Shape>, usize),
-    Sequence(Box<Shape>),
+    /// With the bound of its length, if it has one.
+    Sequence(Box<Shape>, Option<usize>),
 }
 
 impl Shape {
@@ -146,7 +147,8 @@ impl<'a> Definitions<'a> {
                 let element = Box::new(self.shape(user, ty, done, inside)?);
                 match size {
                     ArraySize::Fixed(length) => Shape::Array(element, *length),
-                    ArraySize::Bounded(_) | ArraySize::Unbounded => Shape::Sequence(element),
+                    ArraySize::Bounded(length) => Shape::Sequence(element, Some(*length)),
+                    ArraySize::Unbounded => Shape::Sequence(element, None),
                 }
             }
         })

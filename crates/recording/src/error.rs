@@ -217,6 +217,14 @@ pub enum RecordingError {
         /// The first difference.
         difference: String,
     },
+    /// The program that opened the recording does not read recordings of this kind.
+    #[error("{}: {reason}", path.display())]
+    OtherProgram {
+        /// The recording.
+        path: PathBuf,
+        /// Why, and what to do.
+        reason: String,
+    },
     /// Repair found nothing to save.
     #[error("{}: nothing in it can be saved: {reason}", path.display())]
     NothingToSave {

@@ -143,7 +143,7 @@ impl Shared {
     fn statistics(&self) -> RecorderStatistics {
         let counters = &self.counters;
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
-        let dropped = read(&counters.refused);
+        let dropped = read(&counters.rejected);
         RecorderStatistics {
             queue: QueueStatistics {
                 capacity: self.capacity,
@@ -194,7 +194,7 @@ impl RecorderHandle {
         if !taken {
             shared.waiting.fetch_sub(1, Ordering::Relaxed);
             shared.waiting_bytes.fetch_sub(bytes, Ordering::Relaxed);
-            shared.counters.refused.fetch_add(1, Ordering::Relaxed);
+            shared.counters.rejected.fetch_add(1, Ordering::Relaxed);
         }
         taken
     }

@@ -138,7 +138,7 @@ pub(crate) struct Counters {
     pub written: AtomicU64,
     pub written_bytes: AtomicU64,
     /// Messages that did not fit into the queue.
-    pub refused: AtomicU64,
+    pub rejected: AtomicU64,
     /// Messages that were taken from the queue and could not be written.
     pub unwritten: AtomicU64,
     pub write_errors: AtomicU64,
@@ -502,7 +502,7 @@ impl Session {
 
     /// Messages that are in no file.
     fn lost(&self) -> u64 {
-        self.counters.refused.load(Ordering::Relaxed)
+        self.counters.rejected.load(Ordering::Relaxed)
             + self.counters.unwritten.load(Ordering::Relaxed)
     }
 

@@ -1,4 +1,5 @@
-//! Messages as rows of a table: the elements of a fixed array become columns, a sequence becomes one cell.
+//! Messages as rows of a table: the elements of a fixed array become columns, and so do those of a bounded sequence of numbers or
+//! texts, with empty cells where it is shorter than its bound; any other sequence becomes one cell.
 
 use crate::definition::Shape;
 use crate::value::{Decoded, not_finite};
@@ -29,8 +30,16 @@ fn add_columns(shape: &Shape, name: String, names: &mut Vec<String>) {
                 add_columns(element, format!("{name}[{index}]"), names);
             }
         }
-        Shape::One(_) | Shape::Array(..) | Shape::Sequence(_) => names.push(name),
+        Shape::Sequence(element, bound) if let Some(bound) = spread_bound(element, *bound) => {
+            names.extend((0..bound).map(|index| format!("{name}[{index}]")));
+        }
+        Shape::One(_) | Shape::Array(..) | Shape::Sequence(..) => names.push(name),
     }
+}
+
+/// The number of columns of a sequence whose elements become columns.
+fn spread_bound(element: &Shape, bound: Option<usize>) -> Option<usize> {
+    bound.filter(|bound| matches!(element, Shape::One(_)) && is_spread(*bound))
 }
 
 /// Whether the elements of an array with this length become columns: those of a 6 x 6 matrix do, those of a longer array do not.
@@ -63,7 +72,11 @@ impl Left {
             Shape::Array(element, length) if is_spread(*length) => {
                 (0..*length).try_for_each(|_| self.spend(element))
             }
-            Shape::One(_) | Shape::Array(..) | Shape::Sequence(_) => {
+            Shape::Sequence(element, bound) if let Some(bound) = spread_bound(element, *bound) => {
+                self.columns = self.columns.checked_sub(bound)?;
+                Some(())
+            }
+            Shape::One(_) | Shape::Array(..) | Shape::Sequence(..) => {
                 self.columns = self.columns.checked_sub(1)?;
                 Some(())
             }
@@ -89,6 +102,12 @@ fn add_cells(shape: &Shape, value: &Decoded, cells: &mut Vec<String>) {
             for value in values {
                 add_cells(element, value, cells);
             }
+        }
+        (Shape::Sequence(element, bound), Decoded::List(values))
+            if let Some(bound) = spread_bound(element, *bound) =>
+        {
+            let cell_at = |index| values.get(index).map_or_else(String::new, cell);
+            cells.extend((0..bound).map(cell_at));
         }
         (_, value) => cells.push(cell(value)),
     }
@@ -149,6 +168,35 @@ mod tests {
         assert_eq!(columns(&fields(&matrix, 2)).len(), 32);
         let long = Shape::Array(Box::new(number), 37);
         assert_eq!(columns(&fields(&long, 2)), ["f0", "f1"]);
+    }
+
+    #[test]
+    fn a_short_sequence_leaves_cells_empty() {
+        let number = || Box::new(Shape::One(BuiltInType::Int32));
+        let shape = |bound| {
+            let fields = [
+                (Arc::from("moment"), Shape::Sequence(number(), bound)),
+                (Arc::from("end"), Shape::One(BuiltInType::Int32)),
+            ];
+            Shape::Fields(fields.into())
+        };
+        let value = Decoded::Fields(vec![
+            (
+                Arc::from("moment"),
+                Decoded::List(vec![Decoded::Integer(7), Decoded::Integer(8)]),
+            ),
+            (Arc::from("end"), Decoded::Integer(9)),
+        ]);
+        let bounded = shape(Some(3));
+        assert_eq!(
+            columns(&bounded),
+            ["moment[0]", "moment[1]", "moment[2]", "end"]
+        );
+        assert_eq!(cells(&bounded, &value), ["7", "8", "", "9"]);
+        for long in [shape(None), shape(Some(37))] {
+            assert_eq!(columns(&long), ["moment", "end"]);
+            assert_eq!(cells(&long, &value), ["[7,8]", "9"]);
+        }
     }
 
     /// 10^30 columns, or 10^30 empty arrays, in definitions of a kilobyte.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::marker::PhantomData;
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -29,6 +29,22 @@ impl<T: Copy + Default, const N: usize> BoundedSequence<T, N> {
     }
 }
 
+impl<T: Copy, const N: usize> BoundedSequence<T, N> {
+    /// The element at `index`, or `missing` where the sequence is shorter, as one from another program may be.
+    #[must_use]
+    pub fn get_or(&self, index: usize, missing: T) -> T {
+        self.get(index).copied().unwrap_or(missing)
+    }
+}
+
+/// All elements of an array, which has at most `N`.
+impl<T: Copy + Default, const N: usize, const M: usize> From<[T; M]> for BoundedSequence<T, N> {
+    fn from(elements: [T; M]) -> Self {
+        const { assert!(M <= N, "the array is longer than the bound") }
+        Self::first(&elements, M)
+    }
+}
+
 impl<T: Copy + Default, const N: usize> Default for BoundedSequence<T, N> {
     fn default() -> Self {
         Self {
@@ -43,6 +59,13 @@ impl<T, const N: usize> Deref for BoundedSequence<T, N> {
 
     fn deref(&self) -> &[T] {
         &self.elements[..self.length]
+    }
+}
+
+/// The elements can be changed, their number cannot.
+impl<T, const N: usize> DerefMut for BoundedSequence<T, N> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.elements[..self.length]
     }
 }
 
@@ -109,6 +132,10 @@ mod tests {
             [1.0, 2.0, 3.0]
         );
         assert_ne!(Three::first(&[0.0], 1), Three::default());
+        let mut two = Three::from([1.0, 2.0]);
+        two[1] = 4.0;
+        assert_eq!(*two, [1.0, 4.0]);
+        assert_eq!((two.get_or(1, 9.0), two.get_or(2, 9.0)), (4.0, 9.0));
     }
 
     #[test]

@@ -2,9 +2,10 @@
 //!
 //! The node runs as a process of its own; the demonstration talks to it over real DDS on loopback, as any client does.
 
-mod felt;
+mod detected;
 mod signal;
 mod stage;
+mod texts;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,15 +14,15 @@ use std::time::Duration;
 use clap::Args;
 
 use self::stage::{Stage, new_folder};
+use self::texts::{TIMEOUT, action_text, outcome_text};
 use super::failure::{Exit, Failure, LinePrinter};
 use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification, WEBS};
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, range_of,
-    severity_word,
 };
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
@@ -41,7 +42,7 @@ pub struct DemoArgs {
     /// Speed of the vehicle [m/s]
     #[arg(long, value_name = "M/S", default_value = "10")]
     velocity: f64,
-    /// Let sensors on the column feel the impact of a signal instead of sending an event
+    /// Let sensors on the column detect the impact of a signal instead of sending an event
     #[arg(long, conflicts_with_all = ["vehicle", "mass", "velocity"])]
     sensors: bool,
 }
@@ -52,11 +53,11 @@ arrives, records it, draws the figures, verifies the recording by recomputation,
 leaves this machine.
 
 With --sensors the node receives no impact event: the readings of three sensors are played to it, with
-noise, from a signal of a fibre-beam model of other authorship (1.5 t at 36 km/h). The node feels the
+noise, from a signal of a fibre-beam model of other authorship (1.5 t at 36 km/h). The node detects the
 impact, estimates vehicle and outcome with 90 % intervals while the data arrive, and makes an impact of
 it once it is sure enough.
 
-Examples: a lorry; an impact that only the sensors feel
+Examples: a lorry; an impact that only the sensors detect
   column-twin demo --vehicle lorry_8t --velocity 8
   column-twin demo --sensors
 
@@ -83,9 +84,6 @@ impl DemoArgs {
     }
 }
 
-/// Maximum wait for the node, and for each of its answers.
-const TIMEOUT: Duration = Duration::from_secs(15);
-
 /// Time of the response between two lines \[s\].
 const LINE_PERIOD: f64 = 2e-3;
 
@@ -100,7 +98,7 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
     let folder = new_folder(&arguments.output)?;
     let demonstrated = Stage::set(&folder, &signals, &lines).and_then(|stage| {
         if arguments.sensors {
-            felt::demonstrate(&stage)
+            detected::demonstrate(&stage)
         } else {
             demonstrate(arguments, &stage)
         }
@@ -231,7 +229,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             {
                 self.out.print(format_args!(
                     "  no result will follow: {}\n",
-                    report.severity_reason
+                    report.action_reason
                 ));
             }
             // The forecast is published again with the range of its verdict.
@@ -257,7 +255,7 @@ impl<'a, 'b> Narration<'a, 'b> {
                     1e3 * report.max_v1,
                     1e3 * report.residual_v1,
                     outcome_text(report),
-                    severity_text(report)
+                    action_text(report)
                 ));
                 self.forecast = Some(report.clone());
             }
@@ -279,7 +277,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             (Some(_), ColumnState::FREE) => Some("separation"),
             (_, ColumnState::REST) => Some("at rest"),
             (_, ColumnState::COLLAPSED) => Some("COLLAPSE"),
-            (_, ColumnState::SEVERED) => Some("SEVERED"),
+            (_, ColumnState::FRACTURED) => Some("FRACTURED"),
             _ => None,
         };
         if fell && !self.peak_announced {
@@ -322,37 +320,23 @@ impl<'a, 'b> Narration<'a, 'b> {
             ));
         };
         for hinge in 0..HINGES {
-            if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
+            if forces.state.get_or(hinge, HingeForces::ELASTIC) == HingeForces::PLASTIC
+                && !self.yielded[hinge]
+            {
                 self.yielded[hinge] = true;
                 let (name, place) = (HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
                 yields(format_args!("hinge {name} ({place}) is yielding"));
             }
         }
         for (web, place) in WEB_PLACES.iter().enumerate() {
-            if forces.web_state[web] == HingeForces::PLASTIC && !self.sheared[web] {
+            if forces.web_state.get_or(web, HingeForces::ELASTIC) == HingeForces::PLASTIC
+                && !self.sheared[web]
+            {
                 self.sheared[web] = true;
                 yields(format_args!("the web {place} is shearing"));
             }
         }
     }
-}
-
-fn outcome_text(report: &ImpactReport) -> &'static str {
-    match report.outcome {
-        ImpactReport::ELASTIC => "elastic",
-        ImpactReport::PLASTIC => "plastic",
-        ImpactReport::SEVERED => "a hinge or a web is fractured",
-        _ => "the column collapses",
-    }
-}
-
-/// The severity with its reason, in lines that fit into a terminal.
-fn severity_text(report: &ImpactReport) -> String {
-    let severity = severity_word(report.severity);
-    let words = format!("{severity}: {}", report.severity_reason);
-    let mut text = String::new();
-    let _ = wrapped(&mut text, "  severity", &words); // writing to a String cannot fail
-    text
 }
 
 fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrinter<'_>) {
@@ -426,9 +410,9 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
         let absorbed: f64 = it.report.vehicle.dissipated.iter().sum();
         format!("{:.0} %", 100.0 * absorbed / it.report.input_energy)
     });
-    row("severity", |it| {
+    row("action", |it| {
         let assessment = it.assessment.as_ref();
-        assessment.map_or("not assessed".to_owned(), |it| it.severity.to_string())
+        assessment.map_or("not assessed".to_owned(), |it| it.action.to_string())
     });
     row("decided by", |it| {
         let assessment = it.assessment.as_ref();
@@ -451,7 +435,7 @@ fn draw(arguments: &DemoArgs, stage: &Stage<'_, '_>) -> Result<(), Failure> {
         arguments.vehicle.clone(),
         "--velocity".to_owned(),
         arguments.velocity.to_string(),
-        "--plots".to_owned(),
+        "--figures".to_owned(),
         inside("figures"),
     ];
     let mass = arguments

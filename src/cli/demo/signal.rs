@@ -5,7 +5,7 @@ use std::io::Read;
 use flate2::read::GzDecoder;
 use serde_json::Value as Json;
 
-use super::super::failure::{Exit, Failure};
+use crate::cli::failure::{Exit, Failure};
 use column_twin::senses::{Readings, with_sensor_errors};
 use column_twin::sensors::Sensor;
 
@@ -18,7 +18,7 @@ const SIGNAL: &[u8] = include_bytes!("../../../tests/data/signals/s02_rigid_10.c
 /// What was computed with it.
 const TRUTHS: &str = include_str!("../../../tests/data/signals/truth.json");
 
-/// Sensors of `config/sensors_industrial.yaml`, and the column of the signal that each of them feels.
+/// Sensors of `config/sensors_industrial.yaml`, and the column of the signal that each of them detects.
 const COLUMNS: [(&str, &str); 3] = [
     ("accelerometer", "a_impact_m_s2"),
     ("laser", "v1_m"),
@@ -69,7 +69,7 @@ pub(super) const PARAMETERS: &str = "\
       base_strain:
         height: 0.022
     estimation:
-      accept: automatic # an impact that was felt becomes one of the twin once its estimate is sure enough
+      accept: automatic # an impact that was detected becomes one of the twin once its estimate is sure enough
 ";
 
 /// What struck in the signal, and what it did.

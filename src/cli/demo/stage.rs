@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::super::failure::{Exit, Failure, LinePrinter};
-use super::super::run::environment;
+use crate::cli::failure::{Exit, Failure, LinePrinter};
+use crate::cli::run::environment;
 use column_twin::evidence::{self, Verification};
 use column_twin::ros::{Environment, FreshDomain, RosArguments, StopSignals};
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::MapCommandError;
+use super::error::MapCommandError;
 use crate::cli::failure::Failure;
 use crate::cli::fleet_study::FleetStudyArgs;
 use crate::cli::impact_args::ImpactSpecificationArgs;
@@ -75,8 +75,8 @@ pub struct MapArgs {
     #[arg(long, value_name = "FILE")]
     pub arrow: Option<PathBuf>,
     /// Draw the figures into this folder, as SVG and PNG
-    #[arg(long, value_name = "DIR")]
-    pub plots: Option<PathBuf>,
+    #[arg(long, value_name = "FOLDER")]
+    pub figures: Option<PathBuf>,
     /// Write a file for the Rerun viewer: the map with its boundaries
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE")]
@@ -87,12 +87,12 @@ const EXAMPLE: &str = "\
 A map has two axes. What is no axis has the value of its option or parameter.
 docs/study.md describes the map, its files and its boundaries.
 
-Example: severity over mass and velocity, with figures and a table
-  column-twin map --config config/heb220_paper.yaml --mass 1000:12000:30 --velocity 1:25:30 --plots plots --csv map.csv
+Example: action over mass and velocity, with figures and a table
+  column-twin map --config config/heb220_paper.yaml --mass 1000:12000:30 --velocity 1:25:30 --figures figures --csv map.csv
 Example: which velocity of a lorry the column survives, by load; boundaries alone, to 1 %
   column-twin map --config config/heb220_s355.yaml --vehicle lorry_8t --vary top.load=1e5:1e6:40 --velocity 1:25:100 --refine
 Example: a heavier section in comparison
-  column-twin map --vehicle mid_car --mass 1200:2500:20 --velocity 2:25:40 --compare section=HEB200,HEB240 --refine --plots plots
+  column-twin map --vehicle mid_car --mass 1200:2500:20 --velocity 2:25:40 --compare section=HEB200,HEB240 --refine --figures figures
 Example: the third of 16 parts of a large map, for a batch system
   column-twin map --mass 1000:12000:200 --velocity 1:25:200 --shard 3/16 --parquet part-03.parquet
 
@@ -217,7 +217,7 @@ impl MapArgs {
             &self.json,
             &self.parquet,
             &self.arrow,
-            &self.plots,
+            &self.figures,
         ]
         .iter()
         .any(|path| path.is_some())
@@ -229,7 +229,7 @@ impl MapArgs {
         let has_viewer = self.rrd.is_some();
         #[cfg(not(feature = "viewer"))]
         let has_viewer = false;
-        self.plots.is_some() || has_viewer
+        self.figures.is_some() || has_viewer
     }
 
     /// Whether only the boundaries are asked for.
@@ -270,7 +270,7 @@ impl MapArgs {
             ("--vary", !self.vary.is_empty()),
             ("--compare", self.compare.is_some()),
             ("--refine", self.refine),
-            ("--plots", self.plots.is_some()),
+            ("--figures", self.figures.is_some()),
         ];
         #[cfg(feature = "viewer")]
         options.push(("--rrd", self.rrd.is_some()));

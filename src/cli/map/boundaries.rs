@@ -6,7 +6,7 @@ use column_twin::assessment::Assumption;
 use column_twin::figures::units::significant;
 use column_twin::report::short;
 use column_twin::study::{
-    AxisValue, ColumnKind, DamageMap, Limit, MapBands, RefinedMap, RowBoundary, SEVERITIES,
+    ACTIONS, AxisValue, ColumnKind, DamageMap, Limit, MapBands, RefinedMap, RowBoundary,
     TableColumn, TableValue,
 };
 
@@ -33,7 +33,7 @@ pub(super) fn boundary_columns(map: &DamageMap) -> Vec<TableColumn> {
     vec![
         column("variant".into(), text, "", "the column that was hit"),
         column(
-            "severity".into(),
+            "action".into(),
             text,
             "",
             "the class that is reached at the boundary; missing at the line of a limit",
@@ -104,14 +104,14 @@ pub(super) fn boundary_rows<E>(
     mut write: impl FnMut(&[TableValue<'_>]) -> Result<(), E>,
 ) -> Result<(), E> {
     let classes = refined.boundaries.iter().flat_map(|boundary| {
-        let of = (boundary.variant, Some(boundary.severity), None);
+        let of = (boundary.variant, Some(boundary.action), None);
         boundary.points.iter().map(move |point| (of, point))
     });
     let limits = refined.limits.iter().flat_map(|boundary| {
         let of = (boundary.variant, None, Some(boundary.limit));
         boundary.points.iter().map(move |point| (of, point))
     });
-    for ((variant, severity, limit), point) in classes.chain(limits) {
+    for ((variant, action, limit), point) in classes.chain(limits) {
         let (kind, below, at) = match point.place {
             RowBoundary::Between {
                 below,
@@ -129,12 +129,12 @@ pub(super) fn boundary_rows<E>(
         };
         let fault = (refined.faults.iter()).find(|it| (it.variant, it.row) == (variant, point.row));
         let band = bands
-            .zip(severity)
-            .and_then(|(bands, severity)| bands.in_row(variant, severity, point.row));
+            .zip(action)
+            .and_then(|(bands, action)| bands.in_row(variant, action, point.row));
         let by = |by: Option<Assumption>| TableValue::Text(by.map(Assumption::name));
         write(&[
             TableValue::Text(Some(&map.variants()[variant].label)),
-            TableValue::Text(severity.map(|it| it.name())),
+            TableValue::Text(action.map(|it| it.name())),
             TableValue::Text(limit.map(Limit::name)),
             match map.rows().value(point.row) {
                 AxisValue::Number(number) => TableValue::Number(Some(number)),
@@ -180,8 +180,8 @@ pub(super) fn show_bands(map: &DamageMap, bands: &MapBands) -> String {
     };
     let head = format!("{}{}", rows.name(), unit(rows.unit()));
     let _ = write!(text, "  {head:<24}");
-    for severity in SEVERITIES {
-        let _ = write!(text, "{:>18}", severity.name());
+    for action in ACTIONS {
+        let _ = write!(text, "{:>18}", action.name());
     }
     text.push('\n');
     for (variant, it) in map.variants().iter().enumerate() {
@@ -198,8 +198,8 @@ pub(super) fn show_bands(map: &DamageMap, bands: &MapBands) -> String {
                 AxisValue::Name(name) => name.to_owned(),
             };
             let _ = write!(text, "  {value:<24}");
-            for severity in SEVERITIES {
-                let band = bands.in_row(variant, severity, point.row);
+            for action in ACTIONS {
+                let band = bands.in_row(variant, action, point.row);
                 let shown = band.map_or(String::new(), |it| match it.low >= ends[1] {
                     true => end(it.low),
                     false => format!("{} to {}", end(it.low), end(it.high)),
@@ -224,14 +224,14 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
         unit => format!(" [{unit}]"),
     };
     let mut text = format!(
-        "Lowest {}{} at which the severity changes to at least\n",
+        "Lowest {}{} at which the action changes to at least\n",
         columns.name(),
         unit(shown_unit(columns.unit()))
     );
     let head = format!("{}{}", rows.name(), unit(rows.unit()));
     let _ = write!(text, "  {head:<24}");
-    for severity in SEVERITIES {
-        let _ = write!(text, "{:>14}", severity.name());
+    for action in ACTIONS {
+        let _ = write!(text, "{:>14}", action.name());
     }
     for limit in Limit::ALL {
         let _ = write!(text, "{:>14}", limit.name().replace('_', " "));
@@ -257,7 +257,7 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
             .points
             .iter()
             .map(|point| point.row)
-            .filter(|row| (0..SEVERITIES.len()).all(|class| place(class, *row).is_some()))
+            .filter(|row| (0..ACTIONS.len()).all(|class| place(class, *row).is_some()))
             .collect();
         if map.variants().len() > 1 {
             let _ = writeln!(text, "{}", it.label);
@@ -276,7 +276,7 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
                 let point = boundary.points.iter().find(|point| point.row == row);
                 point.map(|point| point.place)
             };
-            let classes = (0..SEVERITIES.len()).map(|class| place(class, row));
+            let classes = (0..ACTIONS.len()).map(|class| place(class, row));
             for found in classes.chain(Limit::ALL.map(of_limit)) {
                 // Of a row that cannot be computed in whole, the ends of its part.
                 let computed = (refined.faults.iter())

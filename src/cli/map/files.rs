@@ -5,26 +5,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::arguments::MapArgs;
+use super::error::MapFileError;
 use super::table_writer::{ArrowTable, CsvTable, JsonTable, Metadata, ParquetTable, TableWriter};
 use crate::cli::simulate::is_standard_output;
 use column_twin::study::{TableColumn, TableValue};
 use column_twin::whole_file::WholeFile;
-
-/// A file of a map that cannot be written.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("cannot write the map to {}: {reason}", path.display())]
-#[diagnostic(help("name a file in an existing, writable folder"))]
-pub(super) struct MapFileError {
-    path: PathBuf,
-    reason: io::Error,
-}
-
-impl MapFileError {
-    /// Whether a reader has stopped reading.
-    pub fn is_closed(&self) -> bool {
-        self.reason.kind() == io::ErrorKind::BrokenPipe
-    }
-}
 
 /// Where a table goes.
 enum Target<'a> {

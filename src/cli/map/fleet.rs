@@ -5,16 +5,16 @@ use std::io::Write;
 use std::time::Instant;
 
 use super::arguments::MapArgs;
+use super::error::{Ended, MapCommandError};
 use super::files::Files;
-use super::{Ended, MapCommandError};
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
 use crate::cli::interruption::Interruption;
 use column_twin::parameters::FleetColumn;
 use column_twin::printable::Printable;
 use column_twin::study::{
-    BatchEnd, ColumnKind, CriticalVelocities, CriticalVelocity, FleetKinds, LIMIT_VELOCITIES,
-    SEVERITIES, StudyColumn, TableColumn, TableValue, part_of,
+    ACTIONS, BatchEnd, ColumnKind, CriticalVelocities, CriticalVelocity, FleetKinds,
+    LIMIT_VELOCITIES, StudyColumn, TableColumn, TableValue, part_of,
 };
 
 /// What is known of one kind of columns.
@@ -132,7 +132,7 @@ pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Fai
 fn compute(column: &FleetColumn, range: [f64; 2]) -> KindResult {
     let parameters = &column.parameters;
     let vehicle = parameters.settings().vehicle.name.clone();
-    let computed = StudyColumn::virgin(parameters).and_then(|study| {
+    let computed = StudyColumn::undamaged(parameters).and_then(|study| {
         let mass = study.impact(None, None, range[0])?.mass;
         Ok((mass, study.critical_velocities(None, None, range)?))
     });
@@ -180,11 +180,11 @@ fn table_columns() -> Vec<TableColumn> {
         ),
         number("mass_kg".to_owned(), "kg", "total mass of the vehicle"),
     ];
-    columns.extend(SEVERITIES.map(|it| {
+    columns.extend(ACTIONS.map(|it| {
         number(
             format!("critical_velocity_{it}_m_s"),
             "m/s",
-            "highest velocity found below that of this severity; 0: the lowest velocity leads to it; none: no velocity does",
+            "highest velocity found below that of this action; 0: the lowest velocity leads to it; none: no velocity does",
         )
     }));
     columns.push(whole(
@@ -209,7 +209,7 @@ fn write_row(
         TableValue::Text(Some(&result.vehicle)),
         TableValue::Number(result.mass.is_finite().then_some(result.mass)),
     ];
-    for index in 0..SEVERITIES.len() {
+    for index in 0..ACTIONS.len() {
         let velocity = found.and_then(|it| safe_velocity(it.velocities[index]));
         values.push(TableValue::Number(velocity));
     }
@@ -220,7 +220,7 @@ fn write_row(
     files.row(&values)
 }
 
-/// The highest velocity found at which a severity is not reached \[m/s\]; 0 if the lowest one leads to it, `None` if none does.
+/// The highest velocity found at which an action is not reached \[m/s\]; 0 if the lowest one leads to it, `None` if none does.
 fn safe_velocity(found: CriticalVelocity) -> Option<f64> {
     match found {
         CriticalVelocity::Between { below, .. } => Some(below),
@@ -229,14 +229,14 @@ fn safe_velocity(found: CriticalVelocity) -> Option<f64> {
     }
 }
 
-/// The weakest columns first: those that the lowest velocity of the highest severity endangers.
+/// The weakest columns first: those that the lowest velocity of the highest action endangers.
 fn ranking(rows: &[(&FleetColumn, usize, &KindResult)], range: [f64; 2]) -> String {
-    let velocities = |it: &KindResult| -> [f64; SEVERITIES.len()] {
+    let velocities = |it: &KindResult| -> [f64; ACTIONS.len()] {
         match &it.found {
             Ok(found) => found
                 .velocities
                 .map(|it| safe_velocity(it).unwrap_or(f64::INFINITY)),
-            Err(_) => [-1.0; SEVERITIES.len()], // nothing is known, so that they come first
+            Err(_) => [-1.0; ACTIONS.len()], // nothing is known, so that they come first
         }
     };
     let mut order: Vec<_> = rows.iter().collect();
@@ -252,7 +252,7 @@ fn ranking(rows: &[(&FleetColumn, usize, &KindResult)], range: [f64; 2]) -> Stri
         ["column", "vehicle", "mass kg"]
             .into_iter()
             .map(str::to_owned)
-            .chain(SEVERITIES.iter().map(|it| format!("{it} m/s")))
+            .chain(ACTIONS.iter().map(|it| format!("{it} m/s")))
             .collect::<Vec<_>>(),
     ];
     for (column, _, result) in order.iter().take(LISTED_COLUMNS) {
@@ -274,7 +274,7 @@ fn ranking(rows: &[(&FleetColumn, usize, &KindResult)], range: [f64; 2]) -> Stri
         }));
         lines.push(line);
     }
-    let mut text = "Velocities that lead to a severity, the weakest columns first\n".to_owned()
+    let mut text = "Velocities that lead to an action, the weakest columns first\n".to_owned()
         + &aligned(&lines);
     let more = order.len().saturating_sub(LISTED_COLUMNS);
     if more > 0 {

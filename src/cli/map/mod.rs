@@ -2,6 +2,7 @@
 
 mod arguments;
 mod boundaries;
+mod error;
 mod files;
 mod fleet;
 mod summary;
@@ -13,97 +14,15 @@ use std::time::Instant;
 
 pub use arguments::MapArgs;
 
-use super::failure::{Exit, Failure, unless_closed};
+use super::failure::Failure;
 use super::interruption::Interruption;
 use boundaries::{boundary_columns, boundary_rows, show_bands, show_boundaries};
 use column_twin::column::Support;
-use column_twin::figures::{self, FigureError, MapFigures};
-use column_twin::study::{
-    Batch, BatchEnd, DamageMap, MapBands, MapError, MapGrid, RefineError, RefinedMap, TableValue,
-};
-use files::{Files, MapFileError};
+use column_twin::figures::{self, MapFigures};
+use column_twin::study::{Batch, BatchEnd, DamageMap, MapBands, MapGrid, RefinedMap, TableValue};
+use error::{Ended, MapCommandError, MapFileError};
+use files::Files;
 use summary::{MapSummary, extent};
-
-/// Why there is no map.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum MapCommandError {
-    #[error(transparent)]
-    #[diagnostic(help("see `column-twin map --help` and docs/study.md"))]
-    Map(#[from] MapError),
-    #[error("a map has two axes; found {found}{}", listed(.names))]
-    #[diagnostic(help(
-        "give a range from:to:number of points to two of --mass, --velocity, --height and --vary, such as --mass 2000:12000:100 --velocity 1:25:100"
-    ))]
-    NotTwoAxes { found: usize, names: Vec<String> },
-    #[error("--{name} {given}: expected one number or a range, such as {example}")]
-    #[diagnostic(help("omit the unit; SI units apply"))]
-    NotANumber {
-        name: &'static str,
-        given: String,
-        example: &'static str,
-    },
-    #[error(
-        "--shard {given}: expected the number of the part and the number of parts, such as 3/16"
-    )]
-    #[diagnostic(help("the parts are numbered from 1; together they are the map"))]
-    Shard { given: String },
-    #[error("only one of {0} can write to the standard output")]
-    #[diagnostic(help("name a file for the other one"))]
-    OneOutput(&'static str),
-    #[error(
-        "--compare {given}: expected section=HEB200,HEB240, any parameter with its values, or config=a.yaml,b.yaml"
-    )]
-    #[diagnostic(help("name at least two"))]
-    Compare { given: String },
-    #[error("the boundaries cannot be computed: {0}")]
-    #[diagnostic(help(
-        "check the ranges; without --refine, the map leaves out what cannot be computed"
-    ))]
-    Refine(#[from] RefineError),
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    File(#[from] MapFileError),
-    #[error("cannot start the threads of the map: {0}")]
-    Threads(String),
-    #[error("cannot write to the standard output: {0}")]
-    Output(io::Error),
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Figures(#[from] FigureError),
-    #[cfg(feature = "viewer")]
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Viewer(#[from] column_twin::viewer::ViewerError),
-}
-
-fn listed(names: &[String]) -> String {
-    match names {
-        [] => String::new(),
-        names => format!(" ({})", names.join(", ")),
-    }
-}
-
-impl From<rayon::ThreadPoolBuildError> for MapCommandError {
-    fn from(error: rayon::ThreadPoolBuildError) -> Self {
-        Self::Threads(error.to_string())
-    }
-}
-
-impl From<MapCommandError> for Failure {
-    fn from(fault: MapCommandError) -> Self {
-        let exit = match &fault {
-            MapCommandError::Map(_)
-            | MapCommandError::NotTwoAxes { .. }
-            | MapCommandError::NotANumber { .. }
-            | MapCommandError::Shard { .. }
-            | MapCommandError::OneOutput(_)
-            | MapCommandError::Compare { .. }
-            | MapCommandError::Refine(RefineError::NotARange(_)) => Exit::BadInput,
-            _ => Exit::Failed,
-        };
-        Self::new(exit, fault)
-    }
-}
 
 /// Computes the map and writes the requested files; the summary goes to `output`, unless a file does.
 pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Failure> {
@@ -115,32 +34,6 @@ pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Fai
     match arguments.refines() {
         true => refine(arguments, &map, output),
         false => compute(arguments, &map, output),
-    }
-}
-
-/// How a command ended that may have been interrupted.
-struct Ended {
-    /// What is printed.
-    text: String,
-    /// What is missing.
-    missing: Option<String>,
-}
-
-impl Ended {
-    /// Prints the text where no file has taken the standard output, and ends the command.
-    fn print(self, to_error: bool, output: &mut dyn Write) -> Result<(), Failure> {
-        if to_error {
-            eprint!("{}", self.text);
-        } else {
-            let written = output
-                .write_all(self.text.as_bytes())
-                .and_then(|()| output.flush());
-            unless_closed(written).map_err(MapCommandError::Output)?;
-        }
-        match self.missing {
-            None => Ok(()),
-            Some(missing) => Err(Failure::plain(Exit::Lossy, missing)),
-        }
     }
 }
 
@@ -366,7 +259,7 @@ fn draw(
         subject: &arguments.subject(map),
         assumptions: &assumptions(map),
     };
-    if let Some(folder) = &arguments.plots {
+    if let Some(folder) = &arguments.figures {
         let count = figures::draw_map(folder, &figures)?.len();
         let _ = writeln!(text, "Figures    {count} files in {}", folder.display());
     }

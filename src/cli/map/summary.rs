@@ -4,18 +4,17 @@ use std::fmt::{self, Display};
 
 use serde::Serialize;
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::figures::units::{Unit, significant};
 use column_twin::report::short;
 use column_twin::study::{
-    AxisValue, CellPlace, DamageMap, MapAxis, MapCell, RefinedMap, RowBoundary, SEVERITIES,
-    Screening,
+    ACTIONS, AxisValue, CellPlace, DamageMap, Evaluation, MapAxis, MapCell, RefinedMap, RowBoundary,
 };
 
 /// Rows of which the summary shows the critical values.
 const SHOWN_ROWS: u64 = 5;
 /// Every class, least severe first.
-const CLASSES: usize = SEVERITIES.len() + 1;
+const CLASSES: usize = ACTIONS.len() + 1;
 
 /// The summary of the cells that were computed, in a memory that does not depend on their number.
 pub(super) struct MapSummary<'a> {
@@ -35,7 +34,7 @@ struct CriticalRow {
     row: RowValue,
     #[serde(skip)]
     place: (usize, u64),
-    critical: [Critical; SEVERITIES.len()],
+    critical: [Critical; ACTIONS.len()],
 }
 
 /// The value of a row.
@@ -69,7 +68,7 @@ struct Extreme {
 }
 
 /// A number of a response; `None` where it says nothing.
-type NumberOf = fn(&Screening) -> Option<f64>;
+type NumberOf = fn(&Evaluation) -> Option<f64>;
 
 /// Name, whether the smallest counts, unit, and value.
 type ExtremeOf = (&'static str, bool, fn(f64) -> Unit, NumberOf);
@@ -86,7 +85,7 @@ const EXTREMES: [ExtremeOf; 4] = [
         Some(it.peak_contact_force)
     }),
     ("Least push-down, column stands", true, Unit::force, |it| {
-        it.residual_v1.map(|_| it.remaining_capacity)
+        it.residual_v1.map(|_| it.residual_capacity)
     }),
 ];
 
@@ -105,7 +104,7 @@ impl<'a> MapSummary<'a> {
                     AxisValue::Name(name) => RowValue::Name(name.to_owned()),
                 },
                 place: (variant, row),
-                critical: [Critical::NotReached; SEVERITIES.len()],
+                critical: [Critical::NotReached; ACTIONS.len()],
             })
         });
         Self {
@@ -120,13 +119,13 @@ impl<'a> MapSummary<'a> {
 
     pub fn add(&mut self, cell: &MapCell) {
         let place = cell.place;
-        let screening = match &cell.result {
-            Ok(screening) => screening,
+        let evaluation = match &cell.result {
+            Ok(evaluation) => evaluation,
             Err(fault) => {
                 self.faults += 1;
                 self.first_fault
                     .get_or_insert_with(|| (place, fault.clone()));
-                // Whether the severity would have been reached here is not known.
+                // Whether the action would have been reached here is not known.
                 let rows = self.rows.iter_mut();
                 for row in rows.filter(|row| row.place == (place.variant, place.row)) {
                     for critical in &mut row.critical {
@@ -138,9 +137,9 @@ impl<'a> MapSummary<'a> {
                 return;
             }
         };
-        self.classes[screening.severity as usize] += 1;
+        self.classes[evaluation.action as usize] += 1;
         for ((_, smallest, _, value), extreme) in EXTREMES.iter().zip(&mut self.extremes) {
-            let Some(value) = value(screening).filter(|it| it.is_finite()) else {
+            let Some(value) = value(evaluation).filter(|it| it.is_finite()) else {
                 continue;
             };
             let is_new = extreme.is_none_or(|it| match smallest {
@@ -159,8 +158,8 @@ impl<'a> MapSummary<'a> {
         let Some(at) = columns.number(place.column) else {
             return;
         };
-        for (severity, critical) in SEVERITIES.into_iter().zip(&mut row.critical) {
-            if *critical == Critical::NotReached && screening.severity >= severity {
+        for (action, critical) in ACTIONS.into_iter().zip(&mut row.critical) {
+            if *critical == Critical::NotReached && evaluation.action >= action {
                 let below = place
                     .column
                     .checked_sub(1)
@@ -174,11 +173,11 @@ impl<'a> MapSummary<'a> {
     /// Takes the critical values from boundaries that are known more exactly.
     pub fn refine(&mut self, refined: &RefinedMap) {
         for row in &mut self.rows {
-            for (severity, critical) in SEVERITIES.into_iter().zip(&mut row.critical) {
+            for (action, critical) in ACTIONS.into_iter().zip(&mut row.critical) {
                 let boundary = refined
                     .boundaries
                     .iter()
-                    .find(|it| it.variant == row.place.0 && it.severity == severity);
+                    .find(|it| it.variant == row.place.0 && it.action == action);
                 let point =
                     boundary.and_then(|it| it.points.iter().find(|point| point.row == row.place.1));
                 match point.map(|point| point.place) {
@@ -248,7 +247,7 @@ impl<'a> MapSummary<'a> {
         let unit = with_unit(shown_unit(columns.quantity().unit()));
         writeln!(
             f,
-            "\nLowest {}{unit} at which the severity is at least",
+            "\nLowest {}{unit} at which the action is at least",
             columns.quantity().name()
         )?;
         let is_comparison = self.map.variants().len() > 1;
@@ -258,8 +257,8 @@ impl<'a> MapSummary<'a> {
             false => format!("  {row:<24}"),
         };
         write!(f, "{}", lead("", &head))?;
-        for severity in SEVERITIES {
-            write!(f, "{:>14}", severity.name())?;
+        for action in ACTIONS {
+            write!(f, "{:>14}", action.name())?;
         }
         writeln!(f)?;
         let highest = columns.number(columns.len() - 1).unwrap_or(f64::NAN);
@@ -295,9 +294,9 @@ impl<'a> MapSummary<'a> {
         serde_json::to_string(&Fields {
             computed: self.computed(),
             faults: self.faults,
-            classes: Severity::ALL
+            classes: Action::ALL
                 .into_iter()
-                .map(Severity::name)
+                .map(Action::name)
                 .zip(self.classes)
                 .collect(),
             critical: &self.rows,
@@ -356,10 +355,10 @@ impl Display for MapSummary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let computed = self.computed();
         if computed > 0 {
-            writeln!(f, "{:<15}{:>9}   share", "Severity", "impacts")?;
-            for (severity, count) in Severity::ALL.into_iter().zip(self.classes) {
+            writeln!(f, "{:<15}{:>9}   share", "Action", "impacts")?;
+            for (action, count) in Action::ALL.into_iter().zip(self.classes) {
                 let share = 100.0 * count as f64 / computed as f64;
-                writeln!(f, "  {:<13}{count:>9}{share:>7.1} %", severity.name())?;
+                writeln!(f, "  {:<13}{count:>9}{share:>7.1} %", action.name())?;
             }
             self.critical_velocities(f)?;
             writeln!(f)?;

@@ -5,15 +5,15 @@ use std::io::Write;
 
 use serde_json::json;
 
+use super::case::{Case, RiskArgs, RiskCommandError, write_file};
 use super::numbers::{period, share};
-use super::{Case, RiskArgs, RiskCommandError, write_file};
 use crate::cli::failure::{Failure, unless_closed};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
 use crate::cli::interruption::Interruption;
 use column_twin::parameters::FleetColumn;
 use column_twin::printable::Printable;
 use column_twin::study::risk::{Estimate, RiskResult};
-use column_twin::study::{BatchEnd, FleetKinds, SEVERITIES};
+use column_twin::study::{ACTIONS, BatchEnd, FleetKinds};
 
 /// A column with the result of its kind.
 type Row<'a> = (&'a FleetColumn, usize, &'a RiskResult);
@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
         ("--config", !arguments.config.is_empty()),
         ("--samples-csv", arguments.samples_csv.is_some()),
         ("--measures", arguments.measures),
-        ("--plots", arguments.plots.is_some()),
+        ("--figures", arguments.figures.is_some()),
     ])?;
     let columns = arguments.fleet.load(&arguments.parameter)?;
     let kinds = FleetKinds::of(&columns);
@@ -83,26 +83,26 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
     }
 }
 
-/// Expected number of columns that reach each severity in the period: the sum of their probabilities, whether or not they depend on
+/// Expected number of columns that reach each action in the period: the sum of their probabilities, whether or not they depend on
 /// one another.
 fn expected(rows: &[Row<'_>]) -> Vec<f64> {
-    let of_severity = |index: usize| {
+    let of_action = |index: usize| {
         let values = rows.iter().map(|(.., it)| probability(it, index).value);
         values.sum::<f64>()
     };
-    (0..SEVERITIES.len()).map(of_severity).collect()
+    (0..ACTIONS.len()).map(of_action).collect()
 }
 
-fn probability(result: &RiskResult, severity: usize) -> Estimate {
-    result.severities[severity].in_period
+fn probability(result: &RiskResult, action: usize) -> Estimate {
+    result.actions[action].in_period
 }
 
-/// The columns at the highest risk of the highest severity first.
+/// The columns at the highest risk of the highest action first.
 fn ranked<'a, 'b>(rows: &'b [Row<'a>]) -> Vec<&'b Row<'a>> {
     let mut order: Vec<_> = rows.iter().collect();
     order.sort_by(|a, b| {
-        let severities = (0..SEVERITIES.len()).rev();
-        let compared = severities
+        let actions = (0..ACTIONS.len()).rev();
+        let compared = actions
             .map(|it| {
                 probability(b.2, it)
                     .value
@@ -120,16 +120,16 @@ fn ranking(arguments: &RiskArgs, rows: &[Row<'_>]) -> String {
     let heading = std::iter::once("column".to_owned());
     let mut lines = vec![
         heading
-            .chain(SEVERITIES.iter().map(ToString::to_string))
+            .chain(ACTIONS.iter().map(ToString::to_string))
             .collect::<Vec<_>>(),
     ];
     for (column, _, result) in ranked(rows).into_iter().take(LISTED_COLUMNS) {
         let id = Printable(&column.parameters.settings().column_id).to_string();
-        let probabilities = (0..SEVERITIES.len()).map(|it| share(probability(result, it).value));
+        let probabilities = (0..ACTIONS.len()).map(|it| share(probability(result, it).value));
         lines.push(std::iter::once(id).chain(probabilities).collect());
     }
     let mut text = format!(
-        "Probability of each severity or a higher one {}, the columns at the highest risk first\n{}",
+        "Probability of each action or a higher one {}, the columns at the highest risk first\n{}",
         period(arguments.years),
         aligned(&lines)
     );
@@ -142,8 +142,8 @@ fn ranking(arguments: &RiskArgs, rows: &[Row<'_>]) -> String {
         "\nExpected number of columns {}",
         period(arguments.years)
     );
-    for (severity, expected) in SEVERITIES.iter().zip(expected(rows)) {
-        let _ = writeln!(text, "  {:<10} {expected:.3e}", severity.to_string());
+    for (action, expected) in ACTIONS.iter().zip(expected(rows)) {
+        let _ = writeln!(text, "  {:<10} {expected:.3e}", action.to_string());
     }
     text.push_str(
         "Every column has the distance from the road and the traffic of the options.\n\n",
@@ -154,14 +154,14 @@ fn ranking(arguments: &RiskArgs, rows: &[Row<'_>]) -> String {
 /// One row for each column, in the order of their names.
 fn table(rows: &[Row<'_>]) -> String {
     let mut text = String::from("column,column_id,kind");
-    for severity in SEVERITIES {
-        let _ = write!(text, ",{severity},{severity}_low,{severity}_high");
+    for action in ACTIONS {
+        let _ = write!(text, ",{action},{action}_low,{action}_high");
     }
     text.push('\n');
     for (column, kind, result) in rows {
         let id = &column.parameters.settings().column_id;
         let _ = write!(text, "{},{},{kind}", quoted(&column.name), quoted(id));
-        for index in 0..SEVERITIES.len() {
+        for index in 0..ACTIONS.len() {
             let Estimate { value, low, high } = probability(result, index);
             let _ = write!(text, ",{value},{low},{high}");
         }
@@ -183,17 +183,17 @@ fn json_of(
     columns: usize,
     rows: &[Row<'_>],
 ) -> Result<String, RiskCommandError> {
-    let severities = |numbers: Vec<serde_json::Value>| {
-        let names = SEVERITIES.iter().map(ToString::to_string);
+    let actions = |numbers: Vec<serde_json::Value>| {
+        let names = ACTIONS.iter().map(ToString::to_string);
         names.zip(numbers).collect::<serde_json::Map<_, _>>()
     };
     let row = |(column, kind, result): &&Row<'_>| {
-        let in_period = (0..SEVERITIES.len()).map(|it| json!(probability(result, it)));
+        let in_period = (0..ACTIONS.len()).map(|it| json!(probability(result, it)));
         json!({
             "column": column.name,
             "column_id": column.parameters.settings().column_id,
             "kind": kind,
-            "in_period": severities(in_period.collect()),
+            "in_period": actions(in_period.collect()),
         })
     };
     let fields = json!({
@@ -204,7 +204,7 @@ fn json_of(
         "seed": arguments.seed,
         "confidence": arguments.confidence,
         "complete": rows.len() == columns,
-        "expected_columns": severities(expected(rows).into_iter().map(|it| json!(it)).collect()),
+        "expected_columns": actions(expected(rows).into_iter().map(|it| json!(it)).collect()),
         "columns": ranked(rows).iter().map(row).collect::<Vec<_>>(),
     });
     serde_json::to_string_pretty(&fields)

@@ -22,8 +22,8 @@ pub(super) fn write(
     compared: &Compared,
     without: &RiskResult,
 ) -> fmt::Result {
-    let severities = &without.annual;
-    let Some(last) = severities.len().checked_sub(1) else {
+    let actions = &without.annual;
+    let Some(last) = actions.len().checked_sub(1) else {
         return Ok(());
     };
     writeln!(
@@ -36,19 +36,19 @@ pub(super) fn write(
         let _ = write!(
             heading,
             "{:<44}",
-            format!("{} or worse", severities[index].severity)
+            format!("{} or worse", actions[index].action)
         );
     }
     writeln!(f, "{}", heading.trim_end())?;
     let mut line = format!("  {:<22}", "without");
     for index in shown {
-        let _ = write!(line, "{:<44}", interval(&severities[index].annual, small));
+        let _ = write!(line, "{:<44}", interval(&actions[index].annual, small));
     }
     writeln!(f, "{}", line.trim_end())?;
     for risk in &compared.risks {
         let mut line = format!("  {:<22}", risk.measure.name);
         for index in shown {
-            let of = &risk.severities[index];
+            let of = &risk.actions[index];
             let times = of
                 .times
                 .map_or(String::new(), |it| format!(" x {}", significant(it, 2)));

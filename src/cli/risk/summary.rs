@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use super::case::{Case, Outcome, RiskArgs};
 use super::measures::{self, Compared};
 use super::numbers::{interval, period, share, small};
-use super::{Case, Outcome, RiskArgs};
 use column_twin::figures::units::significant;
 use column_twin::parameters::Parameters;
 use column_twin::report::short;
@@ -69,7 +69,7 @@ impl fmt::Display for Summary<'_> {
             "  Courses to the column   {} vehicles = n T lambda dx = {} x {} 1/m x {} m",
             small(result.departures),
             short(exposure.vehicles_per_day * 365.25 * exposure.years),
-            exposure.accident_rate,
+            exposure.encroachment_rate,
             significant(exposure.road_length, 3),
         )?;
         writeln!(
@@ -90,15 +90,15 @@ impl fmt::Display for Summary<'_> {
         writeln!(
             f,
             "  {:<22}{:<34}{:<38}return period",
-            "severity at least",
+            "action at least",
             "given an impact",
             period(exposure.years),
         )?;
-        for risk in &result.severities {
+        for risk in &result.actions {
             writeln!(
                 f,
                 "  {:<22}{:<34}{:<38}{}",
-                risk.severity.to_string(),
+                risk.action.to_string(),
                 interval(&risk.given_impact, share),
                 interval(&risk.in_period, small),
                 match risk.return_period_years {
@@ -109,13 +109,13 @@ impl fmt::Display for Summary<'_> {
             )?;
         }
         let unseen = result
-            .severities
+            .actions
             .iter()
             .filter(|risk| risk.given_impact.value == 0.0);
         if unseen.count() > 0 && result.counts.impacts > 0 {
             writeln!(
                 f,
-                "  Where no sample reached a severity, its probability is not 0 but at most the upper end of the interval."
+                "  Where no sample reached an action, its probability is not 0 but at most the upper end of the interval."
             )?;
         }
         self.targets(f)?;
@@ -127,7 +127,10 @@ impl fmt::Display for Summary<'_> {
             self.fragility(f)?;
             self.sensitivity(f)?;
         } else if self.outcome.end == BatchEnd::Complete {
-            writeln!(f, "  With these laws no vehicle reaches the column.")?;
+            writeln!(
+                f,
+                "  With these distributions no vehicle reaches the column."
+            )?;
         }
         self.inputs(f)?;
         let counts = &result.counts;
@@ -139,8 +142,11 @@ impl fmt::Display for Summary<'_> {
         if counts.predicted > 0 {
             write!(
                 f,
-                "; {} predicted from the critical speeds of {} other responses; of {} controls, {} predictions were wrong",
-                counts.predicted, outcome.learnt_from, counts.controls, counts.wrong_predictions
+                "; {} predicted from the critical speeds of {} other responses; of {} audit samples, {} predictions were wrong",
+                counts.predicted,
+                outcome.learnt_from,
+                counts.audit_samples,
+                counts.wrong_predictions
             )?;
         }
         writeln!(f, "; seed {}", arguments.seed)?;
@@ -154,14 +160,14 @@ impl fmt::Display for Summary<'_> {
         if outcome.not_monotonic > 0 {
             writeln!(
                 f,
-                "           for {} sets of inputs the severity falls somewhere with growing speed; there every response was computed",
+                "           for {} sets of inputs the action falls somewhere with growing speed; there every response was computed",
                 outcome.not_monotonic
             )?;
         }
         if !outcome.varies_yield_strength {
             writeln!(
                 f,
-                "           the yield strength does not vary: the parameters resistance.* are numbers, or its law has one value"
+                "           the yield strength does not vary: the parameters resistance.* are numbers, or its distribution has one value"
             )?;
         }
         if let BatchEnd::Interrupted(done) = outcome.end {
@@ -196,7 +202,7 @@ impl Summary<'_> {
             writeln!(
                 f,
                 "  {:<22}{:<34}target {} (beta {}) [{}]: {words}",
-                risk.severity.to_string(),
+                risk.action.to_string(),
                 interval(&risk.annual, small),
                 small(target.probability),
                 target.beta,
@@ -217,7 +223,7 @@ impl Summary<'_> {
         writeln!(
             f,
             "\nVehicles: share of the traffic; probability of {} or worse given its impact; share of these events",
-            self.result.severities[2].severity
+            self.result.actions[2].action
         )?;
         for class in &self.result.classes {
             writeln!(
@@ -235,7 +241,7 @@ impl Summary<'_> {
     fn fragility(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "\nFragility of the whole traffic: P(severity at least s | v) = Phi(ln(v / median) / dispersion)"
+            "\nFragility of the whole traffic: P(action at least s | v) = Phi(ln(v / median) / dispersion)"
         )?;
         for curve in self
             .result
@@ -243,16 +249,16 @@ impl Summary<'_> {
             .iter()
             .filter(|curve| curve.vehicle.is_none())
         {
-            let severity = curve.severity.to_string();
-            match (curve.fit, curve.refused) {
+            let action = curve.action.to_string();
+            match (curve.fit, curve.rejected) {
                 (Some(fit), _) => writeln!(
                     f,
-                    "  {severity:<22}median {} m/s (standard error {} %), dispersion {}",
+                    "  {action:<22}median {} m/s (standard error {} %), dispersion {}",
                     significant(fit.median, 3),
                     significant(100.0 * fit.median_error, 2),
                     significant(fit.dispersion, 3),
                 )?,
-                (None, Some(reason)) => writeln!(f, "  {severity:<22}no curve: {reason}")?,
+                (None, Some(reason)) => writeln!(f, "  {action:<22}no curve: {reason}")?,
                 (None, None) => {}
             }
         }
@@ -260,14 +266,14 @@ impl Summary<'_> {
     }
 
     fn sensitivity(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seen = self.result.telling_severity();
+        let seen = self.result.telling_action();
         let Some(sensitivity) = seen.map(|index| &self.result.sensitivity[index]) else {
             return Ok(());
         };
         writeln!(
             f,
             "\nSensitivity of {} or worse: probability per departure in the lowest and in the highest tenth of an input",
-            sensitivity.severity
+            sensitivity.action
         )?;
         for effect in &sensitivity.inputs {
             let classes = effect
@@ -304,7 +310,7 @@ impl Summary<'_> {
             let tag = input.tag.map_or("user".to_owned(), |tag| tag.to_string());
             writeln!(f, "  {name:<22}{} [{tag}]", input.distribution)
         };
-        for (name, input) in self.case.scenario.laws() {
+        for (name, input) in self.case.scenario.distributions() {
             line(name, input)?;
         }
         writeln!(

@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 
-use column_twin::assessment::Severity;
+use column_twin::assessment::Action;
 use column_twin::study::risk::{Basis, Estimate, RiskResult, RiskSample, Scenario};
 use column_twin::whole_file::WholeFile;
 
-/// The fragility curves as CSV: one row for each vehicle (`all`: the whole traffic), severity and interval of the speed.
+/// The fragility curves as CSV: one row for each vehicle (`all`: the whole traffic), action and interval of the speed.
 pub(super) fn fragility(result: &RiskResult) -> String {
     let mut text = String::from(
-        "vehicle,severity,speed_from_m_s,speed_to_m_s,samples,probability,low,high,fit_median_m_s,fit_dispersion,no_fit_because\n",
+        "vehicle,action,speed_from_m_s,speed_to_m_s,samples,probability,low,high,fit_median_m_s,fit_dispersion,no_fit_because\n",
     );
     for curve in &result.fragility {
         for point in &curve.points {
@@ -19,16 +19,16 @@ pub(super) fn fragility(result: &RiskResult) -> String {
                 continue;
             };
             let [from, to] = point.speed;
-            let refused = || curve.refused.map_or(String::new(), |it| it.to_string());
+            let rejected = || curve.rejected.map_or(String::new(), |it| it.to_string());
             let fit = match curve.fit {
                 Some(fit) => format!("{},{},", fit.median, fit.dispersion),
-                None => format!(",,\"{}\"", refused()),
+                None => format!(",,\"{}\"", rejected()),
             };
             let _ = writeln!(
                 text,
                 "{},{},{from},{to},{},{value},{low},{high},{fit}",
                 curve.vehicle.unwrap_or("all"),
-                curve.severity,
+                curve.action,
                 point.samples,
             );
         }
@@ -47,7 +47,7 @@ impl SampleWriter {
         let mut out = WholeFile::create(path)?;
         out.write_all(
             b"sample,vehicle,mass_kg,road_speed_m_s,angle_deg,deceleration_m_s2,distance_m,speed_m_s,force_factor,\
-              yield_strength_factor,top_load_factor,severity,basis\n",
+              yield_strength_factor,top_load_factor,action,basis\n",
         )?;
         Ok(Self {
             out,
@@ -64,13 +64,13 @@ impl SampleWriter {
             Basis::Predicted(_) => "predicted",
             Basis::Control { .. } => "control",
         };
-        let severity = sample
+        let action = sample
             .basis
-            .severity()
-            .map_or(String::new(), |severity: Severity| severity.to_string());
+            .action()
+            .map_or(String::new(), |action: Action| action.to_string());
         writeln!(
             self.out,
-            "{},{},{},{},{},{},{},{},{},{},{},{severity},{basis}",
+            "{},{},{},{},{},{},{},{},{},{},{},{action},{basis}",
             it.index,
             self.vehicles[it.class],
             it.mass,

@@ -67,7 +67,7 @@ fn largest_displacement(column: &ColumnProperties, impact: &Impact) -> f64 {
 }
 
 /// The speed above which the rigid-plastic column under `load` \[N\] collapses \[m/s\]: the kinetic energy after the
-/// percussion is the work up to `w = 2 M / P`, where the mechanism no longer resists.
+/// impact impulse is the work up to `w = 2 M / P`, where the mechanism no longer resists.
 fn critical_speed(column: &ColumnProperties, mass: f64) -> f64 {
     let (moment, slope, moved) = mechanism(column);
     let work = 2.0 * moment * moment * slope / column.top_load;

@@ -300,7 +300,7 @@ fn evidence(falling: &[(String, Vec<f64>)], post: f64) -> String {
             evidence: "measured; typed second-hand",
             confidence: "medium: plots read to 2 mm, restraint of the ends not stated",
             ratio: of(0),
-            shows: "percussion, a third of the mass, two bars with a hinge, rate law, energy balance",
+            shows: "impact impulse, a third of the mass, two bars with a hinge, rate law, energy balance",
             does_not: "steel, axial load, shear, built-in ends, a soft vehicle",
         },
         Evidence {
@@ -309,7 +309,7 @@ fn evidence(falling: &[(String, Vec<f64>)], post: f64) -> String {
             evidence: "measured; typed second-hand",
             confidence: "low: the two tests differ by 21 %",
             ratio: of(1),
-            shows: "percussion of a striker lighter than the member, elastic stiffness",
+            shows: "impact impulse of a striker lighter than the member, elastic stiffness",
             does_not: "anything beyond the first yield",
         },
         Evidence {
@@ -393,7 +393,7 @@ const CHAPTER: &str = "
 ## Falling weights
 
 Weights fell on the middle of horizontal beams of reinforced concrete that lie on two supports (`tests/data/experiments/`).
-They are no steel columns and carry no axial load, but the same mechanics decides: percussion, a third of the member's mass, two bars with hinges, resistance at the rate of strain, energy.
+They are no steel columns and carry no axial load, but the same mechanics decides: impact impulse, a third of the member's mass, two bars with hinges, resistance at the rate of strain, energy.
 Nothing is fitted to the impacts: the plastic moment comes from static strength, the rate of strain from the law of the CEB, `f_y + 6 MPa ln(rate / 5e-5)`, the stiffness from the cracked section.
 The ends are pinned and slide, and the weight of the striker is `impact.transverse_force`.
 The weight of the beam is left out, because it acts in the static tests as well.
@@ -436,7 +436,7 @@ No published test covers what decides most strikes on steel columns. These measu
 | A steel column struck at 0.4 to 0.7 m, the height of cars: force, displacement above and below the bumper, shear strain of the web, angle that remains in the lower bar | shear of the web (`crates/mechanics/src/shear.rs`) | below about 1 m the web yields before the hinges form; no test of it is known |
 | Anchor forces, uplift and rotation of a base plate under a lateral strike, with and without axial load | the hinge at the base, which the model builds in or makes an elastic spring | every column of a building stands on one |
 | A column under 20 to 60 % of its squash load, struck: load, shortening, displacement over time | the yield surface, the load's work, collapse | all falling weights here have no axial load |
-| The axial resistance of a column after a strike, pressed to failure | the remaining capacity | people decide by it whether to evacuate |
+| The axial resistance of a column after a strike, pressed to failure | the residual capacity | people decide by it whether to evacuate |
 | Force and crush of cars, lorries and forklifts against a rigid post of a column's width | the crush curves of the catalogue, `vehicle.narrow_object` | the catalogue halves the force of a wide wall, which is an assumption that two tests with poles support |
 | Strikes about the weak axis and oblique ones, with the twist | nothing yet: the model is plane | the direction of a parking car is arbitrary |
 | A bollard or cantilever: force, displacement of its top, angle that remains, rotation of the foundation | `support.top: free`, its mass | crash tests of bollards publish the penetration alone |

@@ -270,7 +270,7 @@ fn validation() -> Validation {
                 1e-3 * report.plastic_work,
             ),
             (
-                "lost in percussions",
+                "lost in impact impulses",
                 "kJ",
                 1e-3 * expected.impact_loss,
                 1e-3 * report.impact_loss,
@@ -320,7 +320,7 @@ The tests write this page (`UPDATE_DOCS=1 cargo test --release --lib validation`
 The reference responses (`tests/data/`) were computed independently with steps of 0.5 µs.
 The first chapters validate the solution of the model's equations; the others compare the model itself with a crash test, a finer model and impact tests.
 [The evidence in one table](#the-evidence-in-one-table) says how far each of them carries, and [data wanted](#data-wanted) what nobody has measured yet.
-Terms are explained in the [glossary](../README.md#glossary).
+Terms are explained in the [glossary](glossary.md).
 
 ## Comparison with the reference
 ";
@@ -331,8 +331,8 @@ const CONVERGENCE: &str = "
 ![Convergence](images/validation_convergence.png)
 
 The table gives the relative error of the peak of v1 with elliptical hinges.
-The paper's midpoint scheme distributes the percussion over the first step, during which the column loses half of it.
-The conserving midpoint scheme applies the percussion instantaneously; its error comes from hinges that change state within a step.
+The paper's midpoint scheme distributes the impact impulse over the first step, during which the column loses half of it.
+The conserving midpoint scheme applies the impact impulse instantaneously; its error comes from hinges that change state within a step.
 
 | dt | midpoint | conserving midpoint |
 |---|---|---|

@@ -17,9 +17,9 @@ use crossbeam_queue::ArrayQueue;
 use rustix::thread::CpuSet;
 use rustix::time::{ClockId, clock_gettime};
 
-use super::super::clock::monotonic_nanos;
-use super::super::notifier::Notifier;
-use super::super::real_time::{THREAD_STACK, lower_priority};
+use crate::live::clock::monotonic_nanos;
+use crate::live::notifier::Notifier;
+use crate::live::real_time::{THREAD_STACK, lower_priority};
 use crate::parameters::MAX_COLUMNS;
 use crate::twin::{BackgroundKind, BackgroundTask, Command};
 
@@ -262,11 +262,11 @@ mod tests {
 
     #[test]
     fn columns_that_have_been_hit_come_first_and_equal_ones_are_computed_once() {
-        let (virgin, hit) = (task(false), task(true));
+        let (undamaged, hit) = (task(false), task(true));
         assert_eq!(hit.kind(), BackgroundKind::Damaged);
-        assert_eq!(virgin.kind(), BackgroundKind::Undamaged);
+        assert_eq!(undamaged.kind(), BackgroundKind::Undamaged);
         let background = Arc::new(Background::new(4));
-        for (column, task) in [(0, &virgin), (1, &virgin), (2, &hit), (3, &virgin)] {
+        for (column, task) in [(0, &undamaged), (1, &undamaged), (2, &hit), (3, &undamaged)] {
             assert!(background.want(column, task.clone()).is_some());
         }
         assert_eq!(background.unknown(), 4);

@@ -1,10 +1,10 @@
-//! What the solver threads of a fleet tell those that feel impacts.
+//! What the solver threads of a fleet tell those that detect impacts.
 
 use std::sync::Arc;
 
-use super::super::sensing_news::SensingNews;
+use crate::live::sensing_news::SensingNews;
 
-/// What the solver threads tell those that feel impacts.
+/// What the solver threads tell those that detect impacts.
 #[derive(Debug)]
 pub(super) struct FleetNews(Box<[Arc<SensingNews>]>);
 

@@ -3,15 +3,15 @@
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
-use super::super::clock::monotonic_nanos;
-use super::super::inbox::Request;
-use super::super::lateness::lateness;
-use super::super::real_time::{URGENT_BEFORE_DEADLINE, Urgency};
 use super::schedule::{BACKGROUND_SHARE, Job, Plan};
 use super::shared::{Input, Shared, Slot, Upkeep};
 use super::sink::Sink;
+use crate::live::clock::monotonic_nanos;
+use crate::live::inbox::Request;
+use crate::live::lateness::lateness;
+use crate::live::real_time::{URGENT_BEFORE_DEADLINE, Urgency};
 use crate::time::Nanos;
-use crate::twin::{Accepted, BackgroundKind, Command, NoticeLevel, Outputs, Refusal};
+use crate::twin::{Accepted, BackgroundKind, Command, NoticeLevel, Outputs, Rejection};
 
 /// Steps that are computed ahead between two readings of the clock. What is left before a deadline and is too short for that is not
 /// used; shorter slices spend a tenth of the time on reading clocks.
@@ -259,7 +259,7 @@ impl Shared {
         command: Command,
         now: Nanos,
         sink: &mut Sink<'_>,
-    ) -> Result<Accepted, Refusal> {
+    ) -> Result<Accepted, Rejection> {
         if self.upkeep == Upkeep::OnDemand {
             slot.twin.forget_what_is_too_old(now);
             if sink.has_journal && self.outputs.have_journals() {

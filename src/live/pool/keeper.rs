@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use crossbeam_queue::ArrayQueue;
 
-use super::super::clock::Clock;
-use super::super::marked::Marked;
-use super::super::notifier::Notifier;
-use super::super::queue::{QueueStats, WhenFull};
 use super::readers::Readers;
+use crate::live::clock::Clock;
+use crate::live::marked::Marked;
+use crate::live::notifier::Notifier;
+use crate::live::queue::{QueueStats, WhenFull};
 use crate::twin::{Notice, NoticeLevel, Output, SavedState, state_file};
 
 /// The thread's name.

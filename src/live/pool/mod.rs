@@ -52,7 +52,7 @@ use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
 use crate::twin::{
-    Accepted, ColumnSnapshot, Command, ImpactCommand, Prediction, Refusal, Striking, Twin,
+    Accepted, ColumnSnapshot, Command, ImpactCommand, Prediction, Rejection, Striking, Twin,
 };
 use background::Background;
 use keeper::Keeper;
@@ -307,7 +307,7 @@ impl FleetHandle {
     ///
     /// # Panics
     /// There is no column with this index.
-    pub fn submit(&self, column: u32, command: Command) -> Result<(), Refusal> {
+    pub fn submit(&self, column: u32, command: Command) -> Result<(), Rejection> {
         self.check(column);
         let reply = Reply::none();
         self.shared
@@ -321,7 +321,7 @@ impl FleetHandle {
     ///
     /// # Panics
     /// There is no column with this index.
-    pub fn execute(&self, column: u32, command: Command) -> Result<Accepted, Refusal> {
+    pub fn execute(&self, column: u32, command: Command) -> Result<Accepted, Rejection> {
         self.ask(column, |reply| Request::Command { command, reply })?
     }
 
@@ -333,7 +333,7 @@ impl FleetHandle {
     ///
     /// # Panics
     /// There is no column with this index.
-    pub fn check_impact(&self, column: u32, command: ImpactCommand) -> Result<Striking, Refusal> {
+    pub fn check_impact(&self, column: u32, command: ImpactCommand) -> Result<Striking, Rejection> {
         let command = Box::new(command);
         self.ask(column, |reply| Request::Check { command, reply })?
     }
@@ -350,7 +350,7 @@ impl FleetHandle {
         column: u32,
         vehicle: &str,
         impact: &ImpactSpecification,
-    ) -> Result<Prediction, Refusal> {
+    ) -> Result<Prediction, Rejection> {
         self.snapshot(column)?
             .predict("", vehicle, impact, &monotonic_nanos)
     }
@@ -362,7 +362,7 @@ impl FleetHandle {
     ///
     /// # Panics
     /// There is no column with this index.
-    pub fn snapshot(&self, column: u32) -> Result<ColumnSnapshot, Refusal> {
+    pub fn snapshot(&self, column: u32) -> Result<ColumnSnapshot, Rejection> {
         self.ask(column, |reply| Request::Snapshot { reply })
     }
 
@@ -376,7 +376,11 @@ impl FleetHandle {
         Arc::clone(&latest.unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn ask<T>(&self, column: u32, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
+    fn ask<T>(
+        &self,
+        column: u32,
+        request: impl FnOnce(Reply<T>) -> Request,
+    ) -> Result<T, Rejection> {
         self.check(column);
         self.shared.ask(column, request)
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::queue::{OutputQueues, QueueStats};
+use crate::live::queue::{OutputQueues, QueueStats};
 use crate::twin::Output;
 
 /// The queues to all readers.

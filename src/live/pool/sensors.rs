@@ -1,4 +1,4 @@
-//! The sensors: the queues of their measurements, a few threads that feel impacts, and one that prepares responses for a fleet.
+//! The sensors: the queues of their measurements, a few threads that detect impacts, and one that prepares responses for a fleet.
 //!
 //! A column with sensors belongs to one thread and its queue, by its index. Without sensors there is none of this.
 
@@ -7,22 +7,22 @@ use std::thread::{self, JoinHandle};
 
 use rustix::thread::CpuSet;
 
-use super::super::inbox::{Reply, Request};
-use super::super::libraries::{Libraries, LibraryStatistics};
-use super::super::measurements::MeasurementQueue;
-use super::super::queue::QueueStats;
-use super::super::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
-use super::super::sensing_news::SensingNews;
-use super::super::statistics::Panicked;
 use super::fleet_news::FleetNews;
 use super::shared::Shared;
+use crate::live::inbox::{Reply, Request};
+use crate::live::libraries::{Libraries, LibraryStatistics};
+use crate::live::measurements::MeasurementQueue;
+use crate::live::queue::QueueStats;
+use crate::live::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
+use crate::live::sensing_news::SensingNews;
+use crate::live::statistics::Panicked;
 use crate::senses::Batch;
 use crate::twin::Command;
 
-/// Most threads that feel impacts: each carries hundreds of columns on which nothing happens.
+/// Most threads that detect impacts: each carries hundreds of columns on which nothing happens.
 const MAX_SENSING_THREADS: usize = 4;
 
-/// One thread that feels impacts for this many processors.
+/// One thread that detects impacts for this many processors.
 const PROCESSORS_PER_THREAD: usize = 2;
 
 /// Where the measurements of a fleet go. One thread may push.
@@ -63,7 +63,7 @@ impl FleetMeasurements {
 }
 
 /// The sensors of the columns of a pool, before their threads are started.
-pub(in super::super) struct Sensors {
+pub(in crate::live) struct Sensors {
     measurements: FleetMeasurements,
     is_sensed: Vec<bool>,
     /// Where equal columns share prepared responses; `None`: every column prepares its own.
@@ -95,7 +95,7 @@ impl Sensors {
         }
     }
 
-    /// What the solver threads will tell the threads that feel impacts.
+    /// What the solver threads will tell the threads that detect impacts.
     pub(super) fn news(&self) -> FleetNews {
         let queues = &self.measurements.queues;
         let news = queues.iter().enumerate().map(|(thread, queue)| {
@@ -119,7 +119,7 @@ pub struct SensingStatistics {
     pub libraries: LibraryStatistics,
 }
 
-/// The threads that feel impacts, and the one that prepares responses for them.
+/// The threads that detect impacts, and the one that prepares responses for them.
 #[derive(Debug)]
 pub(super) struct FleetSensing {
     pub measurements: FleetMeasurements,

@@ -5,10 +5,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 use crossbeam_queue::ArrayQueue;
 
-use super::super::clock::Clock;
-use super::super::inbox::{ANSWER_TIMEOUT, Reply, Request};
-use super::super::notifier::Notifier;
-use super::super::real_time::Patience;
 use super::background::{Background, Known, Wanted};
 #[cfg(feature = "study")]
 use super::fleet_news::FleetNews;
@@ -16,9 +12,13 @@ use super::keeper::Keeper;
 use super::readers::Readers;
 use super::schedule::Schedule;
 use super::watch::Watch;
+use crate::live::clock::Clock;
+use crate::live::inbox::{ANSWER_TIMEOUT, Reply, Request};
+use crate::live::notifier::Notifier;
+use crate::live::real_time::Patience;
 use crate::parameters::Parameters;
 use crate::time::Nanos;
-use crate::twin::{BackgroundKind, Refusal, RefusalCode, SolverStatistics, Twin};
+use crate::twin::{BackgroundKind, Rejection, RejectionCode, SolverStatistics, Twin};
 
 /// What a column is told.
 #[derive(Debug)]
@@ -131,7 +131,7 @@ pub struct Shared {
     pub max_requests: usize,
     pub parameters: Box<[RwLock<Arc<Parameters>>]>,
     pub background: Arc<Background>,
-    /// News for the threads that feel impacts; `None` without sensors.
+    /// News for the threads that detect impacts; `None` without sensors.
     #[cfg(feature = "study")]
     pub news: Option<FleetNews>,
     pub counters: Counters,
@@ -149,7 +149,7 @@ impl Shared {
     }
 
     /// Passes a request on, unless there is no room.
-    pub fn submit(&self, column: u32, request: Request) -> Result<(), Refusal> {
+    pub fn submit(&self, column: u32, request: Request) -> Result<(), Rejection> {
         let counters = &self.counters;
         counters.submitted.fetch_add(1, Ordering::Relaxed);
         // The requests in the schedule count, too: otherwise a sender that never pauses would fill the memory and keep the thread
@@ -170,7 +170,7 @@ impl Shared {
         let reason = format!(
             "the queue of {whose} is full ({most} commands); try again, or send fewer events and parameter changes"
         );
-        Err(Refusal::new(RefusalCode::QueueFull, reason))
+        Err(Rejection::new(RejectionCode::QueueFull, reason))
     }
 
     /// Submits a request and waits for its answer.
@@ -181,12 +181,12 @@ impl Shared {
         &self,
         column: u32,
         request: impl FnOnce(Reply<T>) -> Request,
-    ) -> Result<T, Refusal> {
+    ) -> Result<T, Rejection> {
         let (reply, answer) = Reply::channel();
         self.submit(column, request(reply))?;
         answer
             .wait(ANSWER_TIMEOUT)
-            .map_err(|_| Refusal::no_answer(ANSWER_TIMEOUT.as_secs()))
+            .map_err(|_| Rejection::no_answer(ANSWER_TIMEOUT.as_secs()))
     }
 
     pub fn wake_all(&self) {

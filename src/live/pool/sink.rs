@@ -1,4 +1,4 @@
-//! Passes what the columns give out to the readers, to the thread that writes the state files, and to those that feel impacts.
+//! Passes what the columns give out to the readers, to the thread that writes the state files, and to those that detect impacts.
 
 use std::sync::{Arc, PoisonError};
 

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::super::inbox::Request;
-use super::super::real_time::Urgency;
 use super::jobs::Task;
 use super::schedule::Job;
 use super::shared::{Agreed, Input, Shared, Upkeep};
 use super::sink::Sink;
 use super::watch::Watch;
+use crate::live::inbox::Request;
+use crate::live::real_time::Urgency;
 use crate::parameters::MAX_COLUMNS;
 use crate::time::Nanos;
 use crate::twin::{Command, Output, Outputs};

@@ -1,10 +1,10 @@
 //! Consistency of the parameters of the base plate.
 
-use super::super::base::given_plate;
-use super::super::dimensions_of;
-use super::super::settings::{BaseConnection, Settings, SupportKind};
-use super::Inconsistency;
 use crate::column::{BaseFactors, BasePlateError};
+use crate::parameters::base::given_plate;
+use crate::parameters::inconsistency::Inconsistency;
+use crate::parameters::section::dimensions_of;
+use crate::parameters::settings::{BaseConnection, Settings, SupportKind};
 
 /// The numbers of a base plate: all of them with a plate, none without.
 pub(super) fn base_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {

@@ -1,8 +1,8 @@
 //! Consistency of the parameters of a verdict: its load and its buckling lengths.
 
-use super::super::dimensions_of;
-use super::super::settings::Settings;
-use super::Inconsistency;
+use crate::parameters::inconsistency::Inconsistency;
+use crate::parameters::section::dimensions_of;
+use crate::parameters::settings::Settings;
 
 /// A limit of redistribution counts only with a spring that takes the load and with a proof.
 pub(super) fn redistribution_is_proven(settings: &Settings, found: &mut Vec<Inconsistency>) {

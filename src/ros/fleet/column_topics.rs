@@ -13,16 +13,16 @@ use std::time::{Duration, Instant};
 use ros2_client::Publisher;
 use rustdds::GUID;
 
-use crate::fleet::{Demand, DemandChange, LINGER, MAX_OPEN_COLUMNS};
+use crate::fleet::{Demand, DemandChange, MAX_OPEN_COLUMNS};
 use crate::live::{Notifier, Waker};
 use crate::outgoing::Topic;
 
-use super::super::dds_threads::TOPICS_THREAD;
-use super::super::matches::Discovered;
-use super::super::node::{Node, NodeError, Siblings};
-use super::super::raw::Raw;
-use super::super::twin_node::spawn;
-use super::live_fleet::FleetTwin;
+use crate::ros::dds_threads::TOPICS_THREAD;
+use crate::ros::live_columns::LiveColumns;
+use crate::ros::matches::Discovered;
+use crate::ros::node::{Node, NodeError, Siblings};
+use crate::ros::raw::Raw;
+use crate::ros::task::spawn;
 
 /// The name of the node to which the topics of a column belong, in the namespace of the column. It has no services, so it is not
 /// that of the node of a single twin.
@@ -35,7 +35,7 @@ const WAITING_CHANGES: usize = 16;
 const TOPIC_PREFIX: &str = "rt";
 
 /// The writers of one column.
-pub(super) struct ColumnWriters(Vec<(Topic, Publisher<Raw>)>);
+pub(in crate::ros) struct ColumnWriters(Vec<(Topic, Publisher<Raw>)>);
 
 impl ColumnWriters {
     /// The writer of a topic.
@@ -46,7 +46,7 @@ impl ColumnWriters {
 }
 
 /// What the publishing thread is told.
-pub(super) enum ColumnChange {
+pub(in crate::ros) enum ColumnChange {
     /// A column has topics of its own.
     Opened(u32, ColumnWriters),
     /// It has none any more.
@@ -55,7 +55,7 @@ pub(super) enum ColumnChange {
 
 /// Counts for `/diagnostics`.
 #[derive(Debug, Default)]
-pub(super) struct TopicCounts {
+pub(in crate::ros) struct TopicCounts {
     /// Columns that have topics of their own.
     pub open: AtomicUsize,
     /// Columns whose readers wait.
@@ -76,7 +76,7 @@ struct Shared {
 }
 
 /// The thread that creates and removes the topics of single columns.
-pub(super) struct ColumnTopics {
+pub(in crate::ros) struct ColumnTopics {
     shared: Arc<Shared>,
     thread: JoinHandle<()>,
 }
@@ -89,13 +89,13 @@ impl ColumnTopics {
     /// The thread cannot be started.
     pub fn start(
         node: &Node,
-        fleet: &FleetTwin,
-        linger: Option<Duration>,
+        fleet: &LiveColumns,
+        linger: Duration,
         waker: Waker,
         counts: Arc<TopicCounts>,
     ) -> Result<(Self, Receiver<ColumnChange>), NodeError> {
         let own = node.names().namespace();
-        let names = (0..).zip(fleet.column_names());
+        let names = (0..).zip(fleet.face().names());
         // A column in the namespace of the node would have the topics that all columns share.
         let others = names.filter(|(_, name)| &***name != own);
         let endpoints = Topic::COUNT as u32;
@@ -103,7 +103,7 @@ impl ColumnTopics {
             columns: others
                 .map(|(column, name)| (Arc::clone(name), column))
                 .collect(),
-            demand: Mutex::new(Demand::new(endpoints, linger.unwrap_or(LINGER))),
+            demand: Mutex::new(Demand::new(endpoints, linger)),
             notifier: Notifier::default(),
             stop: AtomicBool::new(false),
             started: Instant::now(),
@@ -113,7 +113,7 @@ impl ColumnTopics {
         let creator = Creator {
             shared: Arc::clone(&shared),
             siblings: node.siblings(),
-            names: fleet.column_names().to_vec(),
+            names: fleet.face().names().to_vec(),
             nodes: HashMap::new(),
             changes: sender,
             waker,

@@ -1,21 +1,16 @@
-//! The node of a fleet: many columns in one process, one participant and one node, with topics that they share.
+//! What the node of a fleet does besides: topics of single columns while somebody listens there, the status of all columns in few
+//! messages, vehicles that hit several columns, and the diagnostics of many columns.
 //!
 //! The number of endpoints does not depend on the number of columns, apart from those of columns to which somebody listens in
-//! their namespaces. Every message has a `column_id`; messages for columns that
-//! are elsewhere are ignored and counted. A column that is at rest publishes nothing but its line in `fleet_status`.
+//! their namespaces. Every message has a `column_id`; messages for columns that are elsewhere are ignored and counted. A column that
+//! is at rest publishes nothing but its line in `fleet_status`.
 
 mod column_topics;
 mod diagnostics;
-mod inputs;
-mod live_fleet;
-mod node;
-mod parameter_services;
 mod publishing;
-mod rejected;
 mod rows;
-mod run;
 mod sensors;
 
-pub use live_fleet::{FleetTwin, FleetTwinError};
-pub use node::FleetNode;
-pub use run::{FleetRunOptions, run_fleet};
+pub(super) use column_topics::{ColumnTopics, TopicCounts};
+pub(super) use publishing::FleetPublishing;
+pub(super) use rows::RowImpacts;

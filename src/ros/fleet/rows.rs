@@ -7,32 +7,29 @@ use std::time::Duration;
 use crate::column::VehicleReport;
 use crate::fleet::{NotHit, RowImpact, Rows};
 use crate::incoming::impact_command;
-use crate::messages::column_twin::RowImpactEvent;
-use crate::outgoing::RecordingTap;
+use crate::messages::column_twin_msgs::RowImpactEvent;
 use crate::parameters::{Parameters, crush_of_name, split_crush};
+use crate::ros::live_columns::LiveColumns;
+use crate::ros::qos;
+use crate::ros::receiving::Receiving;
 use crate::time::Nanos;
 use crate::twin::{Command, Output, Striking};
-
-use super::super::inputs::record;
-use super::super::qos;
-use super::live_fleet::FleetTwin;
-use super::rejected::not_taken;
 
 /// Most reasons that a rejection lists.
 const MAX_LISTED: usize = 20;
 
 /// The rows under way, shared by the thread that takes their events and the one that sees the forecasts.
-pub(super) struct RowImpacts {
+pub(in crate::ros) struct RowImpacts {
     rows: Mutex<Rows>,
-    /// It contains each impact as the event that it is for its column, with which the column is verified.
-    recording: Option<Arc<dyn RecordingTap>>,
+    /// The recording contains each impact as the event that it is for its column, with which the column is verified.
+    receiving: Receiving,
 }
 
 impl RowImpacts {
-    pub fn new(recording: Option<Arc<dyn RecordingTap>>) -> Self {
+    pub fn new(receiving: Receiving) -> Self {
         Self {
             rows: Mutex::default(),
-            recording,
+            receiving,
         }
     }
 
@@ -44,24 +41,25 @@ impl RowImpacts {
     ///
     /// # Errors
     /// All reasons for which the event is rejected.
-    pub fn take_event(&self, message: RowImpactEvent, fleet: &FleetTwin) -> Result<(), String> {
-        let taken = self.take_whole(message.clone(), fleet);
+    pub fn take_event(&self, message: RowImpactEvent) -> Result<(), String> {
+        let taken = self.take_whole(message.clone());
         if let Err(reasons) = &taken {
             self.rows().reject(&message, reasons);
         }
         taken
     }
 
-    fn take_whole(&self, message: RowImpactEvent, fleet: &FleetTwin) -> Result<(), String> {
+    fn take_whole(&self, message: RowImpactEvent) -> Result<(), String> {
+        let columns = &self.receiving.columns;
         let row = RowImpact::new(message).map_err(listed)?;
         let mut faults = Vec::new();
         let mut striking = Vec::new();
         for event in row.described() {
-            let Some(column) = fleet.index_of(&event.column_id) else {
+            let Some(column) = columns.face().index_of(&event.column_id) else {
                 faults.push(format!(
                     "column {:?} is not in this fleet of {} columns; a row has columns of one fleet",
                     event.column_id,
-                    fleet.column_ids().len()
+                    columns.face().ids().len()
                 ));
                 continue;
             };
@@ -69,9 +67,9 @@ impl RowImpacts {
                 continue;
             };
             let column_id = command.column_id.clone();
-            match fleet.check_impact(column, command) {
+            match columns.check_impact(column, command) {
                 Ok(found) => striking.push(found),
-                Err(refusal) => faults.push(format!("column {column_id:?}: {refusal}")),
+                Err(rejection) => faults.push(format!("column {column_id:?}: {rejection}")),
             }
         }
         if faults.is_empty() {
@@ -81,38 +79,29 @@ impl RowImpacts {
             return Err(listed(faults));
         }
         self.rows().begin(row)?;
-        self.submit_due(fleet);
+        self.submit_due();
         Ok(())
     }
 
     /// Submits the impacts that are due.
-    pub fn submit_due(&self, fleet: &FleetTwin) {
+    pub fn submit_due(&self) {
+        let columns = &self.receiving.columns;
         let mut rows = self.rows();
         if rows.is_empty() {
             return;
         }
-        let now = fleet.now();
+        let now = columns.now();
         rows.give_up(now);
-        for event in rows.due(now, |column| max_ahead(fleet, column)) {
-            let Some(column) = fleet.index_of(&event.column_id) else {
+        for event in rows.due(now, |column| max_ahead(columns, column)) {
+            let Some(column) = columns.face().index_of(&event.column_id) else {
                 continue;
             };
-            record(
-                &self.recording,
-                Some(&event.column_id),
-                &qos::IMPACT_EVENT,
-                &event,
-                None,
-            );
-            if let Err(refusal) = fleet.submit(column, impact_command(event.clone())) {
-                not_taken(
-                    &self.recording,
-                    &event.column_id,
-                    &qos::IMPACT_EVENT,
-                    &event.event_id,
-                    &refusal,
-                );
-                rows.not_submitted(&event, &refusal.to_string());
+            let endpoint = &qos::IMPACT_EVENT;
+            self.receiving.record(column, endpoint, &event, None);
+            if let Err(rejection) = columns.submit(column, impact_command(event.clone())) {
+                self.receiving
+                    .not_taken(Some(column), endpoint, &event.event_id, &rejection);
+                rows.not_submitted(&event, &rejection.to_string());
             }
         }
     }
@@ -128,13 +117,13 @@ impl RowImpacts {
     }
 
     /// How long nothing is to be done, at most `longest`.
-    pub fn rest(&self, fleet: &FleetTwin, longest: Duration) -> Duration {
+    pub fn rest(&self, columns: &LiveColumns, longest: Duration) -> Duration {
         let rows = self.rows();
         let Some(next) = rows.next_stamp() else {
             return longest;
         };
         // Its column may accept it any time before.
-        let ahead = next.saturating_sub(fleet.now()).max(0).unsigned_abs();
+        let ahead = next.saturating_sub(columns.now()).max(0).unsigned_abs();
         longest.min(Duration::from_nanos(ahead)).min(LOOK_AGAIN)
     }
 
@@ -155,9 +144,9 @@ const LOOK_AGAIN: Duration = Duration::from_millis(50);
 type ParametersOf = Arc<Parameters>;
 
 /// How far ahead of the clock a column accepts stamps \[ns\].
-fn max_ahead(fleet: &FleetTwin, column_id: &str) -> Nanos {
-    let column = fleet.index_of(column_id);
-    let seconds = column.map_or(0.0, |it| fleet.parameters(it).settings().event.max_ahead);
+fn max_ahead(columns: &LiveColumns, column_id: &str) -> Nanos {
+    let column = columns.face().index_of(column_id);
+    let seconds = column.map_or(0.0, |it| columns.parameters(it).settings().event.max_ahead);
     (1e9 * seconds) as Nanos
 }
 

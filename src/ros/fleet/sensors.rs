@@ -7,9 +7,9 @@ use crate::messages::diagnostic_msgs::DiagnosticStatus;
 use crate::senses::{SensorCondition, SensorHealth};
 use crate::time::Nanos;
 
-use super::super::diagnostics::entry;
-use super::super::measurements::SensedColumns;
-use super::super::sensor_watch::values;
+use crate::ros::diagnostics::entry;
+use crate::ros::measurements::SensedColumns;
+use crate::ros::sensor_watch::values;
 
 /// Most columns whose sensors have a status of their own: the first ones of which something is wrong.
 const MAX_SHOWN: usize = 20;

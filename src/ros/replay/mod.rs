@@ -162,7 +162,7 @@ pub fn replay(
     controls: &mut dyn ReplayControls,
 ) -> Result<Replayed, ReplayError> {
     let signals = StopSignals::listen()?;
-    let reader = Reader::open(&options.bag)?;
+    let reader = recording::open(&options.bag)?;
     let span = reader.span().ok_or_else(|| ReplayError::Nothing {
         bag: options.bag.clone(),
     })?;

@@ -7,7 +7,7 @@ use openssl::pkey::{HasPublic, Id, PKey, PKeyRef, Private};
 use openssl::x509::{X509, X509Ref};
 
 use super::dates;
-use super::enclave::{EnclaveFault, EnclaveFile};
+use super::fault::{EnclaveFault, EnclaveFile};
 
 /// A certificate and what the checks need of it.
 #[derive(Debug)]

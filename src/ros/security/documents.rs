@@ -8,7 +8,7 @@ use openssl::x509::store::X509StoreBuilder;
 use roxmltree::{Document, Node};
 
 use super::certificates::{Certificate, reason};
-use super::enclave::{EnclaveFault, EnclaveFile};
+use super::fault::{EnclaveFault, EnclaveFile};
 
 /// The text of a document that the permissions authority has signed.
 pub(super) fn signed_text(

@@ -5,7 +5,7 @@ use std::fmt;
 use roxmltree::Node;
 
 use super::documents::{Domains, child, children, parse, text_of};
-use super::enclave::{EnclaveFault, EnclaveFile};
+use super::fault::{EnclaveFault, EnclaveFile};
 
 /// The protection kinds of a domain as the governance document names them.
 #[derive(Debug, Clone, PartialEq, Eq)]

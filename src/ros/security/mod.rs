@@ -4,7 +4,7 @@
 //! here come before it, because RustDDS stops at the first fault, describes some misleadingly, and starts with a key that
 //! does not belong to its certificate.
 //!
-//! Without the feature `security`, only the settings exist: a node that must be protected refuses to start.
+//! Without the feature `security`, only the settings exist: a node that must be protected rejects to start.
 
 #[cfg(feature = "security")]
 mod certificates;
@@ -14,6 +14,9 @@ mod dates;
 mod documents;
 #[cfg(feature = "security")]
 mod enclave;
+mod error;
+#[cfg(feature = "security")]
+mod fault;
 #[cfg(feature = "security")]
 mod governance;
 mod health;
@@ -22,14 +25,13 @@ mod peers;
 mod permissions;
 mod settings;
 
-use std::path::PathBuf;
-
 #[cfg(feature = "security")]
 pub use dates::{EXPIRY_NOTICE, now};
 #[cfg(feature = "security")]
-pub use enclave::{
-    ENCLAVE_FILES, Enclave, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
-};
+pub use enclave::Enclave;
+pub use error::SecurityError;
+#[cfg(feature = "security")]
+pub use fault::{ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES};
 #[cfg(feature = "security")]
 pub use governance::ProtectionKinds;
 pub use peers::Peers;
@@ -50,46 +52,6 @@ pub enum Protection {
     /// The participant belongs to this enclave.
     #[cfg(feature = "security")]
     Enclave(Box<Enclave>),
-}
-
-/// Why a participant must not be created.
-#[derive(Debug, thiserror::Error)]
-pub enum SecurityError {
-    /// Security is enforced, but there is no keystore.
-    #[error(
-        "SECURITY ERROR: ROS_SECURITY_STRATEGY=Enforce requires a keystore, but ROS_SECURITY_KEYSTORE is not set; set it to \
-         the directory that contains `enclaves`"
-    )]
-    NoKeystore,
-    /// Security is enforced, but the enclave does not exist.
-    #[error(
-        "SECURITY ERROR: directory '{}' does not exist. Choose an enclave of the keystore with --ros-args --enclave or \
-         ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
-        .0.display()
-    )]
-    NoDirectory(PathBuf),
-    /// Security is enforced, but the directory contains no files of an enclave.
-    #[error(
-        "SECURITY ERROR: directory '{}' contains none of the files of an enclave (cert.pem, key.pem and others). Choose an \
-         enclave of the keystore with --ros-args --enclave or ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
-        .0.display()
-    )]
-    NoFiles(PathBuf),
-    /// Security is enforced, but this program does not contain it.
-    #[error(
-        "SECURITY ERROR: ROS_SECURITY_STRATEGY=Enforce, but this program was built without DDS security; build it with \
-         `--features security` (needs OpenSSL: Debian's libssl-dev and pkg-config)"
-    )]
-    NotBuilt,
-    /// The enclave exists, but cannot be used, whatever the strategy.
-    #[cfg(feature = "security")]
-    #[error("SECURITY ERROR: the enclave in '{}' cannot be used:{}", .directory.display(), listed(.faults))]
-    Broken {
-        /// Its directory.
-        directory: PathBuf,
-        /// All faults that were found; not empty.
-        faults: Vec<EnclaveFault>,
-    },
 }
 
 /// Determines the protection of a participant in a domain. Every program that opens a participant calls this first.
@@ -156,11 +118,6 @@ fn unprotected(settings: &SecuritySettings, error: &SecurityError) -> String {
     )
 }
 
-#[cfg(feature = "security")]
-fn listed(faults: &[EnclaveFault]) -> String {
-    faults.iter().map(|fault| format!("\n- {fault}")).collect()
-}
-
 impl Protection {
     /// Whether the participant belongs to an enclave, so that its peers have to prove who they are.
     pub(super) fn has_enclave(&self) -> bool {
@@ -194,6 +151,8 @@ impl Protection {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
 
     fn settings(strategy: SecurityStrategy, keystore: Option<&str>) -> SecuritySettings {
@@ -213,10 +172,10 @@ mod tests {
     }
 
     #[test]
-    fn enforcing_security_without_an_enclave_is_refused_and_permissive_warns() {
+    fn enforcing_security_without_an_enclave_is_rejected_and_permissive_warns() {
         for keystore in [None, Some("/nonexistent")] {
             let enforced = protection(&settings(SecurityStrategy::Enforce, keystore), 0);
-            let text = enforced.expect_err("refused").to_string();
+            let text = enforced.expect_err("rejected").to_string();
             assert!(text.starts_with("SECURITY ERROR: "), "{text}");
             let permissive = protection(&settings(SecurityStrategy::Permissive, keystore), 0);
             let warning = permissive.expect("goes on");
@@ -267,7 +226,7 @@ mod tests {
             &settings(SecurityStrategy::Enforce, Some("/nonexistent")),
             0,
         );
-        let text = error.expect_err("refused").to_string();
+        let text = error.expect_err("rejected").to_string();
         assert!(
             text.starts_with(
                 "SECURITY ERROR: directory '/nonexistent/enclaves/nobody' does not exist."
@@ -283,7 +242,7 @@ mod tests {
             &settings(SecurityStrategy::Enforce, Some("/nonexistent")),
             0,
         );
-        let text = error.expect_err("refused").to_string();
+        let text = error.expect_err("rejected").to_string();
         assert!(text.contains("--features security"), "{text}");
     }
 }

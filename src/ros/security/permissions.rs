@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::dates;
 use super::documents::{Domains, child, children, parse, text_of};
-use super::enclave::{EnclaveFault, EnclaveFile};
+use super::fault::{Action, EnclaveFault, EnclaveFile};
 
 /// The grant of one subject.
 #[derive(Debug)]
@@ -23,24 +23,6 @@ struct Rule {
     domains: Domains,
     publish: Vec<Pattern>,
     subscribe: Vec<Pattern>,
-}
-
-/// What a participant does with a topic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Action {
-    /// It publishes.
-    Publish,
-    /// It subscribes.
-    Subscribe,
-}
-
-impl std::fmt::Display for Action {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Publish => "publish",
-            Self::Subscribe => "subscribe to",
-        })
-    }
 }
 
 impl Grant {

@@ -1,4 +1,4 @@
-//! Critical speeds of a class of vehicles as a function of the other inputs, to predict the severity of most samples.
+//! Critical speeds of a class of vehicles as a function of the other inputs, to predict the action of most samples.
 //!
 //! The predictions decide only how often a response has to be computed. They do not bias the result: a random share of them
 //! is computed, too, the larger the closer a sample is to a critical speed, and corrects the estimate and widens its interval
@@ -16,13 +16,13 @@ use super::random::Purpose;
 use super::reach::LEAST_SPEED;
 use super::scenario::Scenario;
 use super::tally::{CONTROL_SHARES, LEVELS, Prediction};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::numerics::cholesky;
-use crate::study::{Batch, BatchEnd, SEVERITIES};
+use crate::study::{ACTIONS, Batch, BatchEnd};
 
 /// Inputs on which a critical speed depends: mass, force factor, yield strength, load.
 const COORDINATES: usize = 4;
-/// Their first index among the levels of a departure.
+/// Their first index among the quantiles of a departure.
 const FIRST_COORDINATE: usize = 5;
 /// Unknowns of a local regression: a constant and the slopes.
 const UNKNOWNS: usize = COORDINATES + 1;
@@ -50,7 +50,7 @@ const ENOUGH_ERRORS: usize = 20;
 const UNKNOWN_SCALE: f64 = 4.0;
 /// Bounds of the classes of doubt of a prediction, in standard deviations between the speed and the nearest critical speed.
 const DOUBTS: [f64; CONTROL_SHARES.len() - 1] = [0.5, 1.0, 2.0, 4.0];
-/// The least certain class of a prediction near a design whose severity falls somewhere with growing speed.
+/// The least certain class of a prediction near a design whose action falls somewhere with growing speed.
 const DOUBT_WITHOUT_ORDER: usize = 3;
 /// How far beyond the speeds that were looked at a critical speed is taken to be, in logarithms.
 const BEYOND: f64 = 0.5;
@@ -74,9 +74,9 @@ struct ClassSurface {
     designs: Vec<Design>,
     /// Logarithms of the speeds \[m/s\] between which critical speeds were looked for.
     range: [f64; 2],
-    /// By severity.
+    /// By action.
     trends: [Option<Trend>; LEVELS - 1],
-    /// Errors of the predictions, by severity, over the deviations of their regressions.
+    /// Errors of the predictions, by action, over the deviations of their regressions.
     scale: [f64; LEVELS - 1],
 }
 
@@ -87,11 +87,11 @@ type Trend = [f64; TERMS];
 #[derive(Debug, Clone)]
 struct Design {
     place: [f64; COORDINATES],
-    /// Logarithm of the least speed \[m/s\] with each severity; infinite: outside the range.
+    /// Logarithm of the least speed \[m/s\] with each action; infinite: outside the range.
     critical: [f64; LEVELS - 1],
     /// What the trend of the class leaves of it, both kept within the bounds of [`clamped`].
     left: [f64; LEVELS - 1],
-    /// Whether the severity grew with the speed, as far as it was computed.
+    /// Whether the action grew with the speed, as far as it was computed.
     monotonic: bool,
     responses: u64,
 }
@@ -106,7 +106,7 @@ struct Interpolated {
 /// The critical speeds at a place.
 struct Interpolation {
     critical: [Interpolated; LEVELS - 1],
-    /// Whether the severity grows with the speed at every design that entered.
+    /// Whether the action grows with the speed at every design that entered.
     monotonic: bool,
 }
 
@@ -136,7 +136,8 @@ impl CriticalSpeedSurface {
             chosen.len() as u64 * DESIGNS,
             |index| {
                 let class = chosen[(index / DESIGNS) as usize];
-                let spread = |level: f64| normal::probability(SPREAD * normal::quantile(level));
+                let spread =
+                    |quantile: f64| normal::probability(SPREAD * normal::quantile(quantile));
                 Design::new(
                     &designs_of.of_class(index, class, spread),
                     range,
@@ -187,7 +188,7 @@ impl CriticalSpeedSurface {
         self.responses
     }
 
-    /// Sets of inputs for which the severity fell somewhere with growing speed.
+    /// Sets of inputs for which the action fell somewhere with growing speed.
     #[must_use]
     pub fn not_monotonic(&self) -> u64 {
         let designs = self
@@ -198,7 +199,7 @@ impl CriticalSpeedSurface {
         designs.filter(|design| !design.monotonic).count() as u64
     }
 
-    /// The severity of an impact, and how far it is in doubt; `None` where nothing is known.
+    /// The action of an impact, and how far it is in doubt; `None` where nothing is known.
     #[must_use]
     pub(super) fn predict(&self, departure: &Departure) -> Option<Prediction> {
         let class = self.classes[departure.class].as_ref()?;
@@ -215,22 +216,22 @@ impl CriticalSpeedSurface {
             critical,
             monotonic,
         } = class.interpolate(&place, &self.active, None)?;
-        let mut severity = Severity::None;
+        let mut action = Action::None;
         let mut nearest = f64::INFINITY;
         for (index, it) in critical.iter().enumerate() {
             let distance = (speed - it.value).abs() / (class.scale[index] * it.deviation);
             nearest = nearest.min(distance);
             if speed > it.value {
-                // A higher severity without a lower one is a sign that the interpolation fails here.
-                if severity as usize != index {
+                // A higher action without a lower one is a sign that the interpolation fails here.
+                if action as usize != index {
                     nearest = 0.0;
                 }
-                severity = SEVERITIES[index];
+                action = ACTIONS[index];
             }
         }
         let doubt = DOUBTS.iter().filter(|bound| nearest >= **bound).count();
         Some(Prediction {
-            severity,
+            action,
             doubt: match monotonic {
                 true => doubt,
                 false => doubt.min(DOUBT_WITHOUT_ORDER),
@@ -265,30 +266,30 @@ fn active_coordinates(scenario: &Scenario) -> [bool; COORDINATES] {
 
 /// Inputs as standard normal variables.
 fn place_of(departure: &Departure) -> [f64; COORDINATES] {
-    std::array::from_fn(|index| normal::quantile(departure.levels[FIRST_COORDINATE + index]))
+    std::array::from_fn(|index| normal::quantile(departure.quantiles[FIRST_COORDINATE + index]))
 }
 
 impl Design {
-    /// Bisects for the critical speed of each severity.
+    /// Bisects for the critical speed of each action.
     fn new(departure: &Departure, range: [f64; 2], limit_state: &impl LimitState) -> Self {
         let mut responses = 0;
         let mut determined = true;
         let at_speed = limit_state.at_speeds(departure);
-        let mut severity = |logarithm: f64| {
+        let mut action = |logarithm: f64| {
             responses += 1;
             at_speed(libm::exp(logarithm)).unwrap_or_else(|| {
                 determined = false;
-                Severity::Evacuate
+                Action::Evacuate
             })
         };
-        // More than the ends, to notice a severity that falls with the speed.
+        // More than the ends, to notice an action that falls with the speed.
         let [low, high] = range;
-        let mut known: Vec<(f64, Severity)> = (0..5)
+        let mut known: Vec<(f64, Action)> = (0..5)
             .map(|it| low + (high - low) * f64::from(it) / 4.0)
-            .map(|logarithm| (logarithm, severity(logarithm)))
+            .map(|logarithm| (logarithm, action(logarithm)))
             .collect();
         let mut critical = [f64::INFINITY; LEVELS - 1];
-        for (index, sought) in SEVERITIES.into_iter().enumerate() {
+        for (index, sought) in ACTIONS.into_iter().enumerate() {
             loop {
                 let first = known.iter().position(|(_, found)| *found >= sought);
                 let Some(first) = first else { break };
@@ -302,14 +303,14 @@ impl Design {
                     critical[index] = middle;
                     break;
                 }
-                known.insert(first, (middle, severity(middle)));
+                known.insert(first, (middle, action(middle)));
             }
         }
         Self {
             place: place_of(departure),
             critical,
             left: [0.0; LEVELS - 1],
-            monotonic: determined && known.is_sorted_by_key(|(_, severity)| *severity),
+            monotonic: determined && known.is_sorted_by_key(|(_, action)| *action),
             responses,
         }
     }
@@ -317,14 +318,13 @@ impl Design {
 
 impl ClassSurface {
     /// Fits the trends, and scales the deviations so that of the designs, each predicted from the others, as many are within
-    /// one as of a normal law.
+    /// one as of a normal distribution.
     fn calibrated(mut designs: Vec<Design>, range: [f64; 2], active: &[bool; COORDINATES]) -> Self {
-        let trends = std::array::from_fn(|severity| trend(&designs, severity, active));
+        let trends = std::array::from_fn(|action| trend(&designs, action, active));
         for design in &mut designs {
             let terms = terms(&design.place, active);
-            design.left = std::array::from_fn(|severity| {
-                clamped(design.critical[severity], range)
-                    - trend_at(&trends[severity], &terms, range)
+            design.left = std::array::from_fn(|action| {
+                clamped(design.critical[action], range) - trend_at(&trends[action], &terms, range)
             });
         }
         let mut surface = Self {
@@ -405,9 +405,9 @@ impl ClassSurface {
         let terms = terms(place, active);
         let factor = NormalEquations::new(rows.iter().map(|(weight, row, _)| (*weight, *row)));
         let mut critical = [Interpolated::default(); LEVELS - 1];
-        for (severity, it) in critical.iter_mut().enumerate() {
-            let first = rows[0].2.critical[severity];
-            if first.is_infinite() && rows.iter().all(|row| row.2.critical[severity] == first) {
+        for (action, it) in critical.iter_mut().enumerate() {
+            let first = rows[0].2.critical[action];
+            if first.is_infinite() && rows.iter().all(|row| row.2.critical[action] == first) {
                 *it = Interpolated {
                     value: first,
                     // Any: the distance from it is infinite.
@@ -415,7 +415,7 @@ impl ClassSurface {
                 };
                 continue;
             }
-            let values: [f64; NEIGHBOURS] = std::array::from_fn(|row| rows[row].2.left[severity]);
+            let values: [f64; NEIGHBOURS] = std::array::from_fn(|row| rows[row].2.left[action]);
             let observed = || {
                 let rows = rows.iter().map(|(weight, row, _)| (*weight, *row));
                 rows.zip(values)
@@ -431,7 +431,7 @@ impl ClassSurface {
             let freedom = (NEIGHBOURS - UNKNOWNS) as f64 / NEIGHBOURS as f64;
             let deviation = (squares / (factor.weight * freedom)).sqrt();
             *it = Interpolated {
-                value: trend_at(&self.trends[severity], &terms, self.range) + solution[0],
+                value: trend_at(&self.trends[action], &terms, self.range) + solution[0],
                 deviation: deviation.max(LEAST_DEVIATION),
             };
         }
@@ -443,16 +443,11 @@ impl ClassSurface {
 }
 
 /// The quadratic function through the critical speeds that lie in the range; `None` where they are too few.
-fn trend(designs: &[Design], severity: usize, active: &[bool; COORDINATES]) -> Option<Trend> {
+fn trend(designs: &[Design], action: usize, active: &[bool; COORDINATES]) -> Option<Trend> {
     let known: Vec<((f64, Trend), f64)> = designs
         .iter()
-        .filter(|design| design.critical[severity].is_finite())
-        .map(|design| {
-            (
-                (1.0, terms(&design.place, active)),
-                design.critical[severity],
-            )
-        })
+        .filter(|design| design.critical[action].is_finite())
+        .map(|design| ((1.0, terms(&design.place, active)), design.critical[action]))
         .collect();
     (known.len() >= DESIGNS_PER_TERM * TERMS)
         .then(|| NormalEquations::new(known.iter().map(|(row, _)| *row)).solve(known.into_iter()))

@@ -53,7 +53,7 @@ pub struct Departure {
     /// Speed at the column \[m/s\]; 0 if the vehicle stops before it.
     pub velocity: f64,
     /// The uniform random numbers of the inputs: the share of vehicles with a smaller value of each.
-    pub levels: [f64; INPUTS],
+    pub quantiles: [f64; INPUTS],
     /// A random number that belongs to no input, for choices of the estimator.
     pub(super) choice: f64,
     /// Points that were drawn until a vehicle reached the column.
@@ -134,7 +134,7 @@ impl DepartureSampler {
             distance: 0.5,
             angle: 0.5,
         });
-        let levels = [
+        let quantiles = [
             class,
             course.speed,
             course.angle,
@@ -145,7 +145,8 @@ impl DepartureSampler {
             yielding,
             load,
         ];
-        let mut departure = self.of_levels(index, class_at(&self.scenario, class), levels, choice);
+        let mut departure =
+            self.of_quantiles(index, class_at(&self.scenario, class), quantiles, choice);
         departure.points = points;
         if reached {
             departure.velocity = departure.speed_at_column();
@@ -153,19 +154,25 @@ impl DepartureSampler {
         departure
     }
 
-    /// A vehicle of this class, without a speed; `levels` changes the levels of its inputs.
+    /// A vehicle of this class, without a speed; `quantiles` changes the quantiles of its inputs.
     pub(super) fn of_class(
         &self,
         index: u64,
         class: usize,
-        levels: impl Fn(f64) -> f64,
+        quantiles: impl Fn(f64) -> f64,
     ) -> Departure {
         let mut numbers = self.streams.numbers(index);
-        let levels = std::array::from_fn(|_| levels(numbers.next()));
-        self.of_levels(index, class, levels, numbers.next())
+        let quantiles = std::array::from_fn(|_| quantiles(numbers.next()));
+        self.of_quantiles(index, class, quantiles, numbers.next())
     }
 
-    fn of_levels(&self, index: u64, class: usize, levels: [f64; INPUTS], choice: f64) -> Departure {
+    fn of_quantiles(
+        &self,
+        index: u64,
+        class: usize,
+        quantiles: [f64; INPUTS],
+        choice: f64,
+    ) -> Departure {
         let [
             _,
             speed,
@@ -176,7 +183,7 @@ impl DepartureSampler {
             force,
             yielding,
             load,
-        ] = levels;
+        ] = quantiles;
         let scenario = &self.scenario;
         let vehicle = &scenario.classes[class];
         Departure {
@@ -194,18 +201,18 @@ impl DepartureSampler {
                 .quantile(yielding),
             load_factor: scenario.top_load_factor.distribution.quantile(load),
             velocity: 0.0,
-            levels,
+            quantiles,
             choice,
             points: 0,
         }
     }
 }
 
-fn class_at(scenario: &Scenario, level: f64) -> usize {
+fn class_at(scenario: &Scenario, quantile: f64) -> usize {
     let mut below = 0.0;
     for (index, class) in scenario.classes.iter().enumerate() {
         below += class.share;
-        if level < below {
+        if quantile < below {
             return index;
         }
     }

@@ -1,4 +1,4 @@
-//! The laws of the inputs: quantiles, moments, limits.
+//! The distributions of the inputs: quantiles, moments, limits.
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 use std::fmt;
@@ -7,7 +7,7 @@ use libm::{erf, exp, expm1, log, log1p};
 
 use super::normal;
 
-/// A law with one number of each kind, before it is cut.
+/// A distribution with one number of each kind, before it is cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Family {
     Fixed(f64),
@@ -34,7 +34,7 @@ enum Family {
 pub struct Distribution {
     family: Family,
     limits: [f64; 2],
-    /// Probabilities of the law before it is cut, below its lower and below its upper limit.
+    /// Probabilities of the distribution before it is cut, below its lower and below its upper limit.
     between: [f64; 2],
 }
 
@@ -43,7 +43,7 @@ pub struct Distribution {
 pub struct DistributionFault {
     /// Which number.
     pub number: &'static str,
-    /// Its value, or the law.
+    /// Its value, or the distribution.
     pub found: String,
     /// What is expected instead.
     pub expected: String,
@@ -63,7 +63,7 @@ impl Distribution {
         })
     }
 
-    /// The normal law with mean and standard deviation, cut at the limits (infinite: none).
+    /// The normal distribution with mean and standard deviation, cut at the limits (infinite: none).
     ///
     /// # Errors
     /// A standard deviation that is not positive, limits in the wrong order or that leave next to nothing.
@@ -73,7 +73,7 @@ impl Distribution {
         Self::cut(Family::Normal { mean, deviation }, limits)
     }
 
-    /// The lognormal law with mean and standard deviation of the variable itself, cut at the limits.
+    /// The lognormal distribution with mean and standard deviation of the variable itself, cut at the limits.
     ///
     /// # Errors
     /// As [`normal`](Self::normal), and a mean that is not positive.
@@ -92,7 +92,7 @@ impl Distribution {
         Self::cut(family, limits)
     }
 
-    /// The Rayleigh law with this mean, cut at the limits. It has one parameter: its standard deviation is 0.5227 times its
+    /// The Rayleigh distribution with this mean, cut at the limits. It has one parameter: its standard deviation is 0.5227 times its
     /// mean.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ impl Distribution {
         Self::cut(Family::Rayleigh { scale }, limits)
     }
 
-    /// The uniform law between two limits.
+    /// The uniform distribution between two limits.
     ///
     /// # Errors
     /// Limits that are not finite or in the wrong order.
@@ -124,12 +124,12 @@ impl Distribution {
             });
         }
         let between = limits.map(|limit| family.probability(limit));
-        // Inside the limits the quantile needs more of the law than rounding leaves of a far tail.
+        // Inside the limits the quantile needs more of the distribution than rounding leaves of a far tail.
         if between[1] - between[0] < 1e-6 {
             return Err(DistributionFault {
                 number: "min",
                 found: format!("{lower} to {upper}"),
-                expected: "limits that leave at least a millionth of the law".to_owned(),
+                expected: "limits that leave at least a millionth of the distribution".to_owned(),
             });
         }
         Ok(Self {
@@ -139,7 +139,7 @@ impl Distribution {
         })
     }
 
-    /// The same law, cut at these limits, too. They must leave at least a millionth of it.
+    /// The same distribution, cut at these limits, too. They must leave at least a millionth of it.
     pub(super) fn within(self, limits: [f64; 2]) -> Result<Self, DistributionFault> {
         match self.family {
             Family::Fixed(_) => Ok(self),
@@ -194,7 +194,7 @@ impl Distribution {
         1.0 - self.probability(x)
     }
 
-    /// The mean of the law as cut.
+    /// The mean of the distribution as cut.
     #[must_use]
     pub fn mean(&self) -> f64 {
         let [below, above] = self.between;
@@ -284,7 +284,7 @@ fn check(
     }
 }
 
-/// The law in words, such as `lognormal, mean 10, sd 5, from 0 to 216`.
+/// The distribution in words, such as `lognormal, mean 10, sd 5, from 0 to 216`.
 impl fmt::Display for Distribution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = |x: f64| {
@@ -335,7 +335,7 @@ mod tests {
     const NO_LIMITS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
     /// Mean and variance by Gauss-Legendre quadrature of the quantile, on intervals that shrink towards both ends.
-    fn moments(law: &Distribution) -> (f64, f64) {
+    fn moments(distribution: &Distribution) -> (f64, f64) {
         const NODES: [(f64, f64); 3] = [
             (-0.774_596_669_241_483_4, 5.0 / 9.0),
             (0.0, 8.0 / 9.0),
@@ -348,7 +348,7 @@ mod tests {
         for pair in edges.windows(2) {
             let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
             for (node, weight) in NODES {
-                let x = law.quantile(middle + half * node);
+                let x = distribution.quantile(middle + half * node);
                 mean += weight * half * x;
                 square += weight * half * x * x;
             }
@@ -359,69 +359,74 @@ mod tests {
     #[test]
     fn moments_of_the_uncut_laws_are_those_of_the_textbook() {
         let half_normal = (2.0 / std::f64::consts::PI).sqrt();
-        for (law, mean, deviation) in [
+        for (distribution, mean, deviation) in [
             (Distribution::normal(3.0, 2.0, NO_LIMITS), 3.0, 2.0),
             (Distribution::lognormal(80.0, 10.0, NO_LIMITS), 80.0, 10.0),
             (Distribution::lognormal(10.0, 5.0, NO_LIMITS), 10.0, 5.0),
             (Distribution::lognormal(4.0, 1.3, NO_LIMITS), 4.0, 1.3),
-            // sd of a Rayleigh law: sqrt(4/pi - 1) of its mean.
+            // sd of a Rayleigh distribution: sqrt(4/pi - 1) of its mean.
             (
                 Distribution::rayleigh(10.0, NO_LIMITS),
                 10.0,
                 10.0 * (4.0 / std::f64::consts::PI - 1.0).sqrt(),
             ),
             (Distribution::uniform([1.0, 4.0]), 2.5, 3.0 / 12_f64.sqrt()),
-            // Half of a normal law.
+            // Half of a normal distribution.
             (
                 Distribution::normal(0.0, 1.0, [0.0, f64::INFINITY]),
                 half_normal,
                 (1.0 - half_normal * half_normal).sqrt(),
             ),
         ] {
-            let law = law.unwrap();
-            let (found_mean, found_variance) = moments(&law);
+            let distribution = distribution.unwrap();
+            let (found_mean, found_variance) = moments(&distribution);
             assert!(
                 (found_mean - mean).abs() < 2e-4 * deviation,
-                "{law}: {found_mean}"
+                "{distribution}: {found_mean}"
             );
             assert!(
                 (found_variance.sqrt() / deviation - 1.0).abs() < 2e-3,
-                "{law}: {found_variance}"
+                "{distribution}: {found_variance}"
             );
             assert!(
-                (law.mean() - mean).abs() < 1e-12 * mean.abs().max(1.0),
-                "{law}: {}",
-                law.mean()
+                (distribution.mean() - mean).abs() < 1e-12 * mean.abs().max(1.0),
+                "{distribution}: {}",
+                distribution.mean()
             );
         }
     }
 
     #[test]
     fn the_mean_of_a_cut_law_is_the_integral_of_its_quantile() {
-        for law in [
+        for distribution in [
             Distribution::normal(20e3, 12e3, [12e3, 26e3]),
             Distribution::lognormal(15.0, 6.0, [5.0, 20.0]),
             Distribution::rayleigh(10.0, [2.0, 15.0]),
         ] {
-            let law = law.unwrap();
-            let (mean, _) = moments(&law);
+            let distribution = distribution.unwrap();
+            let (mean, _) = moments(&distribution);
             assert!(
-                (law.mean() / mean - 1.0).abs() < 1e-6,
-                "{law}: {} {mean}",
-                law.mean()
+                (distribution.mean() / mean - 1.0).abs() < 1e-6,
+                "{distribution}: {} {mean}",
+                distribution.mean()
             );
-            let [lower, upper] = law.limits();
+            let [lower, upper] = distribution.limits();
             for p in [0.0, 0.01, 0.3, 0.5, 0.9, 1.0] {
-                let x = law.quantile(p);
+                let x = distribution.quantile(p);
                 assert!((lower..=upper).contains(&x));
-                assert!((law.probability(x) - p).abs() < 1e-12, "{law}: {p}");
+                assert!(
+                    (distribution.probability(x) - p).abs() < 1e-12,
+                    "{distribution}: {p}"
+                );
             }
         }
     }
 
     #[test]
     fn numbers_that_make_no_law_are_named() {
-        let number = |law: Result<Distribution, DistributionFault>| law.unwrap_err().number;
+        let number = |distribution: Result<Distribution, DistributionFault>| {
+            distribution.unwrap_err().number
+        };
         assert_eq!(number(Distribution::normal(1.0, -1.0, NO_LIMITS)), "sd");
         assert_eq!(
             number(Distribution::normal(f64::NAN, 1.0, NO_LIMITS)),
@@ -437,14 +442,17 @@ mod tests {
         let empty = Distribution::normal(0.0, 1.0, [9.0, 10.0]).unwrap_err();
         assert_eq!(
             empty.expected,
-            "limits that leave at least a millionth of the law"
+            "limits that leave at least a millionth of the distribution"
         );
     }
 
     #[test]
     fn laws_in_words() {
-        let law = Distribution::lognormal(10.0, 5.0, [f64::NEG_INFINITY, 60.0]).unwrap();
-        assert_eq!(law.to_string(), "lognormal, mean 10, sd 5, at most 60");
+        let distribution = Distribution::lognormal(10.0, 5.0, [f64::NEG_INFINITY, 60.0]).unwrap();
+        assert_eq!(
+            distribution.to_string(),
+            "lognormal, mean 10, sd 5, at most 60"
+        );
         assert_eq!(Distribution::fixed(3.0).unwrap().to_string(), "3");
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::normal;
 use super::tally::{Cell, LEVELS};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
 /// A probability with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -55,19 +55,19 @@ pub(super) fn wilson(events: u64, trials: u64, z: f64) -> Estimate {
 }
 
 impl Cell {
-    /// Probability of this severity or a higher one.
+    /// Probability of this action or a higher one.
     ///
     /// The share of samples that reach it, a prediction taken for the truth, plus the share of predictions that are too low,
-    /// minus the share of those that are too high; the control samples of each class of doubt measure both. Each of these
+    /// minus the share of those that are too high; the audit samples of each class of doubt measure both. Each of these
     /// shares has a Wilson interval. Their sum has the interval of Zou and Donner (2008, "MOVER"): its distances from the
     /// estimate are the root of the sum of squares of theirs.
-    pub(super) fn at_least(&self, severity: Severity, z: f64) -> Estimate {
-        self.at_least_of(self.impacts(), severity, z)
+    pub(super) fn at_least(&self, action: Action, z: f64) -> Estimate {
+        self.at_least_of(self.impacts(), action, z)
     }
 
     /// The same as a share of `all` impacts, to which those of the cell belong.
-    pub(super) fn at_least_of(&self, all: u64, severity: Severity, z: f64) -> Estimate {
-        let from = severity as usize;
+    pub(super) fn at_least_of(&self, all: u64, action: Action, z: f64) -> Estimate {
+        let from = action as usize;
         if all == 0 {
             return Estimate {
                 value: 0.0,
@@ -84,12 +84,15 @@ impl Cell {
             (plain.high - plain.value).powi(2),
         );
         for of_doubt in &self.predicted {
-            // Predictions on one side of the severity, of which the controls on the other side are wrong.
+            // Predictions on one side of the action, of which the audit samples on the other side are wrong.
             let correction = |own: std::ops::Range<usize>, other: std::ops::Range<usize>| {
                 let predicted: u64 = of_doubt.all[own.clone()].iter().sum();
-                let controls = &of_doubt.control[own];
-                let checked: u64 = controls.iter().flatten().sum();
-                let wrong: u64 = controls.iter().flat_map(|row| &row[other.clone()]).sum();
+                let audit_samples = &of_doubt.audited[own];
+                let checked: u64 = audit_samples.iter().flatten().sum();
+                let wrong: u64 = audit_samples
+                    .iter()
+                    .flat_map(|row| &row[other.clone()])
+                    .sum();
                 wilson(wrong, checked, z).times(predicted as f64 / all as f64)
             };
             let missed = correction(0..from, from..LEVELS);
@@ -179,35 +182,35 @@ mod tests {
     fn no_event_is_no_probability_of_zero() {
         let mut cell = Cell::default();
         cell.computed[0] = 1000;
-        let estimate = cell.at_least(Severity::Prop, deviations(0.9));
+        let estimate = cell.at_least(Action::Shore, deviations(0.9));
         assert_eq!((estimate.value, estimate.low), (0.0, 0.0));
         // The rule of three gives 3 of 1000 for a one-sided bound of 95 %.
         assert!((estimate.high - 2.7e-3).abs() < 1e-4, "{estimate:?}");
-        let none = Cell::default().at_least(Severity::Prop, 2.0);
+        let none = Cell::default().at_least(Action::Shore, 2.0);
         assert_eq!((none.low, none.high), (0.0, 1.0));
     }
 
-    /// Wrong predictions that the controls find correct the estimate; predictions without a control widen the interval to all
+    /// Wrong predictions that the audit samples find correct the estimate; predictions without an audit sample widen the interval to all
     /// of them.
     #[test]
     fn controls_correct_predictions() {
         let mut cell = Cell::default();
         cell.predicted[2].all = [9000, 0, 0, 0, 1000];
         let z = deviations(0.95);
-        let unchecked = cell.at_least(Severity::Evacuate, z);
+        let unchecked = cell.at_least(Action::Evacuate, z);
         assert_eq!((unchecked.value, unchecked.high), (0.1, 1.0));
         assert_eq!(unchecked.low, 0.0);
-        cell.predicted[2].control[0][0] = 450;
-        cell.predicted[2].control[0][4] = 0;
-        cell.predicted[2].control[4][4] = 50;
-        let right = cell.at_least(Severity::Evacuate, z);
+        cell.predicted[2].audited[0][0] = 450;
+        cell.predicted[2].audited[0][4] = 0;
+        cell.predicted[2].audited[4][4] = 50;
+        let right = cell.at_least(Action::Evacuate, z);
         assert!(
             right.value == 0.1 && right.low > 0.08 && right.high < 0.11,
             "{right:?}"
         );
-        cell.predicted[2].control[0][0] = 441;
-        cell.predicted[2].control[0][4] = 9;
-        let corrected = cell.at_least(Severity::Evacuate, z);
+        cell.predicted[2].audited[0][0] = 441;
+        cell.predicted[2].audited[0][4] = 9;
+        let corrected = cell.at_least(Action::Evacuate, z);
         assert!((corrected.value - (0.1 + 0.9 * 9.0 / 450.0)).abs() < 1e-12);
         assert!(corrected.high > right.high);
     }

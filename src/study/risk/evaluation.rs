@@ -1,21 +1,21 @@
-//! The severity of a sample, by the response of the column.
+//! The action of a sample, by the response of the column.
 
 use super::departure::Departure;
 use super::scenario::Scenario;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::column::{Impact, VehicleError};
 use crate::parameters::{ParameterFaults, Parameters, Value};
-use crate::study::{Screening, StudyColumn, StudyError};
+use crate::study::{Evaluation, StudyColumn, StudyError};
 
 /// What decides how severe a vehicle's impact is. A study asks it for every sample that it does not skip.
 pub trait LimitState: Sync {
-    /// The severity of this vehicle's impact; `None` if it cannot be computed.
-    fn severity(&self, departure: &Departure) -> Option<Severity>;
+    /// The action of this vehicle's impact; `None` if it cannot be computed.
+    fn action(&self, departure: &Departure) -> Option<Action>;
 
-    /// The severity of the same impact at any speed \[m/s\].
-    fn at_speeds<'a>(&'a self, departure: &'a Departure) -> SeverityAtSpeed<'a> {
+    /// The action of the same impact at any speed \[m/s\].
+    fn at_speeds<'a>(&'a self, departure: &'a Departure) -> ActionAtSpeed<'a> {
         Box::new(move |speed| {
-            self.severity(&Departure {
+            self.action(&Departure {
                 velocity: speed,
                 ..*departure
             })
@@ -23,8 +23,8 @@ pub trait LimitState: Sync {
     }
 }
 
-/// The severity of an impact as a function of its speed \[m/s\]; `None` where it cannot be computed.
-pub type SeverityAtSpeed<'a> = Box<dyn Fn(f64) -> Option<Severity> + 'a>;
+/// The action of an impact as a function of its speed \[m/s\]; `None` where it cannot be computed.
+pub type ActionAtSpeed<'a> = Box<dyn Fn(f64) -> Option<Action> + 'a>;
 
 /// The column of a risk study: for every class of vehicles, struck where that class strikes.
 #[derive(Debug, Clone)]
@@ -95,7 +95,7 @@ impl RiskColumn {
                 };
                 Ok(ClassColumn {
                     vehicle: class.vehicle,
-                    nominal: StudyColumn::virgin(&parameters)?,
+                    nominal: StudyColumn::undamaged(&parameters)?,
                 })
             })
             .collect();
@@ -136,7 +136,7 @@ impl RiskColumn {
         }
         let column = match changes.is_empty() {
             true => class.nominal.clone(),
-            false => StudyColumn::virgin(&class.nominal.parameters().with_changes(changes)?)?,
+            false => StudyColumn::undamaged(&class.nominal.parameters().with_changes(changes)?)?,
         };
         let mut impact = column.impact(
             Some(class.vehicle),
@@ -153,20 +153,20 @@ impl RiskColumn {
     ///
     /// # Errors
     /// Numbers that are out of range, or a response that does not converge.
-    pub fn screen(&self, departure: &Departure) -> Result<Screening, RiskError> {
+    pub fn evaluate(&self, departure: &Departure) -> Result<Evaluation, RiskError> {
         let (column, impact) = self.sample(departure)?;
-        Ok(column.screen(&impact)?)
+        Ok(column.evaluate(&impact)?)
     }
 }
 
 impl LimitState for RiskColumn {
-    fn severity(&self, departure: &Departure) -> Option<Severity> {
+    fn action(&self, departure: &Departure) -> Option<Action> {
         let (column, impact) = self.sample(departure).ok()?;
-        column.severity(&impact).ok()
+        column.action(&impact).ok()
     }
 
     /// With one column for all speeds.
-    fn at_speeds<'a>(&'a self, departure: &'a Departure) -> SeverityAtSpeed<'a> {
+    fn at_speeds<'a>(&'a self, departure: &'a Departure) -> ActionAtSpeed<'a> {
         let sample = self.sample(&Departure {
             velocity: 1.0,
             ..*departure
@@ -177,7 +177,7 @@ impl LimitState for RiskColumn {
                 velocity: speed,
                 ..*impact
             };
-            column.severity(&impact).ok()
+            column.action(&impact).ok()
         })
     }
 }

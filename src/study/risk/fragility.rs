@@ -1,38 +1,38 @@
-//! Fragility curves: the probability of a severity as a function of the speed at the column.
+//! Fragility curves: the probability of an action as a function of the speed at the column.
 
 use serde::Serialize;
 
 use super::estimate::Estimate;
 use super::normal;
 use super::tally::{Cell, SPEED_BINS, Tally, sum};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
 /// Most iterations of a fit.
 const MAX_ITERATIONS: usize = 60;
-/// Fewest samples with a severity, and without it, from which a curve is fitted.
+/// Fewest samples with an action, and without it, from which a curve is fitted.
 const FEWEST_EVENTS: f64 = 5.0;
 /// Largest standard error of the logarithm of a median: a speed that may as well be a quarter higher or lower helps nobody.
 const LARGEST_MEDIAN_ERROR: f64 = 0.25;
 
-/// The probability of a severity or a higher one as a function of the speed at the column.
+/// The probability of an action or a higher one as a function of the speed at the column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FragilityCurve {
     /// Vehicle of one class; `None`: the whole traffic.
     pub vehicle: Option<&'static str>,
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
+    /// The action that is reached or exceeded.
+    pub action: Action,
     /// By interval of the speed, slowest first.
     pub points: Vec<FragilityPoint>,
     /// The lognormal curve through them; `None` where they do not determine one.
     pub fit: Option<LognormalFit>,
     /// Why there is none.
-    pub refused: Option<Refused>,
+    pub rejected: Option<Rejected>,
 }
 
-/// Why the samples of a severity have no fragility curve.
+/// Why the samples of an action have no fragility curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
-pub enum Refused {
+pub enum Rejected {
     /// Too few samples on one of its sides.
     #[error("fewer than {FEWEST_EVENTS} samples with it or without it")]
     TooFew,
@@ -91,7 +91,7 @@ impl LognormalFit {
 
     /// Probit regression on the logarithm of the speed: Fisher scoring from a given start. Each row has a speed, a number of
     /// trials and the share of events among them.
-    fn new(rows: &[(f64, f64, f64)]) -> Result<Self, Refused> {
+    fn new(rows: &[(f64, f64, f64)]) -> Result<Self, Rejected> {
         let events: f64 = rows.iter().map(|(_, n, p)| n * p).sum();
         let trials: f64 = rows.iter().map(|(_, n, _)| n).sum();
         // Without events on both sides, or in one interval only, there is no maximum.
@@ -100,16 +100,16 @@ impl LognormalFit {
             .filter(|(_, n, p)| *n > 0.0 && *p > 0.0 && *p < 1.0)
             .count();
         if events < FEWEST_EVENTS || trials - events < FEWEST_EVENTS {
-            return Err(Refused::TooFew);
+            return Err(Rejected::TooFew);
         }
         if mixed < 2 {
-            return Err(Refused::Undetermined);
+            return Err(Rejected::Undetermined);
         }
         let half = rows
             .iter()
             .find(|(_, n, p)| *n > 0.0 && *p >= 0.5)
             .or(rows.last())
-            .ok_or(Refused::Undetermined)?;
+            .ok_or(Rejected::Undetermined)?;
         let (mut a, mut b) = (-4.0 * libm::log(half.0), 4.0);
         let mut information = [0.0; 3];
         for _ in 0..MAX_ITERATIONS {
@@ -132,7 +132,7 @@ impl LognormalFit {
             let [i00, i01, i11] = information;
             let determinant = i00 * i11 - i01 * i01;
             if !(determinant.is_finite() && determinant > 1e-12 * i00 * i11) {
-                return Err(Refused::Undetermined);
+                return Err(Rejected::Undetermined);
             }
             let step = [
                 (i11 * score[0] - i01 * score[1]) / determinant,
@@ -143,7 +143,7 @@ impl LognormalFit {
             a += step[0] / length;
             b += step[1] / length;
             if !(a.is_finite() && b > 1e-3) {
-                return Err(Refused::Undetermined);
+                return Err(Rejected::Undetermined);
             }
             if step[1].abs() < 1e-9 * b && step[0].abs() < 1e-9 * (1.0 + a.abs()) {
                 break;
@@ -164,30 +164,30 @@ impl LognormalFit {
     }
 
     /// The fit, if its median lies among the speeds of the samples and is known well enough.
-    fn usable(self, points: &[FragilityPoint]) -> Result<Self, Refused> {
+    fn usable(self, points: &[FragilityPoint]) -> Result<Self, Rejected> {
         let mut sampled = points.iter().filter(|point| point.samples > 0);
-        let first = sampled.next().ok_or(Refused::TooFew)?;
+        let first = sampled.next().ok_or(Rejected::TooFew)?;
         let (from, to) = (
             first.speed[0],
             sampled.next_back().unwrap_or(first).speed[1],
         );
         if !(from..=to).contains(&self.median) {
-            return Err(Refused::OutsideSamples { from, to });
+            return Err(Rejected::OutsideSamples { from, to });
         }
         match self.median_error <= LARGEST_MEDIAN_ERROR {
             true => Ok(self),
-            false => Err(Refused::Uncertain {
+            false => Err(Rejected::Uncertain {
                 error: self.median_error,
             }),
         }
     }
 }
 
-/// The curve of a severity, of one class or of the whole traffic.
+/// The curve of an action, of one class or of the whole traffic.
 pub(super) fn curve(
     tally: &Tally,
     class: Option<(usize, &'static str)>,
-    severity: Severity,
+    action: Action,
     z: f64,
 ) -> FragilityCurve {
     let width = tally.greatest_speed / SPEED_BINS as f64;
@@ -203,7 +203,7 @@ pub(super) fn curve(
         .map(|(bin, cell)| FragilityPoint {
             speed: [bin as f64 * width, (bin + 1) as f64 * width],
             samples: cell.impacts(),
-            probability: (cell.impacts() > 0).then(|| cell.at_least(severity, z)),
+            probability: (cell.impacts() > 0).then(|| cell.at_least(action, z)),
         })
         .collect();
     let rows: Vec<_> = points
@@ -216,10 +216,10 @@ pub(super) fn curve(
     let fit = LognormalFit::new(&rows).and_then(|fit| fit.usable(&points));
     FragilityCurve {
         vehicle: class.map(|(_, vehicle)| vehicle),
-        severity,
+        action,
         points,
         fit: fit.ok(),
-        refused: fit.err(),
+        rejected: fit.err(),
     }
 }
 
@@ -254,19 +254,19 @@ mod tests {
 
     #[test]
     fn what_does_not_determine_a_curve_has_no_fit() {
-        let refused = |rows: &[(f64, f64, f64)]| LognormalFit::new(rows).unwrap_err();
-        assert_eq!(refused(&[]), Refused::TooFew);
+        let rejected = |rows: &[(f64, f64, f64)]| LognormalFit::new(rows).unwrap_err();
+        assert_eq!(rejected(&[]), Rejected::TooFew);
         let none = [(1.0, 100.0, 0.0), (2.0, 100.0, 0.0)];
-        assert_eq!(refused(&none), Refused::TooFew);
+        assert_eq!(rejected(&none), Rejected::TooFew);
         let step = [(1.0, 100.0, 0.0), (2.0, 100.0, 1.0)];
-        assert_eq!(refused(&step), Refused::Undetermined);
-        assert_eq!(refused(&[(1.0, 100.0, 0.5)]), Refused::Undetermined);
+        assert_eq!(rejected(&step), Rejected::Undetermined);
+        assert_eq!(rejected(&[(1.0, 100.0, 0.5)]), Rejected::Undetermined);
     }
 
     /// The speeds of a true curve with a median of 11 m/s say nothing of it if they end at 6 m/s, and little if they are few
     /// and the curve is flat.
     #[test]
-    fn a_median_outside_of_the_samples_is_refused_with_the_reason() {
+    fn a_median_outside_of_the_samples_is_rejected_with_the_reason() {
         let curve = |ends: std::ops::Range<u32>, samples: u64, dispersion: f64| {
             let truth = |speed: f64| normal::probability(libm::log(speed / 11.0) / dispersion);
             let points: Vec<_> = ends
@@ -287,14 +287,14 @@ mod tests {
         let found = curve(2..20, 1000, 0.5).expect("a curve");
         assert!((found.median - 11.0).abs() < 1e-3, "{found:?}");
         let outside = curve(2..6, 1000, 0.5).unwrap_err();
-        assert_eq!(outside, Refused::OutsideSamples { from: 2.0, to: 6.0 });
+        assert_eq!(outside, Rejected::OutsideSamples { from: 2.0, to: 6.0 });
         assert_eq!(
             outside.to_string(),
             "the samples, 2.0 to 6.0 m/s fast, do not reach a probability of 50 %"
         );
         let few = curve(5..13, 10, 2.0).unwrap_err();
         assert!(
-            matches!(few, Refused::Uncertain { error } if error > 0.25),
+            matches!(few, Rejected::Uncertain { error } if error > 0.25),
             "{few:?}"
         );
     }

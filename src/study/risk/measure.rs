@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use super::law::Wrong;
+use super::input::Wrong;
 use crate::parameters::{CatalogueSection, ParameterFaults, Parameters, Provenance};
 use crate::study::axis::{self, AxisValue, MapQuantity};
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::estimate::Estimate;
 use super::measure::{Measure, MeasureEffect};
 use super::result::RiskResult;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::parameters::readable;
 
 /// The annual probability with a measure beside that without it.
@@ -18,8 +18,8 @@ pub struct MeasureRisk {
     pub section: Option<String>,
     /// Probability of at least one impact in a year.
     pub impact: Estimate,
-    /// By severity that is reached or exceeded.
-    pub severities: Vec<MeasureSeverity>,
+    /// By action that is reached or exceeded.
+    pub actions: Vec<MeasureAction>,
 }
 
 impl MeasureRisk {
@@ -49,11 +49,11 @@ impl MeasureRisk {
     }
 }
 
-/// The annual probability of a severity or a higher one with a measure.
+/// The annual probability of an action or a higher one with a measure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MeasureSeverity {
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
+pub struct MeasureAction {
+    /// The action that is reached or exceeded.
+    pub action: Action,
     /// The probability with the measure.
     pub annual: Estimate,
     /// The same over that without it; `None` where that is 0.
@@ -69,9 +69,9 @@ impl MeasureRisk {
         without: &RiskResult,
         with: &RiskResult,
     ) -> Self {
-        let severities = without.annual.iter().zip(&with.annual);
-        let compared = severities.map(|(without, with)| MeasureSeverity {
-            severity: with.severity,
+        let actions = without.annual.iter().zip(&with.annual);
+        let compared = actions.map(|(without, with)| MeasureAction {
+            action: with.action,
             annual: with.annual,
             times: (without.annual.value > 0.0).then(|| with.annual.value / without.annual.value),
         });
@@ -79,7 +79,7 @@ impl MeasureRisk {
             measure: measure.clone(),
             section,
             impact: with.annual_impact(),
-            severities: compared.collect(),
+            actions: compared.collect(),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Tests of measures against hand calculations and an integral.
 
-use super::law::jcss_steel;
+use super::input::jcss_steel;
 use super::*;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::parameters::{Parameters, Value};
 use crate::study::Batch;
 
@@ -10,22 +10,22 @@ use crate::study::Batch;
 struct FromSixMetresPerSecond;
 
 impl LimitState for FromSixMetresPerSecond {
-    fn severity(&self, departure: &Departure) -> Option<Severity> {
+    fn action(&self, departure: &Departure) -> Option<Action> {
         Some(match departure.velocity > 6.0 {
-            true => Severity::Evacuate,
-            false => Severity::Inspect,
+            true => Action::Evacuate,
+            false => Action::Inspect,
         })
     }
 }
 
 /// A scenario with these measures.
-fn scenario(laws: &[&str], measures: &str) -> Scenario {
+fn scenario(distributions: &[&str], measures: &str) -> Scenario {
     let text = format!(
         r#"{{"scenarios": [{{"name": "x", "based_on": "urban", "measures": [{measures}]}}]}}"#
     );
     let mut scenario = Scenario::from_json("x.json", &text, "x").expect("a scenario");
-    for law in laws {
-        scenario.set("test", law).expect("a law");
+    for distribution in distributions {
+        scenario.set("test", distribution).expect("a distribution");
     }
     scenario
 }
@@ -44,7 +44,7 @@ fn result(scenario: &Scenario, measure: Option<&Measure>, samples: u64) -> RiskR
 }
 
 /// Without braking, a vehicle of 2000 kg that a bollard takes 64 kJ from keeps sqrt(v^2 - 64): one that hits the column at
-/// 6 m/s had 10 m/s. The share of faster ones is that of the lognormal law.
+/// 6 m/s had 10 m/s. The share of faster ones is that of the lognormal distribution.
 #[test]
 fn a_bollard_takes_its_energy_from_every_vehicle() {
     let bollard = r#"{"name": "bollard", "takes_energy_kj": 64}"#;
@@ -55,7 +55,7 @@ fn a_bollard_takes_its_energy_from_every_vehicle() {
     let measure = &scenario.measures[0];
     let faster = |speed: f64| 1.0 - scenario.speed.distribution.probability(3.6 * speed);
     let with = result(&scenario, Some(measure), 4000);
-    let evacuate = with.severities[3].given_departure;
+    let evacuate = with.actions[3].given_departure;
     assert!(
         evacuate.contains(faster(10.0)),
         "{evacuate:?}, {}",
@@ -66,7 +66,7 @@ fn a_bollard_takes_its_energy_from_every_vehicle() {
     let without = result(&scenario, None, 4000);
     let risk = MeasureRisk::new(measure, None, &without, &with);
     let expected = faster(10.0) / faster(6.0);
-    let found = risk.severities[3].times.expect("a ratio");
+    let found = risk.actions[3].times.expect("a ratio");
     assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
 }
 
@@ -76,8 +76,8 @@ fn a_guard_rail_holds_what_has_less_energy_across_it() {
     let rail = r#"{"name": "rail", "holds_lateral_energy_kj": 81.9}"#;
     for (speed, held) in [(109.8, true), (110.2, false)] {
         let speed = format!("speed_km_h=fixed:{speed}");
-        let laws = [&*speed, "angle_deg=fixed:20", "distance_m=fixed:0"];
-        let mut scenario = scenario(&laws, rail);
+        let distributions = [&*speed, "angle_deg=fixed:20", "distance_m=fixed:0"];
+        let mut scenario = scenario(&distributions, rail);
         for class in &mut scenario.classes {
             class.mass.distribution = Distribution::fixed(1500.0).expect("a mass");
         }
@@ -165,14 +165,15 @@ fn wrong_measures_are_rejected_with_what_is_expected() {
 #[test]
 fn the_yield_strength_is_that_of_the_model_code() {
     for (nominal, mean) in [(235.0, 241.02), (355.0, 374.30), (460.0, 490.93)] {
-        let law = jcss_steel(nominal * 1e6).expect("a law");
+        let distribution = jcss_steel(nominal * 1e6).expect("a distribution");
         assert!(
-            (law.mean() * nominal - mean).abs() < 0.02,
+            (distribution.mean() * nominal - mean).abs() < 0.02,
             "{nominal} {}",
-            law.mean()
+            distribution.mean()
         );
-        // A lognormal law with a coefficient of variation of 0.07: ln(84 % / 50 %) = sqrt(ln(1 + 0.07^2)).
-        let deviation = libm::log(law.quantile(0.841_344_746) / law.quantile(0.5));
+        // A lognormal distribution with a coefficient of variation of 0.07: ln(84 % / 50 %) = sqrt(ln(1 + 0.07^2)).
+        let deviation =
+            libm::log(distribution.quantile(0.841_344_746) / distribution.quantile(0.5));
         assert!((deviation - 0.069_914).abs() < 1e-5, "{deviation}");
     }
     let steel = [("steel.grade", Value::from("S235"))];
@@ -182,10 +183,10 @@ fn the_yield_strength_is_that_of_the_model_code() {
         .for_column(&steel);
     let mean = scenario.yield_strength_factor.distribution.mean();
     assert!((mean * 235.0 - 241.02).abs() < 0.02, "{mean}");
-    // A law of one's own stays.
+    // A distribution of one's own stays.
     let mut own = Scenario::shipped("urban").expect("shipped");
     own.set("test", "yield_strength_factor=fixed:1.2")
-        .expect("a law");
+        .expect("a distribution");
     assert_eq!(
         own.for_column(&steel)
             .yield_strength_factor
@@ -196,6 +197,6 @@ fn the_yield_strength_is_that_of_the_model_code() {
     let elsewhere = Scenario::shipped("urban")
         .expect("shipped")
         .set("test", "top_load_factor=jcss_steel");
-    let expected = "test: top_load_factor.law: found jcss_steel; expected another law: jcss_steel is that of yield_strength_factor";
+    let expected = "test: top_load_factor.distribution: found jcss_steel; expected another distribution: jcss_steel is that of yield_strength_factor";
     assert_eq!(elsewhere.unwrap_err().to_string(), expected);
 }

@@ -1,6 +1,6 @@
 //! Risk: how often does a vehicle damage the column, and how severely?
 //!
-//! Vehicles that leave the road and reach the column are drawn from the laws of a [`Scenario`] by a [`DepartureSampler`], and a
+//! Vehicles that leave the road and reach the column are drawn from the distributions of a [`Scenario`] by a [`DepartureSampler`], and a
 //! [`RiskColumn`] says
 //! how severe the impact of each is. A [`RiskStudy`] counts them in a [`Tally`], from which a [`RiskResult`] follows.
 //! `docs/risk.md` describes model, data and estimator.
@@ -24,7 +24,7 @@
 //! let exposure = Exposure::new(&scenario, 2000.0, 1.0);
 //! let result = RiskResult::new(&scenario, &tally, exposure, 0.95);
 //! assert_eq!(result.counts.samples, 20);
-//! assert!(result.severities[3].in_period.high < 1e-4);
+//! assert!(result.actions[3].in_period.high < 1e-4);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -34,7 +34,7 @@ mod distribution;
 mod estimate;
 mod evaluation;
 mod fragility;
-mod law;
+mod input;
 mod measure;
 mod measure_risk;
 #[cfg(test)]
@@ -59,17 +59,17 @@ pub use critical_speeds::CriticalSpeedSurface;
 pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS};
 pub use distribution::{Distribution, DistributionFault};
 pub use estimate::Estimate;
-pub use evaluation::{LimitState, RiskColumn, RiskError, SeverityAtSpeed};
-pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit, Refused};
-pub use law::Input;
+pub use evaluation::{ActionAtSpeed, LimitState, RiskColumn, RiskError};
+pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit, Rejected};
+pub use input::Input;
 pub use measure::{Measure, MeasureEffect, MeasureFault};
-pub use measure_risk::{MeasureRisk, MeasureSeverity};
+pub use measure_risk::{MeasureAction, MeasureRisk};
 pub use reach::LEAST_SPEED;
-pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
+pub use result::{ActionRisk, ClassRisk, Counts, RiskResult};
 pub use scenario::{
     MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
 };
-pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
+pub use sensitivity::{ActionSensitivity, Effect, VarianceShare};
 pub use study::{RiskStudy, StudyRunError};
 pub use tally::{Basis, CONTROL_SHARES, Prediction, RiskSample, Tally};
 pub use target::{AnnualRisk, Comparison, NOT_EVALUATED, NotEvaluated, Target};

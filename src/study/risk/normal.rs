@@ -1,4 +1,4 @@
-//! The standard normal law, with the same bits on every processor.
+//! The standard normal distribution, with the same bits on every processor.
 
 use libm::{erfc, exp, log};
 
@@ -7,7 +7,7 @@ pub(super) fn probability(x: f64) -> f64 {
     0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Density of the standard normal law.
+/// Density of the standard normal distribution.
 pub(super) fn density(x: f64) -> f64 {
     const ONE_OVER_SQRT_2_PI: f64 = 0.398_942_280_401_432_7;
     ONE_OVER_SQRT_2_PI * exp(-0.5 * x * x)

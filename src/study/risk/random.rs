@@ -86,7 +86,7 @@ mod tests {
         assert_eq!(bytes, [0x3e, 0x00, 0xef, 0x2f, 0x89, 0x5f, 0x40, 0xd6]);
     }
 
-    /// Mean and variance of a uniform law, and no correlation between neighbouring samples, within four standard errors.
+    /// Mean and variance of a uniform distribution, and no correlation between neighbouring samples, within four standard errors.
     #[test]
     fn the_numbers_are_uniform() {
         let streams = Streams::new(1, Purpose::Sample);

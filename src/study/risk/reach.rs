@@ -3,9 +3,9 @@
 //!
 //! In a car park two vehicles of a thousand reach a column at 3 m, and drawing all the others would be a waste. Given speed,
 //! deceleration and distance, a vehicle reaches the column where its angle exceeds `asin(2 a d / v0^2)`, which has a closed
-//! probability. It increases with the speed and falls with deceleration and distance, so that in a cell of their levels its
+//! probability. It increases with the speed and falls with deceleration and distance, so that in a cell of their quantiles its
 //! value at one corner is an upper bound. Drawing the cell in proportion to its bound, a point in it, and accepting the point
-//! with the probability at the point over the bound gives exactly the law of the vehicles that reach the column, whatever
+//! with the probability at the point over the bound gives exactly the distribution of the vehicles that reach the column, whatever
 //! the cells are; and the accepted share, times the sum of the bounds, is an unbiased estimate of how many reach it.
 
 use super::normal;
@@ -22,10 +22,10 @@ const MAX_POINTS: u64 = 10_000;
 /// Standard deviations that the cells divide evenly, on either side of the mean.
 const TAIL: f64 = 7.5;
 
-/// Cells of the levels of speed, deceleration and distance, with an upper bound of the probability of reaching the column.
+/// Cells of the quantiles of speed, deceleration and distance, with an upper bound of the probability of reaching the column.
 #[derive(Debug, Clone)]
 pub(super) struct Reach {
-    /// Bounds of the levels, for each of the three.
+    /// Bounds of the quantiles, for each of the three.
     edges: [Vec<f64>; 3],
     /// Set where a long search found no vehicle that reaches the column: only the bound is known then.
     pub out_of_reach: bool,
@@ -33,7 +33,7 @@ pub(super) struct Reach {
     sums: Vec<f64>,
 }
 
-/// Levels of the inputs that decide whether a vehicle reaches the column.
+/// Quantiles of the inputs that decide whether a vehicle reaches the column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Course {
     pub speed: f64,
@@ -52,7 +52,7 @@ impl Reach {
             true => [120, 60, 60],
         };
         let edges: [Vec<f64>; 3] =
-            std::array::from_fn(|input| levels(if scatters[input] { counts[input] } else { 1 }));
+            std::array::from_fn(|input| quantiles(if scatters[input] { counts[input] } else { 1 }));
         let mut sums = Vec::new();
         let mut sum = 0.0;
         for speed in edges[0].windows(2) {
@@ -103,17 +103,17 @@ impl Reach {
             ];
             let [low, high]: [[f64; 3]; 2] = [0, 1]
                 .map(|end| std::array::from_fn(|input| self.edges[input][place[input] + end]));
-            let levels: [f64; 3] = {
+            let quantiles: [f64; 3] = {
                 let within = [speed, deceleration, distance];
                 std::array::from_fn(|input| low[input] + within[input] * (high[input] - low[input]))
             };
             let bound = probability(scenario, [high[0], low[1], low[2]]);
-            let here = probability(scenario, levels);
+            let here = probability(scenario, quantiles);
             if accepted * bound < here {
                 let course = Course {
-                    speed: levels[0],
-                    deceleration: levels[1],
-                    distance: levels[2],
+                    speed: quantiles[0],
+                    deceleration: quantiles[1],
+                    distance: quantiles[2],
                     // Of the angles, one that is large enough.
                     angle: 1.0 - numbers.next() * here,
                 };
@@ -124,7 +124,7 @@ impl Reach {
     }
 }
 
-/// Probability that the angle is large enough, at these levels of speed, deceleration and distance.
+/// Probability that the angle is large enough, at these quantiles of speed, deceleration and distance.
 fn probability(scenario: &Scenario, [speed, deceleration, distance]: [f64; 3]) -> f64 {
     let speed = scenario.speed.distribution.quantile(speed) / 3.6;
     let deceleration = scenario.deceleration.distribution.quantile(deceleration);
@@ -135,7 +135,7 @@ fn probability(scenario: &Scenario, [speed, deceleration, distance]: [f64; 3]) -
     if energy <= 0.0 || work >= energy {
         return 0.0;
     }
-    // An infinite work over an infinite energy, at the ends of both laws, is bounded by 1.
+    // An infinite work over an infinite energy, at the ends of both distributions, is bounded by 1.
     let least_angle = if work > 0.0 && energy.is_finite() {
         libm::asin(work / energy)
     } else {
@@ -147,8 +147,8 @@ fn probability(scenario: &Scenario, [speed, deceleration, distance]: [f64; 3]) -
         .exceedance(least_angle.to_degrees())
 }
 
-/// Bounds of `count` intervals of a level, even in standard deviations of a normal variable.
-fn levels(count: usize) -> Vec<f64> {
+/// Bounds of `count` intervals of a quantile, even in standard deviations of a normal variable.
+fn quantiles(count: usize) -> Vec<f64> {
     let mut bounds: Vec<f64> = (0..=count)
         .map(|it| normal::probability(TAIL * (2.0 * it as f64 / count as f64 - 1.0)))
         .collect();

@@ -5,12 +5,12 @@ use serde::Serialize;
 use super::estimate::{Estimate, deviations, wilson};
 use super::fragility::{FragilityCurve, curve};
 use super::scenario::Scenario;
-use super::sensitivity::SeveritySensitivity;
+use super::sensitivity::ActionSensitivity;
 use super::tally::Tally;
 use super::target::{AnnualRisk, NOT_EVALUATED, NotEvaluated};
 use super::traffic::Exposure;
-use crate::assessment::Severity;
-use crate::study::SEVERITIES;
+use crate::assessment::Action;
+use crate::study::ACTIONS;
 
 /// The result of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,27 +25,27 @@ pub struct RiskResult {
     pub impact: Estimate,
     /// Probability of at least one impact in the period.
     pub impact_in_period: Estimate,
-    /// By severity that is reached or exceeded.
-    pub severities: Vec<SeverityRisk>,
-    /// The probability in one year beside its target, by severity that is reached or exceeded.
+    /// By action that is reached or exceeded.
+    pub actions: Vec<ActionRisk>,
+    /// The probability in one year beside its target, by action that is reached or exceeded.
     pub annual: Vec<AnnualRisk>,
     /// What lies outside of the intervals.
     pub not_evaluated: &'static [NotEvaluated],
     /// By class of vehicles.
     pub classes: Vec<ClassRisk>,
-    /// Of the whole traffic, then of every class, by severity.
+    /// Of the whole traffic, then of every class, by action.
     pub fragility: Vec<FragilityCurve>,
-    /// By severity.
-    pub sensitivity: Vec<SeveritySensitivity>,
-    /// Effort and controls.
+    /// By action.
+    pub sensitivity: Vec<ActionSensitivity>,
+    /// Effort and audit samples.
     pub counts: Counts,
 }
 
-/// The risk of one severity or a higher one.
+/// The risk of one action or a higher one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SeverityRisk {
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
+pub struct ActionRisk {
+    /// The action that is reached or exceeded.
+    pub action: Action,
     /// Probability given an impact.
     pub given_impact: Estimate,
     /// Probability given a vehicle that leaves the road on a course to the column.
@@ -65,9 +65,9 @@ pub struct ClassRisk {
     pub share: f64,
     /// Samples that hit the column.
     pub impacts: u64,
-    /// Probability of each severity or a higher one given an impact of this class.
+    /// Probability of each action or a higher one given an impact of this class.
     pub given_impact: Vec<Estimate>,
-    /// Share of this class in all events of each severity or a higher one; NaN without such an event.
+    /// Share of this class in all events of each action or a higher one; NaN without such an event.
     pub contribution: Vec<Option<f64>>,
 }
 
@@ -78,12 +78,12 @@ pub struct Counts {
     pub samples: u64,
     /// Those that hit the column.
     pub impacts: u64,
-    /// Those whose response was computed, the controls included.
+    /// Those whose response was computed, the audit samples included.
     pub responses: u64,
-    /// Those whose severity was predicted, the controls included.
+    /// Those whose action was predicted, the audit samples included.
     pub predicted: u64,
     /// Predictions that were computed, too.
-    pub controls: u64,
+    pub audit_samples: u64,
     /// Controls whose prediction was wrong.
     pub wrong_predictions: u64,
     /// Those whose response could not be computed; they count as the most severe ones.
@@ -94,16 +94,16 @@ pub struct Counts {
 const ENOUGH_EVENTS: f64 = 30.0;
 
 impl RiskResult {
-    /// Index of the severity whose sensitivities say most: the most severe one with enough events, otherwise the one with most
+    /// Index of the action whose sensitivities say most: the most severe one with enough events, otherwise the one with most
     /// of them; `None` where there is no event.
     #[must_use]
-    pub fn telling_severity(&self) -> Option<usize> {
-        let events = |risk: &SeverityRisk| risk.given_impact.value * self.counts.impacts as f64;
+    pub fn telling_action(&self) -> Option<usize> {
+        let events = |risk: &ActionRisk| risk.given_impact.value * self.counts.impacts as f64;
         let enough = self
-            .severities
+            .actions
             .iter()
             .rposition(|risk| events(risk) >= ENOUGH_EVENTS);
-        enough.or_else(|| self.severities.iter().position(|risk| events(risk) > 0.0))
+        enough.or_else(|| self.actions.iter().position(|risk| events(risk) > 0.0))
     }
 
     /// Probability of at least one impact in one year.
@@ -127,15 +127,15 @@ impl RiskResult {
         };
         let period = |estimate: Estimate| estimate.map(|it| exposure.probability(it));
         let impact = reach(tally, z);
-        let risk = |severity: Severity| {
-            let given_impact = total.at_least(severity, z);
+        let risk = |action: Action| {
+            let given_impact = total.at_least(action, z);
             let given_departure = match impact.high > 0.0 {
                 true => impact.product(given_impact),
                 false => impact,
             };
             let years = |it: f64| exposure.return_period(it);
-            SeverityRisk {
-                severity,
+            ActionRisk {
+                action,
                 given_impact,
                 given_departure,
                 in_period: period(given_departure),
@@ -147,7 +147,7 @@ impl RiskResult {
                 .map(years),
             }
         };
-        let severities: Vec<SeverityRisk> = SEVERITIES.into_iter().map(risk).collect();
+        let actions: Vec<ActionRisk> = ACTIONS.into_iter().map(risk).collect();
         let impacts = total.impacts();
         let classes = scenario
             .classes
@@ -157,35 +157,35 @@ impl RiskResult {
                 vehicle: class.vehicle,
                 share: class.share,
                 impacts: cell.impacts(),
-                given_impact: SEVERITIES
+                given_impact: ACTIONS
                     .into_iter()
-                    .map(|severity| cell.at_least(severity, z))
+                    .map(|action| cell.at_least(action, z))
                     .collect(),
-                contribution: severities
+                contribution: actions
                     .iter()
                     .map(|risk| {
-                        let own = cell.at_least_of(impacts, risk.severity, z).value;
+                        let own = cell.at_least_of(impacts, risk.action, z).value;
                         let share = own / risk.given_impact.value;
                         share.is_finite().then_some(share)
                     })
                     .collect(),
             })
             .collect();
-        let whole = SEVERITIES
+        let whole = ACTIONS
             .into_iter()
-            .map(|severity| curve(tally, None, severity, z));
+            .map(|action| curve(tally, None, action, z));
         let of_classes = scenario
             .classes
             .iter()
             .enumerate()
             .flat_map(|(index, class)| {
-                SEVERITIES
+                ACTIONS
                     .into_iter()
-                    .map(move |severity| curve(tally, Some((index, class.vehicle)), severity, z))
+                    .map(move |action| curve(tally, Some((index, class.vehicle)), action, z))
             });
-        let sensitivity = SEVERITIES
+        let sensitivity = ACTIONS
             .into_iter()
-            .map(|severity| SeveritySensitivity::new(tally, scenario, severity, impact, z))
+            .map(|action| ActionSensitivity::new(tally, scenario, action, impact, z))
             .collect();
         Self {
             confidence,
@@ -193,24 +193,24 @@ impl RiskResult {
             departures: exposure.departures(),
             impact,
             impact_in_period: period(impact),
-            annual: severities
+            annual: actions
                 .iter()
                 .filter_map(|risk| {
                     let annual = risk.given_departure.map(|it| year.probability(it));
-                    AnnualRisk::new(risk.severity, annual)
+                    AnnualRisk::new(risk.action, annual)
                 })
                 .collect(),
             not_evaluated: &NOT_EVALUATED,
-            severities,
+            actions,
             classes,
             fragility: whole.chain(of_classes).collect(),
             sensitivity,
             counts: Counts {
                 samples: total.samples(),
                 impacts: total.impacts(),
-                responses: total.computed.iter().sum::<u64>() + total.controls(),
+                responses: total.computed.iter().sum::<u64>() + total.audit_samples(),
                 predicted: total.predictions(),
-                controls: total.controls(),
+                audit_samples: total.audit_samples(),
                 wrong_predictions: total.wrong_predictions(),
                 undetermined: tally.undetermined,
             },

@@ -1,4 +1,4 @@
-//! The inputs of a risk study as data: shipped scenarios in `config/risk.json`, a user's file, single laws.
+//! The inputs of a risk study as data: shipped scenarios in `config/risk.json`, a user's file, single distributions.
 
 use std::fmt;
 use std::sync::LazyLock;
@@ -7,7 +7,9 @@ use serde::Deserialize;
 use serde_json::{Map, Value as Json};
 
 use super::distribution::Distribution;
-use super::law::{Definition, FORCE_FACTOR, Input, LAWS, LawRow, MASS, Wrong, jcss_steel};
+use super::input::{
+    DISTRIBUTIONS, Definition, FORCE_FACTOR, Input, InputRow, MASS, Wrong, jcss_steel,
+};
 use super::measure::{MAX_MEASURES, Measure};
 use crate::parameters::{CatalogueVehicle, Parameters, Provenance, RIGID, vehicle_names};
 
@@ -56,7 +58,7 @@ pub struct Scenario {
     /// Distance of the column from the edge of the road \[m\].
     pub distance: Input,
     /// Rate at which vehicles leave the road, per metre and vehicle \[1/m\].
-    pub accident_rate: Input,
+    pub encroachment_rate: Input,
     /// Width across the course of the vehicle within which it hits the column \[m\].
     pub hit_width: Input,
     /// Yield strength over the nominal one.
@@ -96,7 +98,7 @@ impl fmt::Display for ScenarioFault {
 
 impl std::error::Error for ScenarioFault {}
 
-/// A class of vehicles as files have it; its laws are read one by one, for messages that name them.
+/// A class of vehicles as files have it; its distributions are read one by one, for messages that name them.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ClassRow {
@@ -220,23 +222,24 @@ impl Scenario {
         };
         let known = |key: &str| {
             ["name", "description", "classes", "measures"].contains(&key)
-                || LAWS.iter().any(|it| it.name == key)
+                || DISTRIBUTIONS.iter().any(|it| it.name == key)
         };
         if let Some(key) = rows.keys().find(|key| !known(key)) {
-            let laws: Vec<_> = LAWS.iter().map(|it| it.name).collect();
+            let distributions: Vec<_> = DISTRIBUTIONS.iter().map(|it| it.name).collect();
             return Err(fault(
                 key.clone(),
                 "an unknown entry".to_owned(),
                 format!(
                     "one of name, description, based_on, classes, measures, {}",
-                    laws.join(", ")
+                    distributions.join(", ")
                 ),
             ));
         }
-        let law = |definition: &Definition| -> Result<Input, ScenarioFault> {
+        let distribution = |definition: &Definition| -> Result<Input, ScenarioFault> {
             let json = rows.get(definition.name).ok_or_else(|| {
                 let expected =
-                    "a law; or name a shipped scenario in `based_on`, which has it".to_owned();
+                    "a distribution; or name a shipped scenario in `based_on`, which has it"
+                        .to_owned();
                 fault(definition.name.to_owned(), "nothing".to_owned(), expected)
             })?;
             definition
@@ -248,11 +251,11 @@ impl Scenario {
             angle,
             deceleration,
             distance,
-            accident_rate,
+            encroachment_rate,
             hit_width,
             yield_strength,
             top_load,
-        ] = &LAWS;
+        ] = &DISTRIBUTIONS;
         let classes = rows
             .get("classes")
             .and_then(Json::as_array)
@@ -298,20 +301,20 @@ impl Scenario {
                 .and_then(Json::as_str)
                 .unwrap_or_default()
                 .to_owned(),
-            speed: law(speed)?,
-            angle: law(angle)?,
-            deceleration: law(deceleration)?,
-            distance: law(distance)?,
-            accident_rate: law(accident_rate)?,
-            hit_width: law(hit_width)?,
-            yield_strength_factor: law(yield_strength)?,
-            top_load_factor: law(top_load)?,
+            speed: distribution(speed)?,
+            angle: distribution(angle)?,
+            deceleration: distribution(deceleration)?,
+            distance: distribution(distance)?,
+            encroachment_rate: distribution(encroachment_rate)?,
+            hit_width: distribution(hit_width)?,
+            yield_strength_factor: distribution(yield_strength)?,
+            top_load_factor: distribution(top_load)?,
             classes,
             measures,
         })
     }
 
-    /// The scenario for the steel of a column, on which the law of its yield strength may depend.
+    /// The scenario for the steel of a column, on which the distribution of its yield strength may depend.
     #[must_use]
     pub fn for_column(mut self, parameters: &Parameters) -> Self {
         let input = &mut self.yield_strength_factor;
@@ -323,12 +326,12 @@ impl Scenario {
         self
     }
 
-    /// Replaces one law, given as `name=law:numbers`, such as `speed_km_h=lognormal:12:5` (mean, standard deviation),
-    /// `distance_m=fixed:3`, `angle_deg=rayleigh:10` (mean) or `distance_m=uniform:2:5`. Normal, lognormal and Rayleigh laws
+    /// Replaces one distribution, given as `name=distribution:numbers`, such as `speed_km_h=lognormal:12:5` (mean, standard deviation),
+    /// `distance_m=fixed:3`, `angle_deg=rayleigh:10` (mean) or `distance_m=uniform:2:5`. Normal, lognormal and Rayleigh distributions
     /// may be cut: `speed_km_h=lognormal:12:5:0:60`.
     ///
     /// # Errors
-    /// An unknown name, or numbers that make no law.
+    /// An unknown name, or numbers that make no distribution.
     pub fn set(&mut self, place: &str, assignment: &str) -> Result<(), ScenarioFault> {
         let fault = |entry: &str, found: &str, expected: String| ScenarioFault {
             place: place.to_owned(),
@@ -338,22 +341,25 @@ impl Scenario {
         };
         let (name, text) = assignment.split_once('=').ok_or_else(|| {
             fault(
-                "the law",
+                "the distribution",
                 assignment,
-                "name=law:numbers, such as speed_km_h=lognormal:12:5".into(),
+                "name=distribution:numbers, such as speed_km_h=lognormal:12:5".into(),
             )
         })?;
-        let definition = LAWS.iter().find(|it| it.name == name).ok_or_else(|| {
-            let names: Vec<_> = LAWS.iter().map(|it| it.name).collect();
-            fault("the name", name, format!("one of {}", names.join(", ")))
-        })?;
-        let row = LawRow::parse(text).map_err(|expected| fault(name, text, expected))?;
+        let definition = DISTRIBUTIONS
+            .iter()
+            .find(|it| it.name == name)
+            .ok_or_else(|| {
+                let names: Vec<_> = DISTRIBUTIONS.iter().map(|it| it.name).collect();
+                fault("the name", name, format!("one of {}", names.join(", ")))
+            })?;
+        let row = InputRow::parse(text).map_err(|expected| fault(name, text, expected))?;
         let input = definition
             .check(&row)
             .map_err(|(entry, found, expected)| fault(&entry, &found, expected))?;
         *self
             .law_mut(definition.name)
-            .expect("every law has a field") = input;
+            .expect("every distribution has a field") = input;
         Ok(())
     }
 
@@ -363,7 +369,7 @@ impl Scenario {
             "angle_deg" => &mut self.angle,
             "deceleration_m_s2" => &mut self.deceleration,
             "distance_m" => &mut self.distance,
-            "accident_rate_per_m" => &mut self.accident_rate,
+            "encroachment_rate_per_m" => &mut self.encroachment_rate,
             "hit_width_m" => &mut self.hit_width,
             "yield_strength_factor" => &mut self.yield_strength_factor,
             "top_load_factor" => &mut self.top_load_factor,
@@ -371,19 +377,19 @@ impl Scenario {
         })
     }
 
-    /// Every law with its name, in the order of the file, without those of the classes.
-    pub fn laws(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+    /// Every distribution with its name, in the order of the file, without those of the classes.
+    pub fn distributions(&self) -> impl Iterator<Item = (&'static str, &Input)> {
         let inputs = [
             &self.speed,
             &self.angle,
             &self.deceleration,
             &self.distance,
-            &self.accident_rate,
+            &self.encroachment_rate,
             &self.hit_width,
             &self.yield_strength_factor,
             &self.top_load_factor,
         ];
-        LAWS.iter().map(|it| it.name).zip(inputs)
+        DISTRIBUTIONS.iter().map(|it| it.name).zip(inputs)
     }
 }
 
@@ -446,7 +452,11 @@ fn traffic_class(json: &Json) -> Result<TrafficClass, Wrong> {
         (Some(json), Some(_)) => FORCE_FACTOR.input(json)?,
         (Some(_), None) => {
             let expected = format!("nothing: the vehicle {RIGID} has no front with a force");
-            return Err(("force_factor".to_owned(), "a law".to_owned(), expected));
+            return Err((
+                "force_factor".to_owned(),
+                "a distribution".to_owned(),
+                expected,
+            ));
         }
         (None, Some(catalogue)) => {
             let scatter = &catalogue.force_variation;

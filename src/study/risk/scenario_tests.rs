@@ -13,7 +13,11 @@ fn every_shipped_scenario_is_complete_and_has_its_sources() {
             .classes
             .iter()
             .flat_map(|it| [&it.mass, &it.force_factor]);
-        for input in scenario.laws().map(|(_, input)| input).chain(of_classes) {
+        for input in scenario
+            .distributions()
+            .map(|(_, input)| input)
+            .chain(of_classes)
+        {
             let tag = input.tag.unwrap_or_else(|| panic!("{name}: {input:?}"));
             assert!(input.source.len() > 5, "{name}: {input:?}");
             if tag == Provenance::Read {
@@ -36,12 +40,12 @@ fn every_shipped_scenario_is_complete_and_has_its_sources() {
         );
         assert!((scenario.angle.distribution.mean() - 10.0).abs() < 1e-9);
         assert!((scenario.deceleration.distribution.mean() - 4.0).abs() < 1e-9);
-        assert_eq!(scenario.accident_rate.distribution.mean(), 1e-10);
+        assert_eq!(scenario.encroachment_rate.distribution.mean(), 1e-10);
     }
 }
 
-/// The shares of the classes are those of the laws of the masses of cars and of lorries, so that all classes together have
-/// the law of the source, truncated at the outermost limits.
+/// The shares of the classes are those of the distributions of the masses of cars and of lorries, so that all classes together have
+/// the distribution of the source, truncated at the outermost limits.
 #[test]
 fn the_classes_together_have_the_law_of_the_source() {
     let no_limits = [f64::NEG_INFINITY, f64::INFINITY];
@@ -49,8 +53,8 @@ fn the_classes_together_have_the_law_of_the_source() {
     let lorries = Distribution::normal(20e3, 12e3, no_limits).unwrap();
     for name in scenario_names() {
         let scenario = Scenario::shipped(name).unwrap();
-        for law in [cars, lorries] {
-            let heavy = law == lorries;
+        for distribution in [cars, lorries] {
+            let heavy = distribution == lorries;
             let group: Vec<_> = scenario
                 .classes
                 .iter()
@@ -65,9 +69,10 @@ fn the_classes_together_have_the_law_of_the_source() {
                 assert!(heavy && name == "parking_garage");
                 continue;
             };
-            let whole = law.probability(*last) - law.probability(*first);
+            let whole = distribution.probability(*last) - distribution.probability(*first);
             for (class, [lower, upper]) in group.iter().zip(&limits) {
-                let share = (law.probability(*upper) - law.probability(*lower)) / whole;
+                let share =
+                    (distribution.probability(*upper) - distribution.probability(*lower)) / whole;
                 assert!(
                     (class.share - total * share).abs() < 2e-6,
                     "{name}: {}",
@@ -82,8 +87,8 @@ fn the_classes_together_have_the_law_of_the_source() {
 #[test]
 fn a_users_file_replaces_whole_entries() {
     let text = r#"{"scenarios": [{"name": "hall", "based_on": "parking_garage",
-        "speed_km_h": {"law": "normal", "mean": 8, "sd": 3},
-        "classes": [{"vehicle": "forklift", "share": 1, "mass_kg": {"law": "fixed", "value": 6000}}]}]}"#;
+        "speed_km_h": {"distribution": "normal", "mean": 8, "sd": 3},
+        "classes": [{"vehicle": "forklift", "share": 1, "mass_kg": {"distribution": "fixed", "value": 6000}}]}]}"#;
     let error = Scenario::from_json("hall.json", text, "hall").unwrap_err();
     assert_eq!(error.entry, "scenarios.hall.speed_km_h", "{error}");
     let text = text.replace("\"sd\": 3", "\"sd\": 3, \"min\": 0");
@@ -113,43 +118,43 @@ fn wrong_entries_are_named_with_what_is_expected() {
     };
     for (entry, expected) in [
         (
-            r#""speed_km_h": {"law": "lognormal", "mean": 10, "sd": -5}"#,
+            r#""speed_km_h": {"distribution": "lognormal", "mean": 10, "sd": -5}"#,
             "f.json: scenarios.x.speed_km_h.sd: found -5; expected a finite number > 0",
         ),
         (
-            r#""speed_km_h": {"law": "normal", "mean": 10, "sd": 5, "min": 50, "max": 20}"#,
+            r#""speed_km_h": {"distribution": "normal", "mean": 10, "sd": 5, "min": 50, "max": 20}"#,
             "f.json: scenarios.x.speed_km_h.min: found 50 with max 20; expected a lower limit (min) less than the upper limit (max)",
         ),
         (
-            r#""speed_km_h": {"law": "normal", "mean": 10, "sd": 5, "min": -10, "max": 20}"#,
-            "f.json: scenarios.x.speed_km_h: found normal, mean 10, sd 5, from -10 to 20; expected values from 0 to 216 km/h; cut the law with min and max",
+            r#""speed_km_h": {"distribution": "normal", "mean": 10, "sd": 5, "min": -10, "max": 20}"#,
+            "f.json: scenarios.x.speed_km_h: found normal, mean 10, sd 5, from -10 to 20; expected values from 0 to 216 km/h; cut the distribution with min and max",
         ),
         (
-            r#""angle_deg": {"law": "rayleigh", "mean": 10, "sd": 10, "max": 90}"#,
-            "f.json: scenarios.x.angle_deg.sd: found 10; expected nothing: the law rayleigh has no such number",
+            r#""angle_deg": {"distribution": "rayleigh", "mean": 10, "sd": 10, "max": 90}"#,
+            "f.json: scenarios.x.angle_deg.sd: found 10; expected nothing: the distribution rayleigh has no such number",
         ),
         (
-            r#""distance_m": {"law": "fixed"}"#,
-            "f.json: scenarios.x.distance_m.value: found nothing; expected a number, as the law fixed needs it",
+            r#""distance_m": {"distribution": "fixed"}"#,
+            "f.json: scenarios.x.distance_m.value: found nothing; expected a number, as the distribution fixed needs it",
         ),
         (
-            r#""distance_m": {"law": "gumbel", "mean": 2}"#,
-            "f.json: scenarios.x.distance_m.law: found gumbel; expected fixed, normal, lognormal, rayleigh or uniform",
+            r#""distance_m": {"distribution": "gumbel", "mean": 2}"#,
+            "f.json: scenarios.x.distance_m.distribution: found gumbel; expected fixed, normal, lognormal, rayleigh or uniform",
         ),
         (
-            r#""accident_rate_per_m": {"law": "uniform", "min": 0, "max": 1e-9}"#,
-            "f.json: scenarios.x.accident_rate_per_m: found uniform, from 0 to 0.000000001; expected one value: law fixed",
+            r#""encroachment_rate_per_m": {"distribution": "uniform", "min": 0, "max": 1e-9}"#,
+            "f.json: scenarios.x.encroachment_rate_per_m: found uniform, from 0 to 0.000000001; expected one value: distribution fixed",
         ),
         (
             r#""classes": []"#,
             "f.json: scenarios.x.classes: found 0 classes; expected 1 to 16",
         ),
         (
-            r#""classes": [{"vehicle": "mid_car", "share": 0.5, "mass_kg": {"law": "fixed", "value": 1500}}]"#,
+            r#""classes": [{"vehicle": "mid_car", "share": 0.5, "mass_kg": {"distribution": "fixed", "value": 1500}}]"#,
             "f.json: scenarios.x.classes: found shares that add up to 0.500000; expected shares that add up to 1; correct the shares",
         ),
         (
-            r#""classes": [{"vehicle": "mid_car", "share": -1, "mass_kg": {"law": "fixed", "value": 1500}}]"#,
+            r#""classes": [{"vehicle": "mid_car", "share": -1, "mass_kg": {"distribution": "fixed", "value": 1500}}]"#,
             "f.json: scenarios.x.classes[0].share: found -1; expected a share from 0 to 1",
         ),
     ] {
@@ -167,29 +172,32 @@ fn wrong_entries_are_named_with_what_is_expected() {
         .to_string();
     assert!(broken.contains("line 1"), "{broken}");
     let mut urban = Scenario::shipped("urban").unwrap();
-    for (law, expected) in [
+    for (distribution, expected) in [
         (
             "speed_km_h=lognormal:12:-5",
-            "--law: speed_km_h.sd: found -5; expected a finite number > 0",
+            "--distribution: speed_km_h.sd: found -5; expected a finite number > 0",
         ),
         (
             "speed=fixed:1",
-            "--law: the name: found speed; expected one of speed_km_h,",
+            "--distribution: the name: found speed; expected one of speed_km_h,",
         ),
         (
             "speed_km_h",
-            "--law: the law: found speed_km_h; expected name=law:numbers",
+            "--distribution: the distribution: found speed_km_h; expected name=distribution:numbers",
         ),
         (
             "speed_km_h=lognormal:12",
-            "--law: speed_km_h: found lognormal:12; expected normal:MEAN:SD or lognormal:MEAN:SD",
+            "--distribution: speed_km_h: found lognormal:12; expected normal:MEAN:SD or lognormal:MEAN:SD",
         ),
         (
             "speed_km_h=fixed:x",
-            "--law: speed_km_h: found fixed:x; expected numbers after the law",
+            "--distribution: speed_km_h: found fixed:x; expected numbers after the distribution",
         ),
     ] {
-        let fault = urban.set("--law", law).unwrap_err().to_string();
+        let fault = urban
+            .set("--distribution", distribution)
+            .unwrap_err()
+            .to_string();
         assert!(fault.starts_with(expected), "{fault}");
     }
 }

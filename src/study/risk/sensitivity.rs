@@ -6,13 +6,13 @@ use super::departure::INPUT_NAMES;
 use super::estimate::Estimate;
 use super::scenario::Scenario;
 use super::tally::{Cell, INPUT_BINS, SPEED_BINS, Tally, sum};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
-/// The sensitivities of one severity.
+/// The sensitivities of one action.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SeveritySensitivity {
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
+pub struct ActionSensitivity {
+    /// The action that is reached or exceeded.
+    pub action: Action,
     /// By input of a departure, the one with the greatest effect first.
     pub inputs: Vec<Effect>,
     /// By input of an impact, the one that explains most first. These inputs are independent of one another given an impact.
@@ -34,7 +34,7 @@ pub struct Effect {
     pub classes: Option<[&'static str; 2]>,
 }
 
-/// Share of the variance of the event "this severity or a higher one, given an impact" that an input explains alone.
+/// Share of the variance of the event "this action or a higher one, given an impact" that an input explains alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VarianceShare {
     /// Its name; `speed_at_column` is the speed of the impact.
@@ -46,20 +46,20 @@ pub struct VarianceShare {
     pub error: f64,
 }
 
-impl SeveritySensitivity {
+impl ActionSensitivity {
     /// `impact` is the probability that a vehicle that leaves the road reaches the column.
     pub(super) fn new(
         tally: &Tally,
         scenario: &Scenario,
-        severity: Severity,
+        action: Action,
         impact: Estimate,
         z: f64,
     ) -> Self {
-        let variance = variance_shares(tally, scenario, severity, z);
+        let variance = variance_shares(tally, scenario, action, z);
         let alone: f64 = variance.iter().map(|it| it.first_order).sum();
         Self {
-            severity,
-            inputs: effects(tally, scenario, severity, impact, z),
+            action,
+            inputs: effects(tally, scenario, action, impact, z),
             variance,
             interactions: (1.0 - alone).clamp(0.0, 1.0),
         }
@@ -71,7 +71,7 @@ impl SeveritySensitivity {
 fn effects(
     tally: &Tally,
     scenario: &Scenario,
-    severity: Severity,
+    action: Action,
     impact: Estimate,
     z: f64,
 ) -> Vec<Effect> {
@@ -81,7 +81,7 @@ fn effects(
     }
     let probability = |cell: &Cell, share: f64| {
         let estimate = impact
-            .product(cell.at_least_of(impacts, severity, z))
+            .product(cell.at_least_of(impacts, action, z))
             .times(1.0 / share);
         estimate.map(|it| it.min(1.0))
     };
@@ -124,7 +124,7 @@ fn effects(
 fn variance_shares(
     tally: &Tally,
     scenario: &Scenario,
-    severity: Severity,
+    action: Action,
     z: f64,
 ) -> Vec<VarianceShare> {
     let by_speed: Vec<Cell> = (0..SPEED_BINS)
@@ -143,7 +143,7 @@ fn variance_shares(
         .filter(|(name, _)| scatters(scenario, name))
         .chain([("speed_at_column", by_speed.iter().collect())])
         .map(|(input, cells)| {
-            let (first_order, error) = first_order(&cells, severity, z);
+            let (first_order, error) = first_order(&cells, action, z);
             VarianceShare {
                 input,
                 first_order,
@@ -176,25 +176,25 @@ fn scatters(scenario: &Scenario, name: &str) -> bool {
 
 /// `Var(E[Y | X]) / Var(Y)` of the event Y with X in intervals, and its standard error. The variance of the shares between
 /// the intervals, minus what their own scatter adds to it.
-fn first_order(cells: &[&Cell], severity: Severity, z: f64) -> (f64, f64) {
+fn first_order(cells: &[&Cell], action: Action, z: f64) -> (f64, f64) {
     let all: f64 = cells.iter().map(|cell| cell.impacts() as f64).sum();
     let rows: Vec<(f64, f64, f64)> = cells
         .iter()
         .filter(|cell| cell.impacts() > 1)
         .map(|cell| {
             let n = cell.impacts() as f64;
-            let estimate = cell.at_least(severity, z);
+            let estimate = cell.at_least(action, z);
             let p = estimate.value;
             // Of the predictions, the half width of their interval beyond that of the plain share.
             let plain = p * (1.0 - p) / (n - 1.0);
-            let wide = match cell.controls() {
+            let wide = match cell.audit_samples() {
                 0 => plain,
                 _ => ((estimate.high - estimate.low) / (2.0 * z)).powi(2),
             };
             (
                 n / all,
                 p,
-                plain.max(if cell.controls() > 0 && p > 0.0 {
+                plain.max(if cell.audit_samples() > 0 && p > 0.0 {
                     wide.min(4.0 * plain)
                 } else {
                     0.0

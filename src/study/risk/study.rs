@@ -16,7 +16,7 @@ use crate::study::{Batch, BatchEnd};
 pub struct RiskStudy<'a, L> {
     sampler: &'a DepartureSampler,
     limit_state: &'a L,
-    /// Predictions of the severity; `None`: every response is computed.
+    /// Predictions of the action; `None`: every response is computed.
     predictions: Option<&'a CriticalSpeedSurface>,
     /// A measure in front of the column.
     measure: Option<&'a Measure>,
@@ -34,7 +34,7 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         }
     }
 
-    /// The same study, which computes the response where these predictions know nothing, and the control shares of the others.
+    /// The same study, which computes the response where these predictions know nothing, and the audit share of the others.
     #[must_use]
     pub fn with_predictions(self, predictions: &'a CriticalSpeedSurface) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         }
     }
 
-    /// The sample of this number with its severity. A vehicle that a measure stops keeps the speed that it would have had at the
+    /// The sample of this number with its action. A vehicle that a measure stops keeps the speed that it would have had at the
     /// column.
     #[must_use]
     pub fn sample(&self, index: u64) -> RiskSample {
@@ -82,10 +82,10 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         {
             return Basis::Predicted(prediction);
         }
-        match (predicted, self.limit_state.severity(departure)) {
-            // A control that cannot be computed says nothing about the prediction, and counts among the computed ones.
+        match (predicted, self.limit_state.action(departure)) {
+            // An audit sample that cannot be computed says nothing about the prediction, and counts among the computed ones.
             (_, None) => Basis::Undetermined,
-            (None, Some(severity)) => Basis::Computed(severity),
+            (None, Some(action)) => Basis::Computed(action),
             (Some(prediction), Some(computed)) => Basis::Control {
                 prediction,
                 computed,

@@ -1,68 +1,66 @@
 //! Counts of a study. They are whole numbers, so that they do not depend on the order of the samples.
 
 use super::departure::{Departure, DepartureSampler, INPUTS};
-use crate::assessment::Severity;
+use crate::assessment::Action;
 
-/// Which share of the predicted samples is computed, too, as a control of the predictions: by their class of doubt, most in
+/// Which share of the predicted samples is computed, too, as an audit sample of the predictions: by their class of doubt, most in
 /// doubt first. The variance of a result is least where the shares are as the roots of the shares of wrong predictions, which
 /// are about a third in the first class and one in ten thousand in the last.
 pub const CONTROL_SHARES: [f64; 5] = [0.5, 0.35, 0.2, 0.08, 0.01];
 
-/// Number of severities.
+/// Number of actions.
 pub(super) const LEVELS: usize = 5;
 /// Intervals of speed at the column in the fragility curves.
 pub(super) const SPEED_BINS: usize = 40;
 /// Intervals of equal probability of every input, for the sensitivities.
 pub(super) const INPUT_BINS: usize = 50;
 
-/// How the severity of a sample is known.
+/// How the action of a sample is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Basis {
     /// No vehicle that reaches the column was found, or a measure stopped it: there is no impact.
     Stopped,
     /// The response was computed.
-    Computed(Severity),
+    Computed(Action),
     /// The response could not be computed; it counts as the most severe one.
     Undetermined,
     /// Predicted by the critical velocities of its class.
     Predicted(Prediction),
-    /// Predicted, and computed as a control of the predictions.
+    /// Predicted, and computed as an audit sample of the predictions.
     Control {
         /// By the critical velocities.
         prediction: Prediction,
         /// By the response.
-        computed: Severity,
+        computed: Action,
     },
 }
 
-/// A predicted severity.
+/// A predicted action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Prediction {
-    /// The severity.
-    pub severity: Severity,
+    /// The action.
+    pub action: Action,
     /// Its class of doubt: an index of [`CONTROL_SHARES`].
     pub doubt: usize,
 }
 
-/// A sample with its severity.
+/// A sample with its action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RiskSample {
     /// The vehicle.
     pub departure: Departure,
-    /// The severity of its impact.
+    /// The action of its impact.
     pub basis: Basis,
 }
 
 impl Basis {
-    /// The severity, by the response where it was computed; `None` without an impact.
+    /// The action, by the response where it was computed; `None` without an impact.
     #[must_use]
-    pub fn severity(self) -> Option<Severity> {
+    pub fn action(self) -> Option<Action> {
         match self {
             Self::Stopped => None,
-            Self::Computed(severity) | Self::Predicted(Prediction { severity, .. }) => {
-                Some(severity)
-            }
-            Self::Undetermined => Some(Severity::Evacuate),
+            Self::Computed(action) | Self::Predicted(Prediction { action, .. }) => Some(action),
+            Self::Undetermined => Some(Action::Evacuate),
             Self::Control { computed, .. } => Some(computed),
         }
     }
@@ -72,7 +70,7 @@ impl Basis {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Cell {
     pub stopped: u64,
-    /// Computed because they are no predictions, by severity.
+    /// Computed because they are no predictions, by action.
     pub computed: [u64; LEVELS],
     /// Predicted, by class of doubt.
     pub predicted: [Predicted; CONTROL_SHARES.len()],
@@ -81,28 +79,28 @@ pub(super) struct Cell {
 /// Counts of predicted samples of one class of doubt.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Predicted {
-    /// By severity as predicted; those computed as a control included.
+    /// By action as predicted; those computed as an audit sample included.
     pub all: [u64; LEVELS],
-    /// Those computed as a control, by severity as predicted and as computed.
-    pub control: [[u64; LEVELS]; LEVELS],
+    /// Those computed as an audit sample, by action as predicted and as computed.
+    pub audited: [[u64; LEVELS]; LEVELS],
 }
 
 impl Cell {
     fn add(&mut self, basis: Basis) {
         match basis {
             Basis::Stopped => self.stopped += 1,
-            Basis::Computed(severity) => self.computed[severity as usize] += 1,
-            Basis::Undetermined => self.computed[Severity::Evacuate as usize] += 1,
-            Basis::Predicted(Prediction { severity, doubt }) => {
-                self.predicted[doubt].all[severity as usize] += 1;
+            Basis::Computed(action) => self.computed[action as usize] += 1,
+            Basis::Undetermined => self.computed[Action::Evacuate as usize] += 1,
+            Basis::Predicted(Prediction { action, doubt }) => {
+                self.predicted[doubt].all[action as usize] += 1;
             }
             Basis::Control {
-                prediction: Prediction { severity, doubt },
+                prediction: Prediction { action, doubt },
                 computed,
             } => {
                 let of_doubt = &mut self.predicted[doubt];
-                of_doubt.all[severity as usize] += 1;
-                of_doubt.control[severity as usize][computed as usize] += 1;
+                of_doubt.all[action as usize] += 1;
+                of_doubt.audited[action as usize][computed as usize] += 1;
             }
         }
     }
@@ -114,7 +112,7 @@ impl Cell {
             for (own, others) in self.predicted.iter_mut().zip(&other.predicted) {
                 own.all[level] += others.all[level];
                 for computed in 0..LEVELS {
-                    own.control[level][computed] += others.control[level][computed];
+                    own.audited[level][computed] += others.audited[level][computed];
                 }
             }
         }
@@ -125,7 +123,7 @@ impl Cell {
         self.computed.iter().sum::<u64>() + self.predictions()
     }
 
-    /// Samples that were predicted, the controls included.
+    /// Samples that were predicted, the audit samples included.
     pub fn predictions(&self) -> u64 {
         self.predicted.iter().flat_map(|it| it.all).sum()
     }
@@ -135,20 +133,20 @@ impl Cell {
         self.stopped + self.impacts()
     }
 
-    /// Samples computed as a control.
-    pub fn controls(&self) -> u64 {
-        let controls = self.predicted.iter().flat_map(|it| it.control);
-        controls.flatten().sum()
+    /// Samples computed as an audit sample.
+    pub fn audit_samples(&self) -> u64 {
+        let audit_samples = self.predicted.iter().flat_map(|it| it.audited);
+        audit_samples.flatten().sum()
     }
 
     /// Controls whose prediction is wrong.
     pub fn wrong_predictions(&self) -> u64 {
         let right = |it: &Predicted| {
             (0..LEVELS)
-                .map(|level| it.control[level][level])
+                .map(|level| it.audited[level][level])
                 .sum::<u64>()
         };
-        self.controls() - self.predicted.iter().map(right).sum::<u64>()
+        self.audit_samples() - self.predicted.iter().map(right).sum::<u64>()
     }
 }
 
@@ -168,7 +166,7 @@ pub struct Tally {
     pub(super) by_speed: Vec<Vec<Cell>>,
     /// Those that stop, by class.
     pub(super) by_class: Vec<Cell>,
-    /// By input, and by interval of its level.
+    /// By input, and by interval of its quantile.
     pub(super) by_input: Vec<Vec<Cell>>,
 }
 
@@ -203,8 +201,8 @@ impl Tally {
             let bin = departure.velocity / self.greatest_speed * SPEED_BINS as f64;
             self.by_speed[departure.class][(bin as usize).min(SPEED_BINS - 1)].add(*basis);
         }
-        for (cells, level) in self.by_input.iter_mut().zip(departure.levels) {
-            let bin = (level * INPUT_BINS as f64) as usize;
+        for (cells, quantile) in self.by_input.iter_mut().zip(departure.quantiles) {
+            let bin = (quantile * INPUT_BINS as f64) as usize;
             cells[bin.min(INPUT_BINS - 1)].add(*basis);
         }
     }

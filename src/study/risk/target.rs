@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::estimate::Estimate;
 use super::normal;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::parameters::Provenance;
 
 /// A target of a code for one action, or a worse one.
@@ -38,11 +38,11 @@ const SERVICEABILITY: (f64, &str) = (
 impl Target {
     /// The target of an action; `None` of no action.
     #[must_use]
-    pub fn of(severity: Severity) -> Option<Self> {
-        let (beta, source) = match severity {
-            Severity::None => return None,
-            Severity::Inspect | Severity::Restrict => SERVICEABILITY,
-            Severity::Prop | Severity::Evacuate => ULTIMATE,
+    pub fn of(action: Action) -> Option<Self> {
+        let (beta, source) = match action {
+            Action::None => return None,
+            Action::Inspect | Action::Restrict => SERVICEABILITY,
+            Action::Shore | Action::Evacuate => ULTIMATE,
         };
         Some(Self {
             beta,
@@ -68,8 +68,8 @@ pub enum Comparison {
 /// The annual probability of an action or a worse one beside its target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AnnualRisk {
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
+    /// The action that is reached or exceeded.
+    pub action: Action,
     /// Probability of at least one such impact in one year.
     pub annual: Estimate,
     /// The target.
@@ -79,9 +79,9 @@ pub struct AnnualRisk {
 }
 
 impl AnnualRisk {
-    /// `None` where the severity has no target.
-    pub(super) fn new(severity: Severity, annual: Estimate) -> Option<Self> {
-        let target = Target::of(severity)?;
+    /// `None` where the action has no target.
+    pub(super) fn new(action: Action, annual: Estimate) -> Option<Self> {
+        let target = Target::of(action)?;
         let comparison = if annual.high <= target.probability {
             Comparison::Met
         } else if annual.low > target.probability {
@@ -90,7 +90,7 @@ impl AnnualRisk {
             Comparison::Undecided
         };
         Some(Self {
-            severity,
+            action,
             annual,
             target,
             comparison,
@@ -110,12 +110,12 @@ pub struct NotEvaluated {
 /// What lies outside of every interval of a study, the largest effects first.
 pub const NOT_EVALUATED: [NotEvaluated; 4] = [
     NotEvaluated {
-        what: "accident rate",
+        what: "encroachment rate",
         effect: "up to x 10 either way on this road: 1e-10 per metre and vehicle is a mean over all roads (JCSS 2.18)",
     },
     NotEvaluated {
         what: "orientation and oblique hits",
-        effect: "every hit bends the strong axis; x 5 on inspect, x 1.4 on prop, if every one bends the weak axis (HEB220 beside a street)",
+        effect: "every hit bends the strong axis; x 5 on inspect, x 1.4 on shore, if every one bends the weak axis (HEB220 beside a street)",
     },
     NotEvaluated {
         what: "base plate and anchors",
@@ -132,17 +132,17 @@ pub const NOT_EVALUATED: [NotEvaluated; 4] = [
 mod tests {
     use super::*;
 
-    /// `Phi(-4.7)` = 1.30e-6 and `Phi(-2.9)` = 1.87e-3, from tables of the normal law.
+    /// `Phi(-4.7)` = 1.30e-6 and `Phi(-2.9)` = 1.87e-3, from tables of the normal distribution.
     #[test]
     fn targets_are_those_of_the_reliability_index() {
-        assert_eq!(Target::of(Severity::None), None);
-        for (severity, probability) in [
-            (Severity::Inspect, 1.866e-3),
-            (Severity::Restrict, 1.866e-3),
-            (Severity::Prop, 1.301e-6),
-            (Severity::Evacuate, 1.301e-6),
+        assert_eq!(Target::of(Action::None), None);
+        for (action, probability) in [
+            (Action::Inspect, 1.866e-3),
+            (Action::Restrict, 1.866e-3),
+            (Action::Shore, 1.301e-6),
+            (Action::Evacuate, 1.301e-6),
         ] {
-            let target = Target::of(severity).expect("a target");
+            let target = Target::of(action).expect("a target");
             let error = target.probability / probability - 1.0;
             assert!(error.abs() < 1e-3, "{target:?}");
         }
@@ -153,7 +153,7 @@ mod tests {
         let compare = |low: f64, high: f64| {
             let value = 0.5 * (low + high);
             let annual = Estimate { value, low, high };
-            let risk = AnnualRisk::new(Severity::Evacuate, annual).expect("a target");
+            let risk = AnnualRisk::new(Action::Evacuate, annual).expect("a target");
             risk.comparison
         };
         assert_eq!(compare(0.0, 1.2e-6), Comparison::Met);

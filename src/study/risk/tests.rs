@@ -3,24 +3,24 @@
 use std::num::NonZeroUsize;
 
 use super::*;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::column::{Impact, Outcome};
 use crate::parameters::{Parameters, Value};
 use crate::study::{Batch, BatchEnd, StudyColumn};
 
-/// A limit state with a known answer: the severity follows from a function of the departure.
+/// A limit state with a known answer: the action follows from a function of the departure.
 struct Known<F>(F);
 
-impl<F: Fn(&Departure) -> Severity + Sync> LimitState for Known<F> {
-    fn severity(&self, departure: &Departure) -> Option<Severity> {
+impl<F: Fn(&Departure) -> Action + Sync> LimitState for Known<F> {
+    fn action(&self, departure: &Departure) -> Option<Action> {
         Some((self.0)(departure))
     }
 }
 
-fn scenario(name: &str, laws: &[&str]) -> Scenario {
+fn scenario(name: &str, distributions: &[&str]) -> Scenario {
     let mut scenario = Scenario::shipped(name).unwrap();
-    for law in laws {
-        scenario.set("test", law).unwrap();
+    for distribution in distributions {
+        scenario.set("test", distribution).unwrap();
     }
     scenario
 }
@@ -58,12 +58,12 @@ fn lognormal_exceedance(scenario: &Scenario, speed: f64) -> f64 {
 fn intervals_have_their_coverage() {
     let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
     // The critical speed depends on the mass, too, so that the predictions have something to learn.
-    let severity =
+    let action =
         |departure: &Departure| match departure.velocity * (departure.mass / 1500.0).sqrt() > 4.5 {
-            true => Severity::Evacuate,
-            false => Severity::None,
+            true => Action::Evacuate,
+            false => Action::None,
         };
-    // By quadrature over the classes and over the levels of the mass.
+    // By quadrature over the classes and over the quantiles of the mass.
     let mut truth = 0.0;
     for class in &scenario.classes {
         let count = 2000;
@@ -76,8 +76,8 @@ fn intervals_have_their_coverage() {
             truth += class.share / f64::from(count) * lognormal_exceedance(&scenario, critical);
         }
     }
-    let known = Known(severity);
-    let interval = |tally: &Tally| result(&scenario, tally, 0.9).severities[3].given_departure;
+    let known = Known(action);
+    let interval = |tally: &Tally| result(&scenario, tally, 0.9).actions[3].given_departure;
     let mut held = 0;
     for seed in 0..400 {
         let sampler = DepartureSampler::new(&scenario, seed);
@@ -106,32 +106,32 @@ fn intervals_have_their_coverage() {
         assert!(counts.responses < counts.samples / 4, "{counts:?}");
         held += u32::from(interval(&tally).contains(truth));
     }
-    // The intervals of the control samples are on the safe side where no prediction is wrong.
+    // The intervals of the audit samples are on the safe side where no prediction is wrong.
     assert!(held >= 15, "{held} of 20 intervals hold {truth}");
 }
 
 /// A limit state that misleads the predictions: inside a window of mass and yield strength that no smooth interpolation sees,
-/// it is exceeded at any speed. The controls find it, and the estimate stays unbiased.
+/// it is exceeded at any speed. The audit samples find it, and the estimate stays unbiased.
 #[test]
 fn wrong_predictions_do_not_bias_the_result() {
     let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
     let window = |departure: &Departure| {
-        let [.., mass, _, yielding, _] = departure.levels;
+        let [.., mass, _, yielding, _] = departure.quantiles;
         (0.45..0.55).contains(&mass) && (0.4..0.6).contains(&yielding)
     };
     let known =
         Known(
             |departure: &Departure| match departure.velocity > 5.0 || window(departure) {
-                true => Severity::Prop,
-                false => Severity::None,
+                true => Action::Shore,
+                false => Action::None,
             },
         );
     let fast = lognormal_exceedance(&scenario, 5.0);
     let truth = fast + (1.0 - fast) * 0.1 * 0.2;
     // The predictions were learnt without the window.
     let learnt = Known(|departure: &Departure| match departure.velocity > 5.0 {
-        true => Severity::Prop,
-        false => Severity::None,
+        true => Action::Shore,
+        false => Action::None,
     });
     let (mut sum, mut held, seeds) = (0.0, 0, 16);
     for seed in 0..seeds {
@@ -149,16 +149,16 @@ fn wrong_predictions_do_not_bias_the_result() {
         let tally = run(&study, 2, 0..40_000);
         let found = result(&scenario, &tally, 0.95);
         assert!(found.counts.wrong_predictions > 0);
-        sum += found.severities[2].given_departure.value;
-        held += i32::from(found.severities[2].given_departure.contains(truth));
+        sum += found.actions[2].given_departure.value;
+        held += i32::from(found.actions[2].given_departure.contains(truth));
     }
     let mean = sum / f64::from(seeds as u32);
-    // Of about 360 controls 2 % are wrong: the standard deviation of one estimate is about 0.007, of the mean of 16 0.0018.
+    // Of about 360 audit samples 2 % are wrong: the standard deviation of one estimate is about 0.007, of the mean of 16 0.0018.
     assert!((mean - truth).abs() < 0.007, "{mean} instead of {truth}");
     assert!(held >= 12, "{held} of {seeds}");
 }
 
-/// The real column beside a road, with predictions against every single response: of each severity that is often reached, the
+/// The real column beside a road, with predictions against every single response: of each action that is often reached, the
 /// estimate with few responses has the share of all of them in its interval, and costs a fraction of the responses.
 #[test]
 fn predictions_agree_with_every_single_response() {
@@ -186,23 +186,23 @@ fn predictions_agree_with_every_single_response() {
     let few = run(&study, 2, samples);
     let [all, few] = [&all, &few].map(|tally| result(&scenario, tally, 0.99));
     assert_eq!(all.counts.responses, 4000);
-    // The forces in the base make the severity of a car less monotonic in its speed, so that more predictions are in doubt.
+    // The forces in the base make the action of a car less monotonic in its speed, so that more predictions are in doubt.
     assert!(few.counts.responses < 1200, "{:?}", few.counts);
     let mut often = 0;
-    for (all, few) in all.severities.iter().zip(&few.severities) {
+    for (all, few) in all.actions.iter().zip(&few.actions) {
         // The samples are the same, so that only the predictions can be wrong.
         let [truth, found] = [all.given_impact, few.given_impact];
         assert!(found.contains(truth.value), "{found:?} {truth:?}");
-        // As narrow as about forty controls of the predictions that are in no doubt allow.
+        // As narrow as about forty audit samples of the predictions that are in no doubt allow.
         assert!(found.high - found.low < 0.25, "{found:?}");
         often += u32::from((0.05..0.95).contains(&truth.value));
     }
-    assert!(often >= 2, "{:?}", all.severities);
+    assert!(often >= 2, "{:?}", all.actions);
 }
 
 /// A column that stays elastic, hit by a rigid mass: `max v1 = v+ sqrt((m + m_e) / k)` with `v+ = m V / (m + m_e)`,
 /// `m_e = m_l (L_a + L_b) / 3` and `k = 3 E I (L_a + L_b)^3 / (L_a L_b)^3` of the beam that is built in at both ends. A
-/// limit on the displacement is a limit on the speed, whose exceedance is that of the lognormal law.
+/// limit on the displacement is a limit on the speed, whose exceedance is that of the lognormal distribution.
 struct ElasticColumn {
     column: StudyColumn,
     mass: f64,
@@ -210,13 +210,13 @@ struct ElasticColumn {
 }
 
 impl LimitState for ElasticColumn {
-    fn severity(&self, departure: &Departure) -> Option<Severity> {
+    fn action(&self, departure: &Departure) -> Option<Action> {
         let impact = Impact::rigid(self.mass, departure.velocity);
-        let found = self.column.screen(&impact).ok()?;
+        let found = self.column.evaluate(&impact).ok()?;
         assert_eq!(found.outcome, Outcome::Elastic);
         Some(match found.max_v1 > self.limit {
-            true => Severity::Inspect,
-            false => Severity::None,
+            true => Action::Inspect,
+            false => Action::None,
         })
     }
 }
@@ -244,20 +244,20 @@ fn the_probability_of_a_displacement_of_an_elastic_column_is_in_its_interval() {
     let truth = lognormal_exceedance(&scenario, critical);
     assert!((0.1..0.9).contains(&truth), "{truth}");
     let column = ElasticColumn {
-        column: StudyColumn::virgin(&parameters).unwrap(),
+        column: StudyColumn::undamaged(&parameters).unwrap(),
         mass,
         limit,
     };
     // The displacement at the critical speed first: the deviation of the mechanics must not eat up the interval.
     let at = column
         .column
-        .screen(&Impact::rigid(mass, critical))
+        .evaluate(&Impact::rigid(mass, critical))
         .unwrap();
     assert!((at.max_v1 / limit - 1.0).abs() < 2e-3, "{}", at.max_v1);
     for seed in [1, 2, 3] {
         let sampler = DepartureSampler::new(&scenario, seed);
         let tally = run(&RiskStudy::new(&sampler, &column), 2, 0..400);
-        let found = result(&scenario, &tally, 0.99).severities[0].given_departure;
+        let found = result(&scenario, &tally, 0.99).actions[0].given_departure;
         assert!(found.contains(truth), "{found:?} does not hold {truth}");
         assert!(found.high - found.low < 0.15);
     }
@@ -301,8 +301,8 @@ fn the_rate_of_exceedance_is_the_integral() {
     let known =
         Known(
             |departure: &Departure| match exceeds(departure.mass, departure.velocity.powi(2)) {
-                true => Severity::Evacuate,
-                false => Severity::None,
+                true => Action::Evacuate,
+                false => Action::None,
             },
         );
     let sampler = DepartureSampler::new(&scenario, 5);
@@ -313,10 +313,10 @@ fn the_rate_of_exceedance_is_the_integral() {
     let departures = 20_000.0 * 365.25 * 50.0 * 1e-10 * 2.5 / 10_f64.to_radians().sin();
     assert!((found.departures / departures - 1.0).abs() < 1e-12);
     let rate = departures * integral;
-    let interval = found.severities[3].given_departure.times(departures);
+    let interval = found.actions[3].given_departure.times(departures);
     assert!(interval.contains(rate), "{interval:?} does not hold {rate}");
     assert!((interval.high - interval.low) < 0.15 * rate, "{interval:?}");
-    let years = found.severities[3].return_period_years;
+    let years = found.actions[3].return_period_years;
     assert!((years[0].unwrap() * interval.value / 50.0 - 1.0).abs() < 1e-12);
     assert!(years[1].unwrap() < years[0].unwrap() && years[0].unwrap() < years[2].unwrap());
 }
@@ -342,7 +342,7 @@ fn the_result_does_not_depend_on_the_threads_nor_on_the_parts() {
         .run(&batch, 0..120, |_| Ok::<_, StudyRunError>(()))
         .unwrap();
     assert_eq!((end, none.samples()), (BatchEnd::Interrupted(0), 0));
-    let nothing = result(&scenario, &none, 0.95).severities[0].given_departure;
+    let nothing = result(&scenario, &none, 0.95).actions[0].given_departure;
     assert_eq!((nothing.low, nothing.high), (0.0, sampler.reach_bound()));
 }
 
@@ -367,11 +367,11 @@ fn a_study_without_scatter_is_the_simulation() {
     let parameters = Parameters::default();
     let column = RiskColumn::new(&parameters, &scenario).unwrap();
     let departure = DepartureSampler::new(&scenario, 3).departure(8);
-    let direct = StudyColumn::virgin(&parameters).unwrap();
+    let direct = StudyColumn::undamaged(&parameters).unwrap();
     let impact = direct.impact(Some("mid_car"), None, 10.0).unwrap();
     assert_eq!(
-        column.screen(&departure).unwrap(),
-        direct.screen(&impact).unwrap()
+        column.evaluate(&departure).unwrap(),
+        direct.evaluate(&impact).unwrap()
     );
     // A fixed factor other than 1 changes the column.
     scenario
@@ -390,13 +390,13 @@ fn a_study_without_scatter_is_the_simulation() {
 
 #[test]
 fn a_vehicle_that_brakes_long_enough_stops() {
-    let laws = [
+    let distributions = [
         "speed_km_h=fixed:36",
         "angle_deg=fixed:30",
         "deceleration_m_s2=fixed:4",
         "distance_m=fixed:3",
     ];
-    let scenario = scenario("parking_garage", &laws);
+    let scenario = scenario("parking_garage", &distributions);
     // v^2 = 100 - 2 * 4 * 6 = 52.
     let sampler = DepartureSampler::new(&scenario, 1);
     let departure = sampler.departure(0);
@@ -408,14 +408,14 @@ fn a_vehicle_that_brakes_long_enough_stops() {
     assert!(!sampler.departure(0).reaches_column());
     assert_eq!(sampler.reach_bound(), 0.0);
     // The result of a column that cannot be hit is a probability of 0.
-    let known = Known(|_: &Departure| Severity::Evacuate);
+    let known = Known(|_: &Departure| Action::Evacuate);
     let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..100);
     let found = result(&farther, &tally, 0.95);
     assert_eq!(found.impact.high, 0.0);
-    assert_eq!(found.severities[3].in_period.high, 0.0);
+    assert_eq!(found.actions[3].in_period.high, 0.0);
 }
 
-/// The vehicles that reach the column have the same law as those that a search among all departures finds, and their share
+/// The vehicles that reach the column have the same distribution as those that a search among all departures finds, and their share
 /// is the same: in a common case, where the search finds enough of them, and with distances that scatter.
 #[test]
 fn those_that_reach_the_column_are_those_of_all_departures() {
@@ -510,7 +510,7 @@ fn rare_impacts_have_the_probability_of_a_quadrature() {
     }
     assert!(truth < 5e-3, "{truth}");
     let sampler = DepartureSampler::new(&scenario, 4);
-    let known = Known(|_: &Departure| Severity::Inspect);
+    let known = Known(|_: &Departure| Action::Inspect);
     let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..20_000);
     let found = result(&scenario, &tally, 0.99);
     assert!(
@@ -527,9 +527,9 @@ fn rare_impacts_have_the_probability_of_a_quadrature() {
 fn the_input_that_decides_has_all_of_the_variance() {
     let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
     let sampler = DepartureSampler::new(&scenario, 2);
-    let heavy = Known(|departure: &Departure| match departure.levels[5] > 0.7 {
-        true => Severity::Prop,
-        false => Severity::None,
+    let heavy = Known(|departure: &Departure| match departure.quantiles[5] > 0.7 {
+        true => Action::Shore,
+        false => Action::None,
     });
     let tally = run(&RiskStudy::new(&sampler, &heavy), 2, 0..20_000);
     let found = &result(&scenario, &tally, 0.95).sensitivity[2];
@@ -547,14 +547,13 @@ fn the_input_that_decides_has_all_of_the_variance() {
     for other in &found.variance[1..] {
         assert!(other.first_order < 4.0 * other.error + 1e-3, "{other:?}");
     }
-    // The event that both of two levels exceed 1/2: P = 1/4, V(E[Y|X]) = 1/16, V(Y) = 3/16, so 1/3 each and 1/3 together.
-    let both =
-        Known(
-            |departure: &Departure| match departure.levels[5].min(departure.levels[6]) > 0.5 {
-                true => Severity::Prop,
-                false => Severity::None,
-            },
-        );
+    // The event that both of two quantiles exceed 1/2: P = 1/4, V(E[Y|X]) = 1/16, V(Y) = 3/16, so 1/3 each and 1/3 together.
+    let both = Known(|departure: &Departure| {
+        match departure.quantiles[5].min(departure.quantiles[6]) > 0.5 {
+            true => Action::Shore,
+            false => Action::None,
+        }
+    });
     let tally = run(&RiskStudy::new(&sampler, &both), 2, 0..40_000);
     let found = &result(&scenario, &tally, 0.95).sensitivity[2];
     for input in &found.variance[..2] {

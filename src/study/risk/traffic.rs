@@ -15,7 +15,7 @@ pub struct Exposure {
     /// `T`: period \[a\].
     pub years: f64,
     /// `lambda`: rate at which a vehicle leaves the road, per metre \[1/m\].
-    pub accident_rate: f64,
+    pub encroachment_rate: f64,
     /// `dx`: length of the road from which a course leads to the column \[m\]: the width that leads to a hit over the sine
     /// of the mean angle.
     pub road_length: f64,
@@ -29,7 +29,7 @@ impl Exposure {
         Self {
             vehicles_per_day,
             years,
-            accident_rate: scenario.accident_rate.distribution.mean(),
+            encroachment_rate: scenario.encroachment_rate.distribution.mean(),
             road_length: scenario.hit_width.distribution.mean() / libm::sin(angle),
         }
     }
@@ -37,7 +37,11 @@ impl Exposure {
     /// Expected number of vehicles in the period that leave the road on a course to the column, whether or not they reach it.
     #[must_use]
     pub fn departures(&self) -> f64 {
-        self.vehicles_per_day * DAYS_PER_YEAR * self.years * self.accident_rate * self.road_length
+        self.vehicles_per_day
+            * DAYS_PER_YEAR
+            * self.years
+            * self.encroachment_rate
+            * self.road_length
     }
 
     /// Probability of at least one event in the period, each departure leading to one with this probability: departures

@@ -109,7 +109,7 @@ mod tests {
             bumper_height: 0.0,
             transverse_force: 0.0,
         };
-        let struck = Plant::virgin(&properties)
+        let struck = Plant::undamaged(&properties)
             .expect("stands")
             .strike(&properties, impact, 2.0)
             .expect("hits");

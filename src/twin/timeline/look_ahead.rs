@@ -1,8 +1,8 @@
 //! A copy of the column that runs ahead of the clock until its response is over; then what the response leaves behind: the
-//! remaining capacity, and the error that the time step makes.
+//! residual capacity, and the error that the time step makes.
 
 use crate::column::{Progress, Report, error_estimate};
-use crate::twin::assessed::{Capacities, PushDowns, VirginCapacity};
+use crate::twin::assessed::{Capacities, PushDowns, UndamagedCapacity};
 use crate::twin::plant::{Plant, Struck, condition_after};
 
 /// Most steps of one forecast: minutes of computing. `solver.dt` and `response.duration` together could ask for hours.
@@ -17,7 +17,7 @@ pub struct LookAhead {
     stage: Stage,
     /// `e0` of the push-downs \[m\].
     imperfection: f64,
-    virgin: Option<VirginCapacity>,
+    undamaged: Option<UndamagedCapacity>,
     advances: u64,
     compute_nanos: u64,
 }
@@ -45,7 +45,7 @@ enum Stage {
 pub enum Outlook {
     /// It is not complete.
     Running,
-    /// The response and its remaining capacity are known.
+    /// The response and its residual capacity are known.
     Over {
         report: Report,
         /// The column at rest after it.
@@ -55,7 +55,7 @@ pub enum Outlook {
         /// `None` if the column cannot be computed any further.
         capacities: Option<Capacities>,
         /// For the next forecast of the same column.
-        virgin: Option<VirginCapacity>,
+        undamaged: Option<UndamagedCapacity>,
     },
     /// The error that the time step makes is known; nothing remains to be computed.
     Refined(Option<f64>),
@@ -66,13 +66,13 @@ pub enum Outlook {
 }
 
 impl LookAhead {
-    pub fn new(plant: Struck, imperfection: f64, virgin: Option<VirginCapacity>) -> Self {
+    pub fn new(plant: Struck, imperfection: f64, undamaged: Option<UndamagedCapacity>) -> Self {
         Self {
             plant,
             refined: plant.with_half_the_step(),
             stage: Stage::Responding,
             imperfection,
-            virgin,
+            undamaged,
             advances: 0,
             compute_nanos: 0,
         }
@@ -122,7 +122,7 @@ impl LookAhead {
                         at_rest: push_downs.at_rest().clone(),
                         has_residual: *has_residual,
                         capacities,
-                        virgin: push_downs.virgin(),
+                        undamaged: push_downs.undamaged(),
                     };
                     self.stage = Stage::Refining { report: *report };
                     return over;
@@ -159,7 +159,7 @@ impl LookAhead {
                 self.stage = Stage::PushingDown {
                     report,
                     has_residual: residual.is_some(),
-                    push_downs: PushDowns::new(at_rest, self.imperfection, self.virgin.as_ref()),
+                    push_downs: PushDowns::new(at_rest, self.imperfection, self.undamaged.as_ref()),
                 };
                 None
             }

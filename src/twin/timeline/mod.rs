@@ -28,8 +28,8 @@ pub(super) struct Timeline {
     steps_per_sample: u64,
     /// Step of the next sample.
     next_sample: u64,
-    /// Percussion since the last sample \[N s\].
-    percussion: f64,
+    /// Impact impulse since the last sample \[N s\].
+    impact_impulse: f64,
     /// What the steps have taken \[ns\].
     compute_nanos: u64,
     /// Step of the last state, once it is known from the look-ahead.
@@ -59,7 +59,7 @@ impl Timeline {
             plant,
             steps_per_sample,
             next_sample: 0,
-            percussion: plant.state.percussion,
+            impact_impulse: plant.state.impact_impulse,
             compute_nanos: 0,
             last_step: None,
             history,
@@ -139,7 +139,7 @@ impl Timeline {
             return Advanced::Running;
         }
         let made = self.plant.advance(stride);
-        self.percussion += self.plant.state.percussion;
+        self.impact_impulse += self.plant.state.impact_impulse;
         match made {
             Ok(Progress::Running) => {
                 self.history.keep(&self.plant);
@@ -154,11 +154,11 @@ impl Timeline {
         self.step() >= self.next_sample
     }
 
-    /// The sample of the present step, with the percussions since the sample before.
+    /// The sample of the present step, with the impact impulses since the sample before.
     pub fn take_sample(&mut self) -> Sample {
         self.next_sample = self.step() + self.steps_per_sample;
         let mut sample = self.plant.state.sample(&self.plant.model);
-        sample.percussion = std::mem::take(&mut self.percussion);
+        sample.impact_impulse = std::mem::take(&mut self.impact_impulse);
         sample
     }
 

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::events::summary;
-use super::super::item::{Announcement, ViewerItem};
-use super::item::{ColumnMark, FleetItem, ShownFleet, severity_of};
+use super::item::{ColumnMark, FleetItem, ShownFleet, action_of};
 use crate::parameters::Parameters;
 use crate::printable::Printable;
 use crate::twin::{NoticeLevel, Output};
+use crate::viewer::events::summary;
+use crate::viewer::item::{Announcement, ViewerItem};
 
 /// Something that a column has given out.
 #[derive(Debug, Clone)]
@@ -121,8 +121,8 @@ impl FleetFeed {
 
     fn mark(&mut self, column: u32, stamp: i64, mark: ColumnMark, items: &mut Vec<FleetItem>) {
         let known = &mut self.known[column as usize];
-        let foreseen = known.mark.foreseen.filter(|_| mark.is_responding());
-        let mark = ColumnMark { foreseen, ..mark };
+        let predicted = known.mark.predicted.filter(|_| mark.is_responding());
+        let mark = ColumnMark { predicted, ..mark };
         if known.mark != mark {
             known.mark = mark;
             items.push(FleetItem::Mark {
@@ -145,9 +145,9 @@ impl FleetFeed {
             ViewerItem::Forecast(it) => {
                 let text = format!("forecast of {}: {}", it.event_id, summary(&it.report));
                 items.push(line(it.stamp, NoticeLevel::Info, text));
-                let foreseen = severity_of(it.report.severity);
-                if known.mark.is_responding() && known.mark.foreseen != foreseen {
-                    known.mark.foreseen = foreseen;
+                let predicted = action_of(it.report.action);
+                if known.mark.is_responding() && known.mark.predicted != predicted {
+                    known.mark.predicted = predicted;
                     let (stamp, mark) = (it.stamp, known.mark);
                     items.push(FleetItem::Mark {
                         column,
@@ -167,7 +167,7 @@ impl FleetFeed {
             }
             ViewerItem::Rest { .. } => known.rest = Some(item.clone()),
             ViewerItem::Parameters(it) => known.parameters = Some(Arc::clone(it)),
-            ViewerItem::State(_) | ViewerItem::Felt(_) => {}
+            ViewerItem::State(_) | ViewerItem::Detected(_) => {}
         }
         if in_full {
             items.push(FleetItem::Column(column, item));
@@ -178,9 +178,9 @@ impl FleetFeed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::assessment::Severity;
+    use crate::assessment::Action;
     use crate::column::Sample;
-    use crate::messages::column_twin::{ImpactReport, TwinStatus};
+    use crate::messages::column_twin_msgs::{ImpactReport, TwinStatus};
     use crate::parameters::FleetColumn;
     use crate::twin::{StateOutput, TwinPhase};
 
@@ -209,12 +209,12 @@ mod tests {
         (column, Fact::Item(ViewerItem::State(state)))
     }
 
-    fn forecast(column: u32, event_id: &str, severity: u8) -> (u32, Fact) {
+    fn forecast(column: u32, event_id: &str, action: u8) -> (u32, Fact) {
         let announcement = Announcement {
             stamp: 7,
             event_id: event_id.into(),
             report: Box::new(ImpactReport {
-                severity,
+                action,
                 ..ImpactReport::default()
             }),
         };
@@ -223,7 +223,7 @@ mod tests {
 
     fn mark(column: u32, phase: TwinPhase) -> (u32, Fact) {
         let mark = ColumnMark {
-            severity: Some(Severity::None),
+            action: Some(Action::None),
             phase,
             ..ColumnMark::default()
         };
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn a_column_that_becomes_the_newest_is_told_what_it_missed() {
         let mut feed = feed(3, Vec::new());
-        let items = feed.take(vec![forecast(1, "a", TwinStatus::SEVERITY_PROP)]);
+        let items = feed.take(vec![forecast(1, "a", TwinStatus::ACTION_SHORE)]);
         assert_eq!(kinds(&items), [("line", 0)]);
         let items = feed.take(vec![state(1, "a")]);
         assert_eq!(
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_comes_when_it_changes_and_foresees_the_severity_of_a_response() {
+    fn a_mark_comes_when_it_changes_and_predicts_the_action_of_a_response() {
         let mut feed = feed(3, Vec::new());
         assert_eq!(
             kinds(&feed.take(vec![mark(1, TwinPhase::Idle)])),
@@ -282,26 +282,26 @@ mod tests {
         assert_eq!(kinds(&feed.take(vec![mark(1, TwinPhase::Idle)])), []);
         let items = feed.take(vec![
             mark(1, TwinPhase::Contact),
-            forecast(1, "a", TwinStatus::SEVERITY_PROP),
+            forecast(1, "a", TwinStatus::ACTION_SHORE),
             mark(1, TwinPhase::Free),
         ]);
-        let foreseen: Vec<_> = items
+        let predicted: Vec<_> = items
             .iter()
             .filter_map(|it| match it {
                 FleetItem::Mark { mark, .. } => Some((mark.worst(), mark.is_notable())),
                 _ => None,
             })
             .collect();
-        let prop = Some(Severity::Prop);
+        let shore = Some(Action::Shore);
         assert_eq!(
-            foreseen,
-            [(Some(Severity::None), true), (prop, true), (prop, true)]
+            predicted,
+            [(Some(Action::None), true), (shore, true), (shore, true)]
         );
         let items = feed.take(vec![mark(1, TwinPhase::Idle)]);
         let [FleetItem::Mark { mark, .. }] = &items[..] else {
             panic!("{items:?}");
         };
-        assert_eq!((mark.foreseen, mark.is_notable()), (None, false));
+        assert_eq!((mark.predicted, mark.is_notable()), (None, false));
     }
 
     #[test]

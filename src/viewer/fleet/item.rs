@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::item::ViewerItem;
-use crate::assessment::Severity;
+use crate::assessment::Action;
 use crate::fleet::Plan;
-use crate::messages::column_twin::TwinStatus;
+use crate::messages::column_twin_msgs::TwinStatus;
 use crate::parameters::{FleetColumn, Parameters};
 use crate::twin::{NoticeLevel, Status, TwinPhase};
+use crate::viewer::item::ViewerItem;
 
 /// The columns of a fleet that is shown.
 #[derive(Debug, Clone)]
@@ -53,16 +53,16 @@ impl ShownFleet {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColumnMark {
     /// What has to be done about the column at rest; `None`: not known.
-    pub severity: Option<Severity>,
-    /// The severity that the forecast of the response under way predicts.
-    pub foreseen: Option<Severity>,
+    pub action: Option<Action>,
+    /// The action that the forecast of the response under way predicts.
+    pub predicted: Option<Action>,
     /// Where the column and its twin are.
     pub phase: TwinPhase,
     /// Accepted impacts since the last reset.
     pub impacts: u32,
     /// `v1` of the column at rest \[m\].
     pub residual_v1: f64,
-    /// Remaining capacity over the load \[-\]; `None`: not known.
+    /// Residual capacity over the load \[-\]; `None`: not known.
     pub reserve: Option<f64>,
 }
 
@@ -70,8 +70,8 @@ impl Default for ColumnMark {
     /// A column of which nothing is known.
     fn default() -> Self {
         Self {
-            severity: None,
-            foreseen: None,
+            action: None,
+            predicted: None,
             phase: TwinPhase::Idle,
             impacts: 0,
             residual_v1: 0.0,
@@ -81,10 +81,10 @@ impl Default for ColumnMark {
 }
 
 impl ColumnMark {
-    /// The severity that counts: of a column that responds the worse one of that at rest and that of the forecast.
+    /// The action that counts: of a column that responds the worse one of that at rest and that of the forecast.
     #[must_use]
-    pub fn worst(&self) -> Option<Severity> {
-        self.severity.max(self.foreseen)
+    pub fn worst(&self) -> Option<Action> {
+        self.action.max(self.predicted)
     }
 
     /// Whether an impact is under way.
@@ -96,12 +96,12 @@ impl ColumnMark {
         )
     }
 
-    /// Whether the column takes no impact before it is reset: it has collapsed, is severed, or cannot be computed.
+    /// Whether the column takes no impact before it is reset: it has collapsed, is fractured, or cannot be computed.
     #[must_use]
     pub fn is_out_of_service(&self) -> bool {
         matches!(
             self.phase,
-            TwinPhase::Collapsed | TwinPhase::Severed | TwinPhase::Faulted
+            TwinPhase::Collapsed | TwinPhase::Fractured | TwinPhase::Faulted
         )
     }
 
@@ -110,7 +110,7 @@ impl ColumnMark {
     pub fn is_notable(&self) -> bool {
         self.is_responding()
             || self.is_out_of_service()
-            || self.worst().is_some_and(|it| it > Severity::None)
+            || self.worst().is_some_and(|it| it > Action::None)
     }
 }
 
@@ -118,8 +118,8 @@ impl From<&Status> for ColumnMark {
     fn from(status: &Status) -> Self {
         let assessed = status.assessed.as_deref();
         Self {
-            severity: assessed.map(|it| it.assessment.severity),
-            foreseen: None,
+            action: assessed.map(|it| it.assessment.action),
+            predicted: None,
             phase: status.phase,
             impacts: status.impacts_since_reset,
             residual_v1: status.residual_v1,
@@ -128,15 +128,15 @@ impl From<&Status> for ColumnMark {
     }
 }
 
-/// The severity with this number in messages; `None`: not known.
+/// The action with this number in messages; `None`: not known.
 #[must_use]
-pub(super) fn severity_of(code: u8) -> Option<Severity> {
+pub(super) fn action_of(code: u8) -> Option<Action> {
     match code {
-        TwinStatus::SEVERITY_NONE => Some(Severity::None),
-        TwinStatus::SEVERITY_INSPECT => Some(Severity::Inspect),
-        TwinStatus::SEVERITY_RESTRICT => Some(Severity::Restrict),
-        TwinStatus::SEVERITY_PROP => Some(Severity::Prop),
-        TwinStatus::SEVERITY_EVACUATE => Some(Severity::Evacuate),
+        TwinStatus::ACTION_NONE => Some(Action::None),
+        TwinStatus::ACTION_INSPECT => Some(Action::Inspect),
+        TwinStatus::ACTION_RESTRICT => Some(Action::Restrict),
+        TwinStatus::ACTION_SHORE => Some(Action::Shore),
+        TwinStatus::ACTION_EVACUATE => Some(Action::Evacuate),
         _ => None,
     }
 }

@@ -9,12 +9,12 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{RecordingStreamBuilder, RecordingStreamResult};
 
-use super::super::blueprint::{
-    APPLICATION, Blueprint, COLUMN, ColumnLayout, horizontal, tabs, vertical,
-};
-use super::super::rerun_types::color;
 use super::overview::{Geometry, LEGEND, PAPER, PLAN, legend_bounds};
 use super::panel::PANEL;
+use crate::viewer::blueprint::{
+    APPLICATION, Blueprint, COLUMN, ColumnLayout, horizontal, tabs, vertical,
+};
+use crate::viewer::rerun_types::color;
 
 /// The entity of the log.
 pub(super) const LOG: &str = "overview/log";

@@ -1,4 +1,4 @@
-//! A fleet in the viewer: the plan of all columns, coloured by severity, and in full the columns that are selected and the one that
+//! A fleet in the viewer: the plan of all columns, coloured by action, and in full the columns that are selected and the one that
 //! was hit last.
 //!
 //! [`FleetFeed`] turns what columns give out into [`FleetItem`]s, of which there are few: a column at rest has none. A [`FleetStream`]

@@ -3,14 +3,14 @@
 use rerun::components::DrawOrder;
 use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
-use super::super::colour::Rgb;
-use super::super::rerun_types::{color, time_columns};
-use super::super::timeline::Moment;
 use super::item::{ColumnMark, ShownFleet};
 use super::panel::{short, word, worst_first};
 use super::place_labels::{Wanted, place_labels};
-use crate::assessment::Severity;
-use crate::shape::{round_number, severity_colour};
+use crate::assessment::Action;
+use crate::shape::{action_colour, round_number};
+use crate::viewer::colour::Rgb;
+use crate::viewer::rerun_types::{color, time_columns};
+use crate::viewer::timeline::Moment;
 
 /// The entities of the plan. No column can have this name, which ROS does not admit.
 pub(super) const PLAN: &str = "overview/plan";
@@ -129,9 +129,9 @@ impl Geometry {
     }
 }
 
-/// The colour of a severity; of none that is known, grey.
-fn colour_of(severity: Option<Severity>) -> Rgb {
-    severity.map_or(UNKNOWN, severity_colour)
+/// The colour of an action; of none that is known, grey.
+fn colour_of(action: Option<Action>) -> Rgb {
+    action.map_or(UNKNOWN, action_colour)
 }
 
 fn points(radius: f64) -> Radius {
@@ -216,13 +216,13 @@ fn scale(stream: &RecordingStream, geometry: &Geometry) -> RecordingStreamResult
 
 /// What the marks mean, in a view of its own.
 fn legend(stream: &RecordingStream) -> RecordingStreamResult<()> {
-    let none = |severity| (OUTLINE, severity_colour(severity), word(Some(severity)));
-    let mut items: Vec<(Rgb, Rgb, &str)> = Severity::ALL.map(none).to_vec();
-    items.push((HIT, severity_colour(Severity::None), "was hit"));
-    items.push((RESPONDING, severity_colour(Severity::None), "responds"));
+    let none = |action| (OUTLINE, action_colour(action), word(Some(action)));
+    let mut items: Vec<(Rgb, Rgb, &str)> = Action::ALL.map(none).to_vec();
+    items.push((HIT, action_colour(Action::None), "was hit"));
+    items.push((RESPONDING, action_colour(Action::None), "responds"));
     items.push((
         OUT_OF_SERVICE,
-        severity_colour(Severity::Evacuate),
+        action_colour(Action::Evacuate),
         "out of service",
     ));
     let places = || (0..items.len()).map(|it| [(it as f64 * LEGEND_STEP) as f32, 0.0]);
@@ -254,7 +254,7 @@ fn legend(stream: &RecordingStream) -> RecordingStreamResult<()> {
 /// Left, right, upper and lower edge of the view of the legend.
 #[must_use]
 pub(super) fn legend_bounds() -> [f64; 4] {
-    let items = Severity::ALL.len() as f64 + 3.0;
+    let items = Action::ALL.len() as f64 + 3.0;
     [-0.6, (items - 1.0) * LEGEND_STEP + 0.6, -0.2, 0.5]
 }
 
@@ -273,10 +273,10 @@ pub(super) fn send(
     moment: Moment,
 ) -> RecordingStreamResult<()> {
     let times = || time_columns([moment]);
-    let known_now: Vec<bool> = marks.iter().map(|it| it.severity.is_some()).collect();
+    let known_now: Vec<bool> = marks.iter().map(|it| it.action.is_some()).collect();
     if *known != known_now {
         let colours = known_now.iter().map(|it| match it {
-            true => severity_colour(Severity::None),
+            true => action_colour(Action::None),
             false => UNKNOWN,
         });
         let columns = Points2D::update_fields().with_colors(colours.map(color));
@@ -394,8 +394,8 @@ fn labelled(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32>) -> Ve
 fn label(fleet: &ShownFleet, mark: &ColumnMark, index: usize) -> String {
     let id = short(&fleet.ids[index]);
     match mark.worst() {
-        None | Some(Severity::None) => id,
-        severity => format!("{id} {}", word(severity)),
+        None | Some(Action::None) => id,
+        action => format!("{id} {}", word(action)),
     }
 }
 
@@ -460,21 +460,21 @@ mod tests {
                 .map(|it| [f64::from(it), 0.0])
                 .collect::<Vec<_>>()
         };
-        let prop = ColumnMark {
-            severity: Some(Severity::Prop),
+        let shore = ColumnMark {
+            action: Some(Action::Shore),
             ..ColumnMark::default()
         };
         for (count, expected) in [(12, 12), (200, 2)] {
             let fleet = fleet(&places(count));
             let mut marks = vec![ColumnMark::default(); count as usize];
-            marks[7] = prop;
+            marks[7] = shore;
             let labelled = labelled(&fleet, &marks, Some(5));
             assert_eq!(labelled.len(), expected);
             assert_eq!(labelled[..2], [5, 7]);
-            assert_eq!(label(&fleet, &prop, 7), "c7 PROP");
+            assert_eq!(label(&fleet, &shore, 7), "c7 SHORE");
             assert_eq!(label(&fleet, &ColumnMark::default(), 8), "c8");
         }
-        let all = vec![prop; 200];
+        let all = vec![shore; 200];
         assert_eq!(labelled(&fleet(&places(200)), &all, None).len(), MAX_LABELS);
     }
 }

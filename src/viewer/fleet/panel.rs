@@ -1,12 +1,12 @@
 //! The panel below the plan, as Markdown: how many columns need somebody, and which ones first.
 
-use super::super::panel::escaped;
 use super::item::{ColumnMark, ShownFleet};
-use crate::assessment::Severity;
-use crate::messages::column_twin::TwinStatus;
-use crate::messages::words::{phase_word, severity_word};
-use crate::outgoing::{phase_code, severity_code};
+use crate::assessment::Action;
+use crate::messages::column_twin_msgs::TwinStatus;
+use crate::messages::words::{action_word, phase_word};
+use crate::outgoing::{action_code, phase_code};
 use crate::twin::TwinPhase;
+use crate::viewer::panel::escaped;
 
 /// The entity of the panel.
 pub(super) const PANEL: &str = "overview/panel";
@@ -49,8 +49,8 @@ pub(super) fn short(id: &str) -> String {
 
 /// The word for what has to be done about a column.
 #[must_use]
-pub(super) fn word(severity: Option<Severity>) -> &'static str {
-    severity_word(severity.map_or(TwinStatus::SEVERITY_UNKNOWN, severity_code))
+pub(super) fn word(action: Option<Action>) -> &'static str {
+    action_word(action.map_or(TwinStatus::ACTION_UNKNOWN, action_code))
 }
 
 /// The whole panel.
@@ -63,7 +63,7 @@ pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32
         0 => format!("## {columns} columns, none with a warning\n\n"),
         some => format!("## {some} of {columns} columns need attention\n\n"),
     };
-    let unknown = count(&|it| it.severity.is_none() && !it.is_responding());
+    let unknown = count(&|it| it.action.is_none() && !it.is_responding());
     text.push_str(&format!(
         "{} responding, {} hit, {} out of service{}.",
         count(&ColumnMark::is_responding),
@@ -79,14 +79,12 @@ pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32
         text.push_str(&format!(" The newest impact was on **{id}**."));
     }
     if !notable.is_empty() {
-        text.push_str(
-            "\n\n| column | severity | residual v1 | reserve | |\n|---|---|---|---|---|\n",
-        );
+        text.push_str("\n\n| column | action | residual v1 | reserve | |\n|---|---|---|---|---|\n");
     }
     for index in notable.iter().take(MAX_LISTED) {
         let mark = &marks[*index];
-        let foreseen = match mark.foreseen > mark.severity {
-            true => " foreseen",
+        let predicted = match mark.predicted > mark.action {
+            true => " predicted",
             false => "",
         };
         let reserve = mark.reserve.map_or("?".to_owned(), |it| format!("{it:.2}"));
@@ -95,7 +93,7 @@ pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32
             phase => phase_word(phase_code(phase)),
         };
         text.push_str(&format!(
-            "| {} | {}{foreseen} | {:.1} mm | {reserve} | {state} |\n",
+            "| {} | {}{predicted} | {:.1} mm | {reserve} | {state} |\n",
             escaped(&short(&fleet.ids[*index])),
             word(mark.worst()),
             1e3 * mark.residual_v1,
@@ -126,27 +124,27 @@ mod tests {
         let columns: Vec<_> = (0..20).map(column).collect();
         let mut fleet = ShownFleet::new(&columns, Vec::new());
         fleet.ids[4] = "a|b".into();
-        let of = |severity, residual_v1| ColumnMark {
-            severity: Some(severity),
+        let of = |action, residual_v1| ColumnMark {
+            action: Some(action),
             residual_v1,
             impacts: 1,
             ..ColumnMark::default()
         };
-        let mut marks = vec![of(Severity::None, 0.0); 20];
+        let mut marks = vec![of(Action::None, 0.0); 20];
         assert!(panel(&fleet, &marks, None).starts_with("## 20 columns, none with a warning"));
-        marks[2] = of(Severity::Inspect, 0.03);
-        marks[3] = of(Severity::Prop, 0.01);
-        marks[4] = of(Severity::Prop, -0.02);
-        marks[5].phase = TwinPhase::Severed;
+        marks[2] = of(Action::Inspect, 0.03);
+        marks[3] = of(Action::Shore, 0.01);
+        marks[4] = of(Action::Shore, -0.02);
+        marks[5].phase = TwinPhase::Fractured;
         assert_eq!(worst_first(&marks), [5, 4, 3, 2]);
         let text = panel(&fleet, &marks, Some(3));
         assert!(
             text.starts_with("## 4 of 20 columns need attention"),
             "{text}"
         );
-        assert!(text.contains("| a\\|b | PROP | -20.0 mm |"), "{text}");
+        assert!(text.contains("| a\\|b | SHORE | -20.0 mm |"), "{text}");
         assert!(text.contains("in rows"), "no column has a position: {text}");
-        marks.fill(of(Severity::Inspect, 0.03));
+        marks.fill(of(Action::Inspect, 0.03));
         let text = panel(&fleet, &marks, None);
         assert_eq!(text.matches(" inspect |").count(), MAX_LISTED);
         assert!(text.contains("and 8 more columns"), "{text}");

@@ -1,6 +1,6 @@
 //! Places the labels of a plan so that none covers another, or the mark of a column that has a label.
 
-use super::super::labels;
+use crate::viewer::labels;
 
 /// How many times the first distance a label may be away from its mark, with a line to it.
 const MAX_RINGS: usize = 6;

@@ -5,18 +5,18 @@ use std::sync::Arc;
 
 use rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
 
-use super::super::blueprint::activate;
-use super::super::item::ViewerItem;
-use super::super::plots::Ranges;
-use super::super::rerun_types::{log_level, time_columns};
-use super::super::stream::{StreamOptions, ViewerStream};
-use super::super::timeline::{Moment, Timeline};
 use super::item::{ColumnMark, FleetItem, ShownFleet};
 use super::layout::{self, LOG};
 use super::overview::{self, Geometry};
 use super::panel::{self, PANEL};
 use crate::parameters::{MAX_SELECTED_COLUMNS, Parameters};
 use crate::twin::NoticeLevel;
+use crate::viewer::blueprint::activate;
+use crate::viewer::item::ViewerItem;
+use crate::viewer::plots::Ranges;
+use crate::viewer::rerun_types::{log_level, time_columns};
+use crate::viewer::stream::{StreamOptions, ViewerStream};
+use crate::viewer::timeline::{Moment, Timeline};
 
 /// The place in the layout of the column that was hit last, unless it is selected; those of the selected columns are 1 and up.
 const NEWEST_SLOT: u8 = MAX_SELECTED_COLUMNS as u8 + 1;
@@ -260,7 +260,7 @@ impl FleetStream {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::assessment::Severity;
+    use crate::assessment::Action;
     use crate::parameters::FleetColumn;
     use rerun::RecordingStreamBuilder;
     use rerun::external::re_log_types::LogMsg;
@@ -340,7 +340,7 @@ mod tests {
             column: 3,
             stamp: 5,
             mark: ColumnMark {
-                severity: Some(Severity::Prop),
+                action: Some(Action::Shore),
                 ..ColumnMark::default()
             },
         };

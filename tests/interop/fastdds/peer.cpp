@@ -95,7 +95,7 @@ class Encoded : public TopicDataType {
   bool getKey(void*, InstanceHandle_t*, bool) override { return false; }
 };
 
-// column_twin/msg/ImpactEvent: 100 kg at 0.5 m/s, which leaves no damage; the parameters give the rest.
+// column_twin_msgs/msg/ImpactEvent: 100 kg at 0.5 m/s, which leaves no damage; the parameters give the rest.
 static Bytes impact_event(const std::string& column, const std::string& event) {
   char memory[1024];
   FastBuffer buffer(memory, sizeof memory);
@@ -110,7 +110,7 @@ static Bytes impact_event(const std::string& column, const std::string& event) {
   return Bytes(memory, memory + cdr.getSerializedDataLength());
 }
 
-// The event_id of a column_twin/msg/ImpactReport.
+// The event_id of a column_twin_msgs/msg/ImpactReport.
 static std::string event_of(Bytes& report) {
   FastBuffer buffer(report.data(), report.size());
   Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
@@ -122,7 +122,7 @@ static std::string event_of(Bytes& report) {
   return event;
 }
 
-// The counts of a column_twin/msg/TwinStatus.
+// The counts of a column_twin_msgs/msg/TwinStatus.
 static std::map<std::string, uint64_t> counts_of(Bytes& status) {
   FastBuffer buffer(status.data(), status.size());
   Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
@@ -131,9 +131,9 @@ static std::map<std::string, uint64_t> counts_of(Bytes& status) {
   uint32_t nanosec;
   uint8_t phase;
   std::string frame, column, event;
-  uint64_t accepted, refused;
-  cdr >> sec >> nanosec >> frame >> column >> phase >> event >> accepted >> refused;
-  return {{"events_accepted", accepted}, {"events_refused", refused}};
+  uint64_t accepted, rejected;
+  cdr >> sec >> nanosec >> frame >> column >> phase >> event >> accepted >> rejected;
+  return {{"events_accepted", accepted}, {"events_rejected", rejected}};
 }
 
 // Counts what comes, and remembers the events of forecasts.
@@ -232,11 +232,11 @@ int main(int argc, char** argv) {
       created[topic] = reader != nullptr;
       if (reader != nullptr) readers.push_back(reader);
     };
-    read("rt/twin_status", "column_twin::msg::dds_::TwinStatus_", true);
-    read("rt/impact_forecast", "column_twin::msg::dds_::ImpactReport_", true);
-    read("rt/column_state", "column_twin::msg::dds_::ColumnState_", false);
+    read("rt/twin_status", "column_twin_msgs::msg::dds_::TwinStatus_", true);
+    read("rt/impact_forecast", "column_twin_msgs::msg::dds_::ImpactReport_", true);
+    read("rt/column_state", "column_twin_msgs::msg::dds_::ColumnState_", false);
 
-    const char* event_type = "column_twin::msg::dds_::ImpactEvent_";
+    const char* event_type = "column_twin_msgs::msg::dds_::ImpactEvent_";
     participant->register_type(TypeSupport(new Encoded(event_type)));
     auto* topic = participant->create_topic("rt/impact_event", event_type, TOPIC_QOS_DEFAULT);
     DataWriterQos writer_qos = DATAWRITER_QOS_DEFAULT;

@@ -15,8 +15,11 @@ use wire::{Datagram, Fragment, Set};
 
 use crate::domain::PATIENCE;
 
-const EVENT: (&str, &str) = ("rt/impact_event", "column_twin::msg::dds_::ImpactEvent_");
-const STATUS: (&str, &str) = ("rt/twin_status", "column_twin::msg::dds_::TwinStatus_");
+const EVENT: (&str, &str) = (
+    "rt/impact_event",
+    "column_twin_msgs::msg::dds_::ImpactEvent_",
+);
+const STATUS: (&str, &str) = ("rt/twin_status", "column_twin_msgs::msg::dds_::TwinStatus_");
 
 /// Sends so many datagrams about as fast as the node can take them.
 fn flood(peer: &Peer, port: u16, count: u32, datagram: impl Fn(u32) -> Datagram) {

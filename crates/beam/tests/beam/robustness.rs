@@ -155,7 +155,7 @@ fn a_hit_from_the_other_side_is_its_mirror_image() {
 }
 
 #[test]
-fn bad_input_is_refused_with_the_reason() {
+fn bad_input_is_rejected_with_the_reason() {
     let mut it = column("HEB220", 355e6, 1e-3);
     let model = BeamModel::new(&it).unwrap();
     let error = model

@@ -90,7 +90,7 @@ fn hits_that_shear_the_web_agree_with_finite_elements() {
         let mean = &mut means[usize::from(!rigid)];
         mean.0 += ratio;
         mean.1 += 1;
-        // The target for compliant fronts is 0.2, and their mean within 0.05: two hits at the edge of yielding with hardening
+        // The target for deformable fronts is 0.2, and their mean within 0.05: two hits at the edge of yielding with hardening
         // are known misses, 1.27 and 1.20, and the mean is 1.086.
         let allowed = if rigid { 0.1 } else { 0.28 };
         if (ratio - 1.0).abs() > allowed {

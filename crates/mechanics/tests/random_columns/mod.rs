@@ -1,5 +1,7 @@
 //! Random columns that are struck: the same in every run, or as many new ones as `COLUMN_TWIN_EXPLORE` says.
 
+use std::time::SystemTime;
+
 use column_mechanics::{ColumnProperties, Impact, Model, Response, State};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRng, TestRunner};
@@ -23,12 +25,13 @@ pub fn check(
         max_local_rejects: cases.saturating_mul(20),
         ..Config::default()
     };
-    let mut runner = if explored.is_some() {
-        TestRunner::new(config)
-    } else {
-        let seed = TestRng::deterministic_rng(config.rng_algorithm);
-        TestRunner::new_with_rng(config, seed)
+    let algorithm = config.rng_algorithm;
+    let random = match explored {
+        // Without its feature `std`, proptest draws the same columns in every run by itself.
+        Some(_) => TestRng::from_seed(algorithm, &new_seed()),
+        None => TestRng::deterministic_rng(algorithm),
     };
+    let mut runner = TestRunner::new_with_rng(config, random);
     runner
         .run(&strikes, |(properties, impact)| {
             follow(&properties, &impact).map_err(|failure| match failure {
@@ -41,6 +44,17 @@ pub fn check(
         })
         .unwrap_or_else(|failure| panic!("{failure}"));
     cases
+}
+
+/// A seed that no other run has.
+fn new_seed() -> [u8; 32] {
+    let now = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .expect("a clock after 1970");
+    let mut seed = [0; 32];
+    seed[..16].copy_from_slice(&now.as_nanos().to_le_bytes());
+    seed[16..20].copy_from_slice(&std::process::id().to_le_bytes());
+    seed
 }
 
 /// The column at the event, and its response; a column that does not stand is not a case.

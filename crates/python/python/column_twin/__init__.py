@@ -1,33 +1,50 @@
-"""column_twin: what a vehicle does to a steel column, and the ROS 2 messages of its digital twin.
-
-Two distributions share this name. `pip install column-twin` brings the library::
+"""column_twin: what a vehicle does to a steel column::
 
     from column_twin import Column
 
     result = Column().simulate(vehicle="mid_car", velocity=10.0)
 
-and the ROS 2 package `column_twin` brings the messages::
-
-    from column_twin.msg import ColumnState
-
-Each installs this same file, so that they work alone, in one folder, and in two folders in any order of `sys.path`.
+The messages of the digital twin in ROS 2 are the package `column_twin_msgs`.
 """
 
-from pkgutil import extend_path
+# First, because it explains why the package does not work on this platform, whatever else is missing there.
+from ._loading import native
 
-__path__ = extend_path(__path__, __name__)
-del extend_path
+from ._capacity import Capacity, PushDown
+from ._catalogue import Section, Vehicle, sections, vehicles
+from ._codes import CRITERIA, Outcome, Action
+from ._column import Column
+from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
+from ._map import CriticalVelocity, Map, MapAxis
+from ._result import Result
+from ._risk import Estimate, Risk
+from ._evaluation import SCREENING, Evaluation, to_pandas
 
-try:
-    from ._library import *
-    from ._library import __all__, __version__
-except ModuleNotFoundError as missing:
-    # The messages without the library; anything else that is missing is a fault of the installation.
-    if missing.name != __name__ + "._library":
-        raise
+__version__: str = native.VERSION
 
-    def __getattr__(name: str) -> object:
-        raise AttributeError(
-            f"module {__name__!r} has no attribute {name!r}: only the ROS 2 messages are installed. "
-            "For the library: pip install column-twin"
-        )
+__all__ = [
+    "CRITERIA",
+    "SCREENING",
+    "Capacity",
+    "Column",
+    "ColumnTwinError",
+    "CriticalVelocity",
+    "Estimate",
+    "Map",
+    "MapAxis",
+    "Outcome",
+    "ParameterError",
+    "ParameterWarning",
+    "PushDown",
+    "Result",
+    "Risk",
+    "Evaluation",
+    "Section",
+    "Action",
+    "SimulationError",
+    "Vehicle",
+    "__version__",
+    "sections",
+    "to_pandas",
+    "vehicles",
+]

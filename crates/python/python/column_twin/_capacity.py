@@ -1,4 +1,4 @@
-"""The remaining axial capacity of a column."""
+"""The residual axial capacity of a column."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._codes import Severity
+from ._codes import Action
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ class PushDown(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Capacity:
-    """The axial capacity of a column, virgin and as it is, and what follows for its load."""
+    """The axial capacity of a column, undamaged and as it is, and what follows for its load."""
 
     report: dict[str, Any]
     """Everything under the names of `column-twin capacity --json`, in SI units; None where there is no value."""
@@ -40,13 +40,13 @@ class Capacity:
         return float(self.report["residual_capacity_n"])
 
     @property
-    def virgin_force(self) -> float:
-        """Largest force of the push-down of the virgin column [N]."""
-        return float(self.report["virgin_capacity_n"])
+    def undamaged_force(self) -> float:
+        """Largest force of the push-down of the undamaged column [N]."""
+        return float(self.report["undamaged_capacity_n"])
 
     @property
     def ratio(self) -> float:
-        """`force` over `virgin_force` [-]."""
+        """`force` over `undamaged_force` [-]."""
         return float(self.report["capacity_ratio"])
 
     @property
@@ -56,19 +56,19 @@ class Capacity:
 
     @property
     def carried_load(self) -> float:
-        """N_Ed: the load at the top before any redistribution that is not proven [N]."""
+        """The applied load N: the load at the top before any redistribution that is not proven [N]."""
         return float(self.report["carried_load_n"])
 
     @property
     def reserve(self) -> float | None:
-        """N_u / N_Ed [-]; None where there is no compressive load."""
+        """N_u / N [-]; None where there is no compressive load."""
         reserve: float | None = self.report["reserve"]
         return reserve
 
     @property
-    def severity(self) -> Severity:
+    def action(self) -> Action:
         """What has to be done."""
-        return Severity[self.report["severity"].upper()]
+        return Action[self.report["action"].upper()]
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Force against displacement of the impact point. Needs matplotlib."""
@@ -78,8 +78,8 @@ class Capacity:
 
     def __repr__(self) -> str:
         return (
-            f"<Capacity {self.report['state']}: N_u {1e-3 * self.axial_capacity:.4g} kN, {100 * self.ratio:.3g} % of the virgin "
-            f"column, {self.severity}>"
+            f"<Capacity {self.report['state']}: N_u {1e-3 * self.axial_capacity:.4g} kN, {100 * self.ratio:.3g} % of the undamaged "
+            f"column, {self.action}>"
         )
 
     def _repr_html_(self) -> str:

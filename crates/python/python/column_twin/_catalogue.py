@@ -62,6 +62,6 @@ def sections() -> dict[str, Section]:
 
 @cache
 def vehicles() -> dict[str, Vehicle]:
-    """Every compliant vehicle that `vehicle` may name, lightest class first; `rigid` is the paper's rigid mass."""
+    """Every deformable vehicle that `vehicle` may name, lightest class first; `rigid` is the paper's rigid mass."""
     rows = json.loads(native.VEHICLES_JSON)["vehicles"]
     return {row["name"]: Vehicle(row["name"], row["description"], sum(row["masses"]["kg"]), row) for row in rows}

@@ -1,4 +1,4 @@
-"""Severity, outcome and criteria, which arrays hold as small numbers."""
+"""Action, outcome and criteria, which arrays hold as small numbers."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from enum import IntEnum
 from ._loading import native
 
 
-class Severity(IntEnum):
-    """What has to be done, least severe first, so that `severity >= Severity.PROP` reads as it should."""
+class Action(IntEnum):
+    """What has to be done, least severe first, so that `action >= Action.SHORE` reads as it should."""
 
     NONE = 0
     """No criterion that decides is exceeded."""
@@ -16,7 +16,7 @@ class Severity(IntEnum):
     """An engineer has to examine the column."""
     RESTRICT = 2
     """People and additional loads have to be kept away from the column until an engineer has examined it."""
-    PROP = 3
+    SHORE = 3
     """The load has to be taken off the column at once."""
     EVACUATE = 4
     """Everybody has to leave the part of the building that the column carries."""
@@ -34,8 +34,8 @@ class Outcome(IntEnum):
     """At least one hinge has flowed and the column stands."""
     COLLAPSED = 2
     """The column has lost its shape or its equilibrium."""
-    SEVERED = 3
-    """A hinge is torn and carries nothing."""
+    FRACTURED = 3
+    """A hinge is fractured and carries nothing."""
 
     def __str__(self) -> str:
         return self.name.lower()

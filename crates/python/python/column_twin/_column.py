@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ._capacity import Capacity, PushDown
-from ._codes import Severity
+from ._codes import Action
 from ._errors import ColumnTwinError, ParameterError, ParameterWarning
 from ._loading import native
 from ._map import CriticalVelocity, Map
 from ._result import Result
 from ._risk import Risk
-from ._screening import Screening, table_of
+from ._evaluation import Evaluation, table_of
 
 Value = Union[bool, int, float, str, Sequence[float], Sequence[str]]
 """The value of a parameter."""
@@ -64,7 +64,7 @@ def _changes(changes: Mapping[str, Setting] | None, overrides: Mapping[str, Sett
 
 
 class Column:
-    """A steel column that a vehicle may hit: a virgin column with its parameters, which never changes.
+    """A steel column that a vehicle may hit: an undamaged column with its parameters, which never changes.
 
     Every parameter of docs/parameters.md has a default. A dot in its name is two underscores in a keyword; a mapping takes the
     names as they are:
@@ -153,7 +153,7 @@ class Column:
         return self._native.derived()[2]
 
     def simulate(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Result:
-        """One impact on the virgin column with histories and report.
+        """One impact on the undamaged column with histories and report.
 
         The response itself takes milliseconds. The report takes three more responses, which tell the error of the step and the
         influence of hardening, and two push-downs.
@@ -176,21 +176,21 @@ class Column:
         of = "" if mass is None else f" of {mass:g} kg"
         return Result(f"{self._title()}, {who}{of} at {velocity:g} m/s", history, fields)
 
-    def screen(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Screening:
-        """One impact on the virgin column without its history: severity, displacements, contact force, capacity.
+    def evaluate(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Evaluation:
+        """One impact on the undamaged column without its history: action, displacements, contact force, capacity.
 
         Arguments and errors are those of `simulate`.
         """
-        return Screening._of(*self._native.screen(vehicle, mass, velocity))
+        return Evaluation._of(*self._native.evaluate(vehicle, mass, velocity))
 
-    def screen_batch(
+    def evaluate_batch(
         self,
         masses: npt.ArrayLike | None,
         velocities: npt.ArrayLike,
         vehicle: str | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.void]:
-        """Many impacts on the virgin column, on all processors: each row equals that of `screen` bit for bit.
+        """Many impacts on the undamaged column, on all processors: each row equals that of `evaluate` bit for bit.
 
         Other Python threads run meanwhile, and Ctrl-C interrupts the batch within a fraction of a second.
 
@@ -215,7 +215,7 @@ class Column:
             shape, weights, speeds = both[0].shape, both[0].tobytes(), both[1]
         if threads is not None and threads < 1:
             raise ParameterError(f"threads: expected at least 1, found {threads}")
-        rows = self._native.screen_batch(vehicle, weights, speeds.tobytes(), threads)
+        rows = self._native.evaluate_batch(vehicle, weights, speeds.tobytes(), threads)
         return table_of(rows).reshape(shape)
 
     def map(
@@ -272,11 +272,11 @@ class Column:
 
     def critical_velocities(
         self, vehicle: str | None = None, mass: float | None = None, lowest: float = 0.1, highest: float = 60.0
-    ) -> dict[Severity, CriticalVelocity]:
-        """How fast a vehicle may be before its impact has each severity, to 1 %.
+    ) -> dict[Action, CriticalVelocity]:
+        """How fast a vehicle may be before its impact has each action, to 1 %.
 
         A scan goes up from `lowest` in ratios of at most 1.4, then intervals are halved; narrower ranges of velocities with a
-        higher severity are not found.
+        higher action are not found.
 
         Args:
             vehicle: as in `simulate`.
@@ -285,21 +285,21 @@ class Column:
             highest: where it ends [m/s].
         """
         brackets, _ = self._native.critical_velocities(vehicle, mass, lowest, highest)
-        severities = [it for it in Severity if it is not Severity.NONE]
-        return {it: CriticalVelocity(*bracket) for it, bracket in zip(severities, brackets)}
+        actions = [it for it in Action if it is not Action.NONE]
+        return {it: CriticalVelocity(*bracket) for it, bracket in zip(actions, brackets)}
 
     def critical_velocity(
         self,
-        severity: Severity,
+        action: Action,
         vehicle: str | None = None,
         mass: float | None = None,
         lowest: float = 0.1,
         highest: float = 60.0,
     ) -> CriticalVelocity:
-        """How fast a vehicle may be before its impact has this severity; as `critical_velocities`."""
-        if severity == Severity.NONE:
-            raise ParameterError("severity: expected one from inspect to evacuate, found none")
-        return self.critical_velocities(vehicle, mass, lowest, highest)[Severity(severity)]
+        """How fast a vehicle may be before its impact has this action; as `critical_velocities`."""
+        if action == Action.NONE:
+            raise ParameterError("action: expected one from inspect to evacuate, found none")
+        return self.critical_velocities(vehicle, mass, lowest, highest)[Action(action)]
 
     def risk(
         self,
@@ -308,7 +308,7 @@ class Column:
         *,
         years: float = 1.0,
         distance: float | None = None,
-        laws: Sequence[str] = (),
+        distributions: Sequence[str] = (),
         scenarios: str | os.PathLike[str] | None = None,
         samples: int = 10_000,
         seed: int = 1,
@@ -327,7 +327,7 @@ class Column:
             vehicles_per_day: vehicles that pass the column [1/d].
             years: period for which the probabilities hold [a].
             distance: of the column from the edge of the road [m]; default: that of the scenario.
-            laws: other laws of inputs, such as `speed_km_h=lognormal:12:5`.
+            distributions: other distributions of inputs, such as `speed_km_h=lognormal:12:5`.
             scenarios: file of scenarios of your own, as config/risk.json.
             samples: vehicles that are drawn.
             seed: of the random numbers.
@@ -359,7 +359,7 @@ class Column:
             {
                 "scenario": scenario,
                 "scenarios": text,
-                "laws": moved + list(laws),
+                "distributions": moved + list(distributions),
                 "vehicles_per_day": float(vehicles_per_day),
                 "years": float(years),
                 "samples": int(samples),
@@ -374,7 +374,7 @@ class Column:
     def capacity(
         self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None
     ) -> Capacity:
-        """The axial capacity: of the virgin column without arguments, otherwise of what this impact leaves.
+        """The axial capacity: of the undamaged column without arguments, otherwise of what this impact leaves.
 
         A static push-down finds the largest force that the column carries; docs/assessment.md describes it.
         Arguments and errors are those of `simulate`.

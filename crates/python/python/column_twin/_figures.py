@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from ._codes import Severity
+from ._codes import Action
 from ._html import COLOURS
 from ._result import HINGES
 
@@ -51,7 +51,7 @@ def response(result: Result) -> Figure:
         ax.legend(fontsize="small")
     for ax in (moment, rotation):
         ax.set_xlabel("time [ms]")
-    figure.suptitle(f"{result.title}: {result.outcome}, {result.severity}")
+    figure.suptitle(f"{result.title}: {result.outcome}, {result.action}")
     return figure
 
 
@@ -72,15 +72,15 @@ def push_down(capacity: Capacity, ax: Axes | None) -> Axes:
 
 
 def damage_map(damage: Map, ax: Axes | None, label: str | None) -> Axes:
-    """Severity as colours, and lines of equal residual displacement."""
+    """Action as colours, and lines of equal residual displacement."""
     if ax is None:
         ax = plt.subplots(layout="constrained")[1]
     cells = damage._of_label(label)
     x, y = _positions(damage.columns), _positions(damage.rows)
-    colours = ListedColormap([COLOURS[it] for it in Severity] + ["#9e9e9e"])
-    # A code above every severity: not computed.
-    norm = BoundaryNorm([*(it - 0.5 for it in Severity), max(Severity) + 0.5, 255.5], colours.N)
-    ax.pcolormesh(x, y, cells["severity"], cmap=colours, norm=norm, shading="nearest", alpha=0.8)
+    colours = ListedColormap([COLOURS[it] for it in Action] + ["#9e9e9e"])
+    # A code above every action: not computed.
+    norm = BoundaryNorm([*(it - 0.5 for it in Action), max(Action) + 0.5, 255.5], colours.N)
+    ax.pcolormesh(x, y, cells["action"], cmap=colours, norm=norm, shading="nearest", alpha=0.8)
     if min(cells.shape) > 1 and not (damage.rows.values.dtype.kind == "U" or damage.columns.values.dtype.kind == "U"):
         residual = 1e3 * cells["residual_v1"]
         levels = [level for level in (1, 2, 5, 10, 20, 50, 100, 200, 500) if np.nanmin(residual) < level < np.nanmax(residual)]
@@ -92,7 +92,7 @@ def damage_map(damage: Map, ax: Axes | None, label: str | None) -> Axes:
             axis.set_ticks(range(len(values)), labels=list(values.values))
     ax.set_xlabel(damage.columns.label)
     ax.set_ylabel(damage.rows.label)
-    present = [it for it in Severity if (cells["severity"] == it).any()]
+    present = [it for it in Action if (cells["action"] == it).any()]
     ax.legend(handles=[Patch(color=COLOURS[it], label=str(it)) for it in present], fontsize="small", loc="upper left")
     if damage.cells.ndim == 3:
         ax.set_title(label or damage.labels[0])
@@ -107,7 +107,7 @@ def _positions(axis: MapAxis) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 
 
 def fragility(risk: Risk, ax: Axes | None) -> Axes:
-    """Probability of each severity of the whole traffic against the speed."""
+    """Probability of each action of the whole traffic against the speed."""
     if ax is None:
         ax = plt.subplots(layout="constrained")[1]
     for curve in risk.report["fragility"]:
@@ -118,8 +118,8 @@ def fragility(risk: Risk, ax: Axes | None) -> Axes:
             continue
         speed = np.array([3.6 * 0.5 * sum(point["speed"]) for point in points])
         value, low, high = (np.array([point["probability"][it] for point in points]) for it in ("value", "low", "high"))
-        colour = COLOURS[Severity[curve["severity"].upper()]]
-        ax.plot(speed, value, ".-", color=colour, label=f"{curve['severity']} or worse")
+        colour = COLOURS[Action[curve["action"].upper()]]
+        ax.plot(speed, value, ".-", color=colour, label=f"{curve['action']} or worse")
         ax.fill_between(speed, low, high, color=colour, alpha=0.15)
     ax.set_xlabel("speed at the column [km/h]")
     ax.set_ylabel("probability given an impact")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from ._codes import Severity
+from ._codes import Action
 
 if TYPE_CHECKING:
     from ._capacity import Capacity
@@ -17,27 +17,27 @@ if TYPE_CHECKING:
     from ._map import Map
     from ._result import Result
     from ._risk import Risk
-    from ._screening import Screening
+    from ._evaluation import Evaluation
 
 COLOURS = {
-    Severity.NONE: "#2e7d32",
-    Severity.INSPECT: "#f9a825",
-    Severity.RESTRICT: "#ef6c00",
-    Severity.PROP: "#c62828",
-    Severity.EVACUATE: "#6a1b9a",
+    Action.NONE: "#2e7d32",
+    Action.INSPECT: "#f9a825",
+    Action.RESTRICT: "#ef6c00",
+    Action.SHORE: "#c62828",
+    Action.EVACUATE: "#6a1b9a",
 }
-"""Colours of the severities, in tables and maps."""
+"""Colours of the actions, in tables and maps."""
 
 _WIDTH, _HEIGHT = 420, 120
 
 
-def _badge(severity: Severity | None) -> str:
-    if severity is None:
+def _badge(action: Action | None) -> str:
+    if action is None:
         return "<b>not assessed</b>"
-    ink = "#000" if severity == Severity.INSPECT else "#fff"
+    ink = "#000" if action == Action.INSPECT else "#fff"
     return (
-        f'<span style="background:{COLOURS[severity]};color:{ink};padding:1px 8px;border-radius:3px">'
-        f"{escape(str(severity).upper())}</span>"
+        f'<span style="background:{COLOURS[action]};color:{ink};padding:1px 8px;border-radius:3px">'
+        f"{escape(str(action).upper())}</span>"
     )
 
 
@@ -86,28 +86,28 @@ def result(result: Result) -> str:
     report = result.report
     ratio = report["capacity_ratio"]
     rows = [
-        ("severity", f"{_badge(result.severity)} {escape(report['deciding_criterion'] or '')}"),
+        ("action", f"{_badge(result.action)} {escape(report['deciding_criterion'] or '')}"),
         ("outcome", escape(str(result.outcome))),
         ("largest v1", _mm(result.max_v1)),
         ("residual v1", _mm(result.residual_v1)),
         ("peak contact force", _kn(report["peak_contact_force_n"])),
-        ("remaining capacity", "unknown" if ratio is None else f"{100 * ratio:.3g} % of the virgin column"),
+        ("residual capacity", "unknown" if ratio is None else f"{100 * ratio:.3g} % of the undamaged column"),
     ]
     if report["crush_max_m"]:
         rows.append(("crush of the front", _mm(report["crush_max_m"][0])))
     return f"<div><b>{escape(result.title)}</b>{_rows(rows)}{_drawing(result)}</div>"
 
 
-def screening(screening: Screening) -> str:
+def evaluation(evaluation: Evaluation) -> str:
     """The verdict and the numbers of one impact."""
-    title = f"{screening.mass:g} kg at {screening.velocity:g} m/s"
+    title = f"{evaluation.mass:g} kg at {evaluation.velocity:g} m/s"
     rows = [
-        ("severity", f"{_badge(screening.severity)} {escape(screening.deciding_criterion)}"),
-        ("outcome", escape(str(screening.outcome))),
-        ("largest v1", _mm(screening.max_v1)),
-        ("residual v1", _mm(screening.residual_v1)),
-        ("peak contact force", _kn(screening.peak_contact_force)),
-        ("remaining capacity", f"{100 * screening.capacity_ratio:.3g} % of the virgin column"),
+        ("action", f"{_badge(evaluation.action)} {escape(evaluation.deciding_criterion)}"),
+        ("outcome", escape(str(evaluation.outcome))),
+        ("largest v1", _mm(evaluation.max_v1)),
+        ("residual v1", _mm(evaluation.residual_v1)),
+        ("peak contact force", _kn(evaluation.peak_contact_force)),
+        ("residual capacity", f"{100 * evaluation.capacity_ratio:.3g} % of the undamaged column"),
     ]
     return f"<div><b>{escape(title)}</b>{_rows(rows)}</div>"
 
@@ -116,12 +116,12 @@ def capacity(capacity: Capacity) -> str:
     """Capacities, load and verdict."""
     reserve = capacity.reserve
     rows = [
-        ("severity", f"{_badge(capacity.severity)} {escape(capacity.report['deciding_criterion'])}"),
-        ("push-down of the virgin column", _kn(capacity.virgin_force)),
+        ("action", f"{_badge(capacity.action)} {escape(capacity.report['deciding_criterion'])}"),
+        ("push-down of the undamaged column", _kn(capacity.undamaged_force)),
         ("push-down now", f"{_kn(capacity.force)}, {100 * capacity.ratio:.3g} %"),
         ("N_u", _kn(capacity.axial_capacity)),
         ("load", escape(capacity.report["load"])),
-        ("reserve N_u / N_Ed", "none" if reserve is None else f"{reserve:.3g}"),
+        ("reserve N_u / N", "none" if reserve is None else f"{reserve:.3g}"),
     ]
     return f"<div><b>Capacity, {escape(capacity.report['state'])}</b>{_rows(rows)}</div>"
 
@@ -140,52 +140,52 @@ def column(column: Column) -> str:
 
 
 def damage_map(damage: Map) -> str:
-    """How many cells have each severity, and a drawing of the plane, one for each column that is compared."""
+    """How many cells have each action, and a drawing of the plane, one for each column that is compared."""
     cells = damage.cells.reshape(len(damage.labels), len(damage.rows), len(damage.columns))
     parts = [
-        f"<figure style=\"display:inline-block;margin:4px\">{_plane(plane['severity'])}"
+        f"<figure style=\"display:inline-block;margin:4px\">{_plane(plane['action'])}"
         f"<figcaption>{escape(label)}</figcaption></figure>"
         for label, plane in zip(damage.labels, cells)
     ]
     counts = [
-        f"{_badge(severity)} {int((cells['severity'] == severity).sum())}"
-        for severity in Severity
-        if (cells["severity"] == severity).any()
+        f"{_badge(action)} {int((cells['action'] == action).sum())}"
+        for action in Action
+        if (cells["action"] == action).any()
     ]
     axes = f"{damage.columns.label} to the right, {damage.rows.label} upwards"
     return f"<div>{''.join(parts)}<div>{' '.join(counts)} cells; {escape(axes)}</div></div>"
 
 
-def _plane(severity: npt.NDArray[np.uint16]) -> str:
-    """Rectangles of equal severity, row by row; at most 60 rows and columns are drawn."""
-    rows, columns = (np.unique(np.linspace(0, size - 1, min(size, 60)).astype(int)) for size in severity.shape)
+def _plane(action: npt.NDArray[np.uint16]) -> str:
+    """Rectangles of equal action, row by row; at most 60 rows and columns are drawn."""
+    rows, columns = (np.unique(np.linspace(0, size - 1, min(size, 60)).astype(int)) for size in action.shape)
     width, height = 240 / columns.size, 160 / rows.size
     boxes = []
     for place, row in enumerate(rows):
-        line = severity[row, columns]
+        line = action[row, columns]
         starts = np.flatnonzero(np.diff(line, prepend=np.uint16(254)))
         ends = np.append(starts[1:], line.size)
         for start, end in zip(starts, ends):
             code = int(line[start])
-            colour = COLOURS[Severity(code)] if code <= max(Severity) else "#9e9e9e"
+            colour = COLOURS[Action(code)] if code <= max(Action) else "#9e9e9e"
             boxes.append(
                 f'<rect x="{start * width:.2f}" y="{160 - (place + 1) * height:.2f}" width="{(end - start) * width + 0.3:.2f}" '
                 f'height="{height + 0.3:.2f}" fill="{colour}"/>'
             )
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 240 160" width="240" height="160" role="img" '
-        f'aria-label="severity">{"".join(boxes)}</svg>'
+        f'aria-label="action">{"".join(boxes)}</svg>'
     )
 
 
 def risk(risk: Risk) -> str:
-    """The probability of each severity in the period, with its interval."""
+    """The probability of each action in the period, with its interval."""
     exposure = risk.report["exposure"]
     rows = []
-    for row in risk.report["severities"]:
+    for row in risk.report["actions"]:
         chance = row["in_period"]
         rows.append(
-            (f"{row['severity']} or worse", f"{chance['value']:.2e} ({chance['low']:.1e} to {chance['high']:.1e})")
+            (f"{row['action']} or worse", f"{chance['value']:.2e} ({chance['low']:.1e} to {chance['high']:.1e})")
         )
     title = (
         f"Risk, {risk.scenario}: {exposure['vehicles_per_day']:g} vehicles per day, {exposure['years']:g} a, "

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.recfunctions import repack_fields
 
-from ._codes import Severity
-from ._screening import CATEGORIES, table_of
+from ._codes import Action
+from ._evaluation import CATEGORIES, table_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 
 class CriticalVelocity(NamedTuple):
-    """How fast a vehicle may be before its impact has a severity: between `below` and `at`, which differ by at most 1 %."""
+    """How fast a vehicle may be before its impact has an action: between `below` and `at`, which differ by at most 1 %."""
 
     below: float | None
-    """Largest velocity found below it at which the severity is not reached [m/s]; None if the lowest one reaches it."""
+    """Largest velocity found below it at which the action is not reached [m/s]; None if the lowest one reaches it."""
     at: float | None
-    """Smallest velocity found at which the severity is reached [m/s]; None if no velocity reaches it."""
+    """Smallest velocity found at which the action is reached [m/s]; None if no velocity reaches it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class MapAxis:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Severity, displacements, capacity and contact force over a plane of two quantities, for one column or several."""
+    """Action, displacements, capacity and contact force over a plane of two quantities, for one column or several."""
 
     rows: MapAxis
     """The first axis of the arrays: of mass and velocity, the mass."""
@@ -61,7 +61,7 @@ class Map:
     cells: npt.NDArray[np.void]
     """The fields of `SCREENING` but mass and velocity, of shape (rows, columns), or (labels, rows, columns) for a comparison."""
     failures: dict[tuple[int, ...], str]
-    """Why cells could not be computed, by their place: their numbers are NaN and their codes 255, above every severity."""
+    """Why cells could not be computed, by their place: their numbers are NaN and their codes 255, above every action."""
 
     @classmethod
     def _of(cls, computed: dict[str, Any], compared: bool) -> Map:
@@ -79,7 +79,7 @@ class Map:
         return cls(axes[0], axes[1], labels, repack_fields(table[fields]).reshape(shape), failures)
 
     def __getitem__(self, field: str) -> npt.NDArray[Any]:
-        """An array of one field: `map["max_v1"]` [m], `map["severity"]`."""
+        """An array of one field: `map["max_v1"]` [m], `map["action"]`."""
         return self.cells[field]
 
     def to_pandas(self) -> pd.DataFrame:
@@ -98,13 +98,13 @@ class Map:
                 codes = flat[name].astype(np.int64)
                 codes[codes == 255] = -1
                 words = pd.Index(CATEGORIES[name])
-                table[name] = pd.Categorical.from_codes(codes.tolist(), words, ordered=name == "severity")
+                table[name] = pd.Categorical.from_codes(codes.tolist(), words, ordered=name == "action")
             else:
                 table[name] = flat[name]
         return table
 
     def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
-        """Severity as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib."""
+        """Action as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib."""
         from . import _figures
 
         return _figures.damage_map(self, ax, label)
@@ -120,7 +120,7 @@ class Map:
         return plane
 
     def __repr__(self) -> str:
-        worst = [str(it) for it in Severity if (self.cells["severity"] == it).any()]
+        worst = [str(it) for it in Action if (self.cells["action"] == it).any()]
         return (
             f"<Map {' x '.join(str(it) for it in self.cells.shape)}, {self.rows.name} and {self.columns.name}: "
             f"{', '.join(worst)}>"

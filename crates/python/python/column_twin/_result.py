@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._codes import Outcome, Severity
+from ._codes import Outcome, Action
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,7 +21,7 @@ _Array = npt.NDArray[np.float64]
 
 
 class Result:
-    """The response of the virgin column to one impact: histories, and the report with capacity, criteria and severity.
+    """The response of the undamaged column to one impact: histories, and the report with capacity, criteria and action.
 
     Displacements `v` are positive in the direction of travel of the vehicle, `u` positive downwards, and normal forces positive
     in tension.
@@ -70,7 +70,7 @@ class Result:
 
     @property
     def contact_force(self) -> _Array:
-        """Contact force without percussions [N]."""
+        """Contact force without impact impulses [N]."""
         return self.history["contact_force_N"]
 
     @property
@@ -118,18 +118,18 @@ class Result:
 
     @property
     def outcome(self) -> Outcome:
-        """Whether the column yields, collapses or tears."""
+        """Whether the column yields, collapses or fractures."""
         return Outcome[self.report["outcome"].upper()]
 
     @property
-    def severity(self) -> Severity | None:
+    def action(self) -> Action | None:
         """What has to be done; None if the capacity could not be computed."""
-        severity = self.report["severity"]
-        return None if severity is None else Severity[severity.upper()]
+        action = self.report["action"]
+        return None if action is None else Action[action.upper()]
 
     @property
     def criteria(self) -> list[dict[str, Any]]:
-        """Every criterion with edition, tag, value, limit, unit, margin, severity, and what it says in words."""
+        """Every criterion with edition, tag, value, limit, unit, margin, action, and what it says in words."""
         return list(self.report["criteria"] or [])
 
     def to_pandas(self) -> pd.DataFrame:
@@ -147,7 +147,7 @@ class Result:
     def __repr__(self) -> str:
         residual = "none" if self.residual_v1 is None else f"{1e3 * self.residual_v1:.4g} mm"
         return (
-            f"<Result {self.title}: {self.outcome}, {self.severity}, max v1 {1e3 * self.max_v1:.4g} mm, "
+            f"<Result {self.title}: {self.outcome}, {self.action}, max v1 {1e3 * self.max_v1:.4g} mm, "
             f"residual {residual}>"
         )
 

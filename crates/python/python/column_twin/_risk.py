@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._codes import Severity
+from ._codes import Action
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,20 +33,20 @@ class Risk:
     report: dict[str, Any]
     """Everything that `column-twin risk --json` computes from the samples: probabilities, classes, fragility, sensitivity."""
 
-    def _severity(self, severity: Severity) -> dict[str, Any]:
-        for row in self.report["severities"]:
-            if row["severity"] == str(Severity(severity)):
+    def _action(self, action: Action) -> dict[str, Any]:
+        for row in self.report["actions"]:
+            if row["action"] == str(Action(action)):
                 found: dict[str, Any] = row
                 return found
-        raise ValueError(f"expected a severity from inspect to evacuate, found {severity}")
+        raise ValueError(f"expected an action from inspect to evacuate, found {action}")
 
-    def in_period(self, severity: Severity) -> Estimate:
-        """Probability of at least one impact of this severity or a higher one in the period of the study."""
-        return Estimate._of(self._severity(severity)["in_period"])
+    def in_period(self, action: Action) -> Estimate:
+        """Probability of at least one impact of this action or a higher one in the period of the study."""
+        return Estimate._of(self._action(action)["in_period"])
 
-    def given_impact(self, severity: Severity) -> Estimate:
-        """Probability of this severity or a higher one given an impact."""
-        return Estimate._of(self._severity(severity)["given_impact"])
+    def given_impact(self, action: Action) -> Estimate:
+        """Probability of this action or a higher one given an impact."""
+        return Estimate._of(self._action(action)["given_impact"])
 
     @property
     def samples(self) -> int:
@@ -54,25 +54,25 @@ class Risk:
         return int(self.report["counts"]["samples"])
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row per severity: probabilities with their intervals. Needs pandas."""
+        """One row per action: probabilities with their intervals. Needs pandas."""
         import pandas as pd
 
         rows = []
-        for row in self.report["severities"]:
-            flat: dict[str, Any] = {"severity": row["severity"]}
+        for row in self.report["actions"]:
+            flat: dict[str, Any] = {"action": row["action"]}
             for kind in ("given_impact", "in_period"):
                 flat |= {kind: row[kind]["value"], f"{kind}_low": row[kind]["low"], f"{kind}_high": row[kind]["high"]}
             rows.append(flat)
-        return pd.DataFrame(rows).set_index("severity")
+        return pd.DataFrame(rows).set_index("action")
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Fragility of the whole traffic: probability of each severity against the speed, with intervals. Needs matplotlib."""
+        """Fragility of the whole traffic: probability of each action against the speed, with intervals. Needs matplotlib."""
         from . import _figures
 
         return _figures.fragility(self, ax)
 
     def __repr__(self) -> str:
-        chances = ", ".join(f"{row['severity']} {row['in_period']['value']:.2g}" for row in self.report["severities"])
+        chances = ", ".join(f"{row['action']} {row['in_period']['value']:.2g}" for row in self.report["actions"])
         return f"<Risk {self.scenario}, {self.samples} samples, {self.report['exposure']['years']:g} a: {chances}>"
 
     def _repr_html_(self) -> str:

@@ -88,7 +88,7 @@ fn reason(error: RecordingError) -> String {
 }
 
 #[test]
-fn a_file_that_is_no_private_key_is_refused_with_what_to_do() {
+fn a_file_that_is_no_private_key_is_rejected_with_what_to_do() {
     let files = files();
     let rejected = |path: &Path| reason(SealKey::read(path).unwrap_err());
     for (content, found) in [
@@ -133,7 +133,7 @@ fn a_file_that_is_no_private_key_is_refused_with_what_to_do() {
 }
 
 #[test]
-fn a_file_that_is_no_public_key_is_refused_with_what_to_do() {
+fn a_file_that_is_no_public_key_is_rejected_with_what_to_do() {
     let files = files();
     for (content, found) in [
         (

@@ -1,0 +1,119 @@
+//! What a criterion says, and what has to be done if it is exceeded.
+
+use std::fmt::{self, Display, Formatter};
+
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::Provenance;
+
+/// `gamma_M` of every resistance: what is left of a column is judged by its characteristic strength, which a limit of 1.5
+/// stands beside.
+pub const PARTIAL_FACTOR: f64 = 1.0;
+
+/// Unit of a bow over the length to which it belongs.
+pub(crate) const PART_OF_LENGTH: &str = "L";
+
+/// What has to be done, least severe first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// No criterion that decides is exceeded.
+    None,
+    /// An engineer has to examine the column.
+    Inspect,
+    /// People and additional loads have to be kept away from the column until an engineer has examined it.
+    Restrict,
+    /// The load has to be taken off the column at once.
+    Shore,
+    /// Everybody has to leave the part of the building that the column carries.
+    Evacuate,
+}
+
+/// One criterion with its values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Criterion {
+    /// Its name, as in the parameter `assessment.criteria`.
+    pub name: &'static str,
+    /// Document and edition, or what the criterion is based on.
+    pub edition: &'static str,
+    /// Where its limit comes from; the weakest link where several numbers enter.
+    pub tag: Provenance,
+    /// The value; `None` if it could not be evaluated.
+    pub value: Option<f64>,
+    /// Its limit; `None` if it could not be evaluated.
+    pub limit: Option<f64>,
+    /// Unit of both; empty for a ratio.
+    pub unit: &'static str,
+    /// Distance to the limit, relative to it: positive while the criterion is met, negative when it is exceeded. Where the
+    /// limit is 0, the value with its sign reversed. `None` if it could not be evaluated.
+    pub margin: Option<f64>,
+    /// Whether the criterion is exceeded; `None` if it could not be evaluated.
+    pub exceeded: Option<bool>,
+    /// Action if it is exceeded.
+    pub action: Action,
+    /// Whether it decides, by the user's choice.
+    pub decides: bool,
+    /// What it says, with its numbers, or why it could not be evaluated.
+    pub statement: String,
+}
+
+impl Action {
+    /// Every action, the least severe first.
+    pub const ALL: [Self; 5] = [
+        Self::None,
+        Self::Inspect,
+        Self::Restrict,
+        Self::Shore,
+        Self::Evacuate,
+    ];
+
+    /// Its name, as messages and files write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Inspect => "inspect",
+            Self::Restrict => "restrict",
+            Self::Shore => "shore",
+            Self::Evacuate => "evacuate",
+        }
+    }
+}
+
+impl Display for Action {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A number with its unit: forces in kN, moments in kNm, bows as parts of a length, otherwise three significant digits.
+pub(super) fn quantity(value: f64, unit: &str) -> String {
+    if unit == PART_OF_LENGTH {
+        return match value {
+            value if value > 0.0 && value.is_finite() => match 1.0 / value {
+                part if part >= 1e4 => "less than L/10000".to_owned(),
+                part => format!("L/{part:.0}"),
+            },
+            0.0 => "0".to_owned(),
+            _ => "not a number".to_owned(),
+        };
+    }
+    let (value, unit) = if unit == "N" {
+        (value / 1e3, "kN")
+    } else if unit == "N m" {
+        (value / 1e3, "kNm")
+    } else {
+        (value, unit)
+    };
+    let size = value.abs();
+    let decimals = match size {
+        _ if size == 0.0 || !size.is_finite() => 0,
+        _ if size >= 99.95 => 0,
+        _ if size >= 9.995 => 1,
+        _ if size >= 0.9995 => 2,
+        _ if size >= 0.0001 => 4,
+        _ => 6,
+    };
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("{value:.decimals$}{space}{unit}")
+}

@@ -1,0 +1,72 @@
+//! The response of an undamaged column to an impact, and what its assessment depends on.
+
+use super::{AssessmentInput, ResidualCapacity};
+use crate::column::{
+    CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
+    follow, residual_without_bumper,
+};
+use crate::parameters::{POISSON_RATIO, Parameters};
+
+/// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
+/// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
+pub const HARDENING_BAND: [f64; 2] = [0.003, 0.02];
+
+/// The weakest column of the band, with the least hardening and the softening of the column, and the strongest one, with the
+/// most hardening and no softening. The hardening of the column itself lies within the band.
+#[must_use]
+pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
+    let [least, most] = HARDENING_BAND;
+    let own = properties.hardening_ratio;
+    [
+        (least.min(own), properties.softening),
+        (most.max(own), None),
+    ]
+    .map(|(hardening_ratio, softening)| ColumnProperties {
+        softening,
+        ..properties.with_hardening(hardening_ratio, POISSON_RATIO)
+    })
+}
+
+/// All that the assessment of an undamaged column after its response, and in the equilibrium `rest`, depends on, with its capacities.
+pub(super) fn input_of(
+    parameters: &Parameters,
+    model: &Model,
+    impact: &Impact,
+    report: &Report,
+    rest: Option<&State>,
+) -> Result<AssessmentInput, CapacityError> {
+    let remaining = ResidualCapacity::compute(parameters, &model.without_bumper(), rest)?;
+    Ok(AssessmentInput::of_response(
+        parameters, model, impact, report, remaining,
+    ))
+}
+
+/// The response of the undamaged column before the bumper of the vehicle, and the equilibrium in which it comes to rest once the
+/// vehicle is gone; `None` if it has collapsed or is fractured.
+///
+/// # Errors
+/// As [`respond`](crate::column::respond).
+pub fn respond_and_rest(
+    properties: &ColumnProperties,
+    impact: &Impact,
+    max_duration: f64,
+) -> Result<(Report, Option<State>), SimulationError> {
+    observe_and_rest(properties, impact, max_duration, |_, _| ())
+}
+
+/// As [`respond_and_rest`]; `observe` sees the state at the event and after every step, from which it may take a sample.
+///
+/// # Errors
+/// As [`respond`](crate::column::respond).
+pub fn observe_and_rest(
+    properties: &ColumnProperties,
+    impact: &Impact,
+    max_duration: f64,
+    observe: impl FnMut(&Model, &State),
+) -> Result<(Report, Option<State>), SimulationError> {
+    let properties = properties.before(impact);
+    let (report, model, state) = follow(&properties, impact, max_duration, observe)?;
+    let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
+    let residual = || residual_without_bumper(&model, &state, &model.without_bumper());
+    Ok((report, stands.then(residual).flatten()))
+}

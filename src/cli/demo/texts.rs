@@ -1,0 +1,29 @@
+//! Bounds and texts that both demonstrations use.
+
+use std::time::Duration;
+
+use crate::cli::summary::wrapped;
+use column_twin::messages::column_twin_msgs::ImpactReport;
+use column_twin::ros::action_word;
+
+/// Maximum wait for the node, and for each of its answers.
+pub(super) const TIMEOUT: Duration = Duration::from_secs(15);
+
+/// What becomes of the column, in words.
+pub(super) fn outcome_text(report: &ImpactReport) -> &'static str {
+    match report.outcome {
+        ImpactReport::ELASTIC => "elastic",
+        ImpactReport::PLASTIC => "plastic",
+        ImpactReport::FRACTURED => "a hinge or a web is fractured",
+        _ => "the column collapses",
+    }
+}
+
+/// The action with its reason, in lines that fit into a terminal.
+pub(super) fn action_text(report: &ImpactReport) -> String {
+    let action = action_word(report.action);
+    let words = format!("{action}: {}", report.action_reason);
+    let mut text = String::new();
+    let _ = wrapped(&mut text, "  action", &words); // writing to a String cannot fail
+    text
+}

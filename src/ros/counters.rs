@@ -1,0 +1,46 @@
+//! Losses of the node itself, counted for `/diagnostics` and the log.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::clock_watch::ClockWatch;
+use super::given_up::GivenUp;
+use super::lost_peers::LostPeers;
+use super::senders::Senders;
+
+/// Losses of the node itself since the start.
+#[derive(Debug, Default)]
+pub(super) struct NodeCounters {
+    /// Unreadable messages and requests.
+    pub unreadable: AtomicU64,
+    /// Events and sets of parameters that arrived faster than they could be taken, or were sent while the network was interrupted.
+    pub missed: AtomicU64,
+    /// Messages that could not be written, or not in time for a slow reader.
+    pub unpublished: AtomicU64,
+    /// Messages for columns that are not in this fleet.
+    pub ignored: AtomicU64,
+    /// Events of vehicles that hit several columns, which were rejected.
+    pub rejected_rows: AtomicU64,
+    /// Log messages dropped because their queue was full.
+    pub unlogged: AtomicU64,
+    /// Peers that fell silent, and what was published meanwhile.
+    pub lost_peers: Arc<LostPeers>,
+    /// Messages that were given up because they are too long.
+    pub given_up: Arc<GivenUp>,
+    /// The simulated clock; `None` with the system's.
+    pub clock: Option<ClockWatch>,
+    /// The senders, if the parameters limit them.
+    pub senders: Option<Arc<Senders>>,
+}
+
+impl NodeCounters {
+    /// Messages and requests of senders that are not allowed, or too fast.
+    pub fn rejected_senders(&self) -> u64 {
+        let senders = self.senders.as_ref();
+        senders.map_or(0, |it| it.not_allowed() + it.too_fast())
+    }
+
+    pub fn count(counter: &AtomicU64) {
+        counter.fetch_add(1, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,78 @@
+//! How a message leaves the node: to its readers, and to the recording.
+
+use std::sync::Arc;
+
+use ros2_client::Publisher;
+
+use crate::endpoints::Endpoint;
+use crate::messages::cdr::CdrError;
+use crate::messages::column_twin_msgs::TwinStatus;
+use crate::outgoing::{RecordingHealth, RecordingTap};
+
+use super::counters::NodeCounters;
+use super::live_columns::{Health, LiveColumns};
+use super::raw::Raw;
+
+/// Publishes messages, counts those that are not published, and passes the same bytes to the recording.
+pub(super) struct Sending {
+    pub columns: Arc<LiveColumns>,
+    pub counters: Arc<NodeCounters>,
+    pub recording: Option<Arc<dyn RecordingTap>>,
+    /// The time to publish is over: what remains is only recorded.
+    pub is_over: bool,
+}
+
+impl Sending {
+    /// Publishes and records a message without waiting. If a reader is so slow that the history is full, the message is lost for it, and
+    /// counted.
+    pub fn send(
+        &self,
+        publisher: &Publisher<Raw>,
+        endpoint: &Endpoint,
+        bytes: Result<Vec<u8>, CdrError>,
+    ) {
+        let raw = encoded(bytes);
+        self.send_raw(publisher, endpoint, raw.as_ref());
+    }
+
+    /// The same of an encoded message; `None` is one that could not be encoded.
+    pub fn send_raw(&self, publisher: &Publisher<Raw>, endpoint: &Endpoint, raw: Option<&Raw>) {
+        let is_sent = raw.is_some_and(|raw| self.publish(publisher, raw.clone()));
+        if !is_sent {
+            NodeCounters::count(&self.counters.unpublished);
+            tracing::debug!("a message on {} was not published", endpoint.name);
+        }
+        if let (Some(recording), Some(raw)) = (&self.recording, raw) {
+            recording.sent(endpoint, raw.bytes());
+        }
+    }
+
+    /// Publishes a message that is not recorded; returns whether it is sent.
+    pub fn publish(&self, publisher: &Publisher<Raw>, raw: Raw) -> bool {
+        self.counters.lost_peers.count_published();
+        !self.is_over && publisher.publish(raw).is_ok()
+    }
+
+    /// Adds the state of threads and queues, which all columns share and a twin does not know.
+    pub fn add_health(&self, status: &mut TwinStatus) {
+        let health = self.columns.health();
+        status.overruns = health.overruns;
+        status.worst_lateness = health.worst_lateness;
+        status.dropped_inputs = health.dropped_inputs + self.counters.rejected_senders();
+        status.dropped_states = health.dropped_states;
+        status.dropped_recording = self.recording_health(&health).map_or(0, |it| it.lost);
+        status.dropped_viewer = health.dropped_viewer;
+    }
+
+    /// Outputs that the queue to the publishing thread dropped are missing in the recording too, which receives its messages there.
+    pub fn recording_health(&self, health: &Health) -> Option<RecordingHealth> {
+        let mut recording = self.recording.as_ref()?.health();
+        recording.lost += health.dropped_recording;
+        Some(recording)
+    }
+}
+
+/// `None` if the message could not be encoded.
+pub(super) fn encoded(bytes: Result<Vec<u8>, CdrError>) -> Option<Raw> {
+    Raw::new(bytes.ok()?.into()).ok()
+}

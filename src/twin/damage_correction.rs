@@ -1,0 +1,225 @@
+//! Corrects the damage of the column at rest by what was measured on it.
+//!
+//! The plastic deformation of all hinges is multiplied by one factor, so that the mechanism remains that of the impacts, and
+//! the column is brought into its new equilibrium; the factor is the one with which the model reads what was measured.
+
+use serde::{Deserialize, Serialize};
+
+use super::command::{Accepted, ResidualMeasurement};
+use super::lifecycle::Twin;
+use super::output::{NoticeLevel, Output, Outputs};
+use super::plant::Plant;
+use super::rejection::{Rejection, RejectionCode};
+use crate::senses::Probe;
+use crate::sensors::Quantity;
+use crate::time::Nanos;
+
+/// Factors by which the plastic deformation may be corrected \[A\]: a measurement that asks for more contradicts the model, which
+/// then has another mechanism than the column.
+pub const CORRECTION_FACTORS: [f64; 2] = [0.5, 2.0];
+
+/// Halvings with which the factor is found: to the last bits.
+const HALVINGS: u32 = 60;
+
+/// Standard deviations of the measurement by which the corrected model may miss it.
+const TOLERANCE: f64 = 0.01;
+
+/// A comparison of the model with a measurement on the column at rest, and what has become of the damage.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DamageCorrection {
+    /// When.
+    pub stamp: Nanos,
+    /// What was measured: a displacement \[m\] or a rotation \[rad\], relative to the undamaged column.
+    pub quantity: Quantity,
+    /// Above the base \[m\].
+    pub height: f64,
+    /// What the model read before.
+    pub before: f64,
+    /// What was measured.
+    pub measured: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+    /// What the model reads now.
+    pub after: f64,
+    /// By which the plastic deformation of all hinges was multiplied; 1 where the model agreed.
+    pub factor: f64,
+}
+
+impl Twin {
+    /// Corrects the damage by a measurement. Where the model agrees with it within its standard deviation, nothing changes.
+    ///
+    /// # Errors
+    /// The column is not at rest or does not stand, or the measurement does not fit to its damage.
+    pub(super) fn correct_damage(
+        &mut self,
+        measured: &ResidualMeasurement,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Rejection> {
+        if self.response.is_some() {
+            let reason = "the column is responding to an impact; measure when it is at rest";
+            return Err(Rejection::new(RejectionCode::NotAtRest, reason));
+        }
+        self.at_rest.check_standing()?;
+        let (correction, corrected) = correct(&self.at_rest, measured, now)?;
+        if let Some(corrected) = corrected {
+            self.forbid_resuming();
+            self.at_rest = corrected;
+            self.assess();
+            self.forget_other_critical_velocities();
+            self.forget_range();
+        }
+        let life = &mut self.registry.life;
+        life.corrections_since_reset = life.corrections_since_reset.saturating_add(1);
+        life.last_correction = Some(correction);
+        let text = format!("by {}: {}", measured.source, correction.in_words());
+        out.notice(NoticeLevel::Warning, now, text);
+        out.put(Output::CorrectDamaged(correction));
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+        self.save(now, out);
+        Ok(Accepted::CorrectDamaged(correction))
+    }
+}
+
+impl DamageCorrection {
+    /// What was compared, and what has changed.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Self {
+            quantity,
+            height,
+            before,
+            measured,
+            deviation,
+            after,
+            factor,
+            ..
+        } = self;
+        let unit = quantity.unit();
+        let compared = format!(
+            "residual {quantity} at {height} m: the model had {before} {unit}, measured are {measured} {unit} with a standard \
+             deviation of {deviation} {unit}"
+        );
+        match *factor == 1.0 {
+            true => format!("{compared}; they agree, and nothing is changed"),
+            false => format!(
+                "{compared}; the plastic deformation of all hinges is multiplied by {factor}, and the model has {after} {unit} now"
+            ),
+        }
+    }
+}
+
+/// The comparison, and the corrected column; `None` where the model agrees with the measurement.
+fn correct(
+    at_rest: &Plant,
+    measured: &ResidualMeasurement,
+    stamp: Nanos,
+) -> Result<(DamageCorrection, Option<Plant>), Rejection> {
+    let ResidualMeasurement {
+        quantity,
+        height,
+        value,
+        deviation,
+        ..
+    } = *measured;
+    let implausible = |reason: String| {
+        Err(Rejection::new(
+            RejectionCode::MeasurementImplausible,
+            reason,
+        ))
+    };
+    if !matches!(quantity, Quantity::Displacement | Quantity::Rotation) {
+        return implausible(format!(
+            "the quantity is {quantity}; a column at rest is measured by its displacement or its rotation"
+        ));
+    }
+    let properties = &at_rest.model.properties;
+    let whole = properties.length_below + properties.length_above;
+    if !(0.0..=whole).contains(&height) {
+        return implausible(format!(
+            "height = {height} m is not on the column, which is {whole} m high"
+        ));
+    }
+    if !value.is_finite() {
+        return implausible(format!("value = {value}: expected a finite number"));
+    }
+    if !(deviation.is_finite() && deviation > 0.0) {
+        return implausible(format!(
+            "deviation = {deviation}: expected the standard deviation of the measurement, a finite number > 0"
+        ));
+    }
+    let probe = Probe::ideal(&at_rest.model, quantity, height);
+    let before = probe.read(&at_rest.state);
+    let correction = DamageCorrection {
+        stamp,
+        quantity,
+        height,
+        before,
+        measured: value,
+        deviation,
+        after: before,
+        factor: 1.0,
+    };
+    if (value - before).abs() <= deviation {
+        return Ok((correction, None));
+    }
+    let unit = quantity.unit();
+    let differs = format!(
+        "the model has a {quantity} of {before} {unit} at {height} m, measured are {value} {unit}"
+    );
+    if !at_rest.is_damaged() {
+        return implausible(format!(
+            "{differs}; the column has no plastic deformation that could be corrected: report the impact that has caused it"
+        ));
+    }
+    let found = CORRECTION_FACTORS
+        .into_iter()
+        .find_map(|bound| factor_towards(bound, at_rest, &probe, value, TOLERANCE * deviation));
+    let Some((factor, corrected)) = found else {
+        let [least, most] = CORRECTION_FACTORS;
+        return implausible(format!(
+            "{differs}; no factor from {least} to {most} on the plastic deformation of all hinges makes the column meet this in \
+             equilibrium: the column has another damage than its impacts explain, and has to be examined"
+        ));
+    };
+    let correction = DamageCorrection {
+        after: probe.read(&corrected.state),
+        factor,
+        ..correction
+    };
+    Ok((correction, Some(corrected)))
+}
+
+/// The factor between 1 and a bound with which the model meets the measurement, and the column with it.
+fn factor_towards(
+    bound: f64,
+    at_rest: &Plant,
+    probe: &Probe,
+    wanted: f64,
+    tolerance: f64,
+) -> Option<(f64, Plant)> {
+    let is_above = probe.read(&at_rest.state) > wanted;
+    let (mut near, mut far) = (1.0, bound);
+    let mut trial = bound;
+    for _ in 0..HALVINGS {
+        // Without an equilibrium the factor is too far from 1.
+        match at_rest.with_damage_scaled(trial) {
+            Some(scaled) => {
+                let reading = probe.read(&scaled.state);
+                if (reading - wanted).abs() <= tolerance {
+                    return Some((trial, scaled));
+                }
+                match (reading > wanted) == is_above {
+                    true if trial == bound => return None,
+                    true => near = trial,
+                    false => far = trial,
+                }
+            }
+            None => far = trial,
+        }
+        trial = 0.5 * (near + far);
+    }
+    None
+}
