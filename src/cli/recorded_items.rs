@@ -15,7 +15,7 @@ use column_twin::messages::column_twin_msgs::{
 };
 use column_twin::messages::{Message, cdr};
 use column_twin::parameters::Parameters;
-use column_twin::recording::{self, Reader};
+use column_twin::recording;
 use column_twin::twin::Journal;
 use column_twin::viewer::{self, DetectedUpdate, RecordedMessage, ViewerItem};
 
