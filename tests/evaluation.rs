@@ -12,7 +12,7 @@ use column_twin::column::{Impact, Model, Outcome};
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::study::{Batch, Evaluation, StudyColumn};
 
-/// Relative error that is admitted of the largest displacement.
+/// Relative error that is admitted of the peak displacement.
 const TOLERANCE: f64 = 1e-3;
 
 /// Of the residual capacity: where a hinge fractures in the push-down, it depends on the residual state with a factor of up to

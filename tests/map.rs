@@ -364,7 +364,7 @@ fn every_cell_agrees_with_simulate() {
             assert_eq!(simulated["action"], cell["action"].as_str(), "{cell:?}");
             let expected = simulated["max_v1_m"].as_f64().expect("a number");
             let found: f64 = cell["max_v1_m"].parse().expect("a number");
-            // Of a column that falls, the largest displacement is only where the response ends.
+            // Of a column that falls, the peak displacement is only where the response ends.
             if cell["residual_v1_m"].is_empty() {
                 continue;
             }

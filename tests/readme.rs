@@ -17,7 +17,7 @@ fn example() -> Result<(), Box<dyn std::error::Error>> {
         &mut |sample| peak_moment = peak_moment.max(sample.hinges[3].moment.abs()),
     )?;
     println!(
-        "max v1 {:.1} mm, peak moment at the base {:.0} kNm",
+        "peak v1 {:.1} mm, peak moment at the base {:.0} kNm",
         1e3 * report.max_v1,
         1e-3 * peak_moment
     );

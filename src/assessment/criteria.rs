@@ -599,7 +599,7 @@ fn bow(input: &AssessmentInput, bow: fn(&AssessmentInput) -> Option<f64>, part: 
 }
 
 /// How much smaller the margin of a criterion is relative to the quantity that is computed with a certain relative error than
-/// relative to its limit: a residual bow is a small part of the largest displacement, whose relative error is known.
+/// relative to its limit: a residual bow is a small part of the peak displacement, whose relative error is known.
 pub(super) fn share_of_limit(definition: &Definition, input: &AssessmentInput, limit: f64) -> f64 {
     if definition.unit != PART_OF_LENGTH {
         return 1.0;

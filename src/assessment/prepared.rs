@@ -45,7 +45,7 @@ pub struct Verdict {
     /// Name of the criterion that decides.
     pub deciding_criterion: &'static str,
     /// Smallest distance of a criterion that decides to its limit, relative to that, on either side; that of a residual bow
-    /// relative to the largest one where that is larger, because it has the error of the largest displacement.
+    /// relative to the largest one where that is larger, because it has the error of the peak displacement.
     pub least_margin: f64,
 }
 

@@ -211,11 +211,11 @@ impl Summary<'_> {
         )
     }
 
-    /// What the number of the largest displacement is worth.
+    /// What the number of the peak displacement is worth.
     fn accuracy(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let evaluation = self.evaluation;
         let step = evaluation.step;
-        writeln!(f, "\nAccuracy of the largest v1")?;
+        writeln!(f, "\nAccuracy of the peak displacement")?;
         writeln!(
             f,
             "  {:<32}{}{}",
@@ -236,7 +236,7 @@ impl Summary<'_> {
             };
             let [least, most] = band.map(|it| readable(100.0 * it.hardening_ratio));
             for (name, values) in [
-                ("largest v1", band.map(|it| Some(it.report.max_v1))),
+                ("peak v1", band.map(|it| Some(it.report.max_v1))),
                 ("residual v1", band.map(|it| it.report.residual_v1)),
             ] {
                 let (from, to) = (one(0, values[0]), one(1, values[1]));

@@ -1,4 +1,4 @@
-//! The shape of the column before the impact, at its largest displacement and at rest.
+//! The shape of the column before the impact, at its peak displacement and at rest.
 
 use super::chart::Mark;
 use super::page::{Drawn, Stroke, colour};

@@ -14,7 +14,7 @@ use crate::senses::{
 };
 use crate::sensors::Sensor;
 
-/// The band of the largest displacement.
+/// The band of the peak displacement.
 const PEAK_BAND: RGBColor = RGBColor(190, 218, 238);
 /// The band of the displacement that remains.
 const RESIDUAL_BAND: RGBColor = RGBColor(248, 212, 184);
@@ -22,7 +22,7 @@ const RESIDUAL_BAND: RGBColor = RGBColor(248, 212, 184);
 /// Name of the figure of the forecast.
 const FORECAST: &str = "estimate_forecast";
 
-/// Largest displacement that is drawn, as a multiple of the upper end of the last interval: the first intervals may be so wide
+/// Peak displacement that is drawn, as a multiple of the upper end of the last interval: the first intervals may be so wide
 /// that nothing else could be seen. What is beyond is cut off.
 const WIDEST: f64 = 3.0;
 

@@ -289,7 +289,7 @@ pub(super) fn result_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
     let none = String::new;
     let mut rows = vec![
         row(
-            "largest displacement of the impact point",
+            "peak displacement of the impact point",
             v1.show(report.max_v1),
             part(report.max_v1),
             at(report.max_v1_time),

@@ -6,11 +6,11 @@
 pub(crate) struct FibreAgreement {
     /// Number of hits by rigid masses.
     pub cases: usize,
-    /// Root mean square deviation of the largest displacement \[%\].
+    /// Root mean square deviation of the peak displacement \[%\].
     pub peak: f64,
     /// The same of the residual displacement \[%\].
     pub residual: f64,
-    /// Ratio of the largest displacement in the case in which it is lowest.
+    /// Ratio of the peak displacement in the case in which it is lowest.
     pub lowest: f64,
     /// Mean contact force over the first millisecond, over that of the fibre beam, from and to.
     pub first_force: [f64; 2],
@@ -43,7 +43,7 @@ pub(super) fn limits() -> [(&'static str, String); 9] {
             "Two rigid bars with hinges stand for the column.",
             format!(
                 "Plastic deformation happens at the base, at the impact point and at the top only. Over {} plastic hits by \
-                 rigid masses, the largest displacement agrees with a fibre beam model to {:.1} % (root mean square) and the \
+                 rigid masses, the peak displacement agrees with a fibre beam model to {:.1} % (root mean square) and the \
                  residual to {:.1} %; the worst case is {:.1} % too low, at a load of 1.2 MN on a soft top.",
                 it.cases,
                 it.peak,

@@ -187,7 +187,7 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
             thead {
                 tr {
                     th { "event" } th { "time" } th.number { "mass" } th.number { "speed" }
-                    th { "outcome" } th.number { "largest v1" } th.number { "residual v1" }
+                    th { "outcome" } th.number { "peak v1" } th.number { "residual v1" }
                 }
             }
             tbody {

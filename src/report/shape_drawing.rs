@@ -19,7 +19,7 @@ const HIGHEST: f64 = 252.0;
 /// Axes of the straight column in both parts.
 const TRUE_AXIS: f64 = 110.0;
 const MAGNIFIED_AXIS: f64 = 356.0;
-/// How far the largest displacement may reach in the magnified part, as a share of the height.
+/// How far the peak displacement may reach in the magnified part, as a share of the height.
 const LARGEST_SHARE: f64 = 0.22;
 
 /// One shape of the column.

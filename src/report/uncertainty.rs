@@ -23,7 +23,7 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
             tbody {
                 (fact("Time step", match impact.error_estimate() {
                     Some(error) => format!(
-                        "{:.1e} of the largest v1, estimated by a second run with half the step of {} µs",
+                        "{:.1e} of the peak displacement, estimated by a second run with half the step of {} µs",
                         error, short(impact.model.step_secs * 1e6)
                     ),
                     None => "not estimated".to_owned(),
@@ -139,7 +139,7 @@ fn band_table(range: &ActionRange) -> Markup {
                 th.number { "hardening " (most) ", no local buckling" }
             } }
             tbody {
-                (row("largest displacement of the impact point", &|report| length.show(report.max_v1)))
+                (row("peak displacement of the impact point", &|report| length.show(report.max_v1)))
                 (row("residual displacement of the impact point", &residual))
                 (row("largest plastic rotation", &rotation))
                 (row("peak contact force, without impact impulses", &|report| force.show(report.peak_contact_force)))

@@ -207,7 +207,7 @@ impl WatchLines {
             Seen::Report(report) if self.has_shown_result(report) => range_line("result", report),
             // It is published again with the error of its time step.
             Seen::Forecast(report) if !report.error_estimate.is_nan() => Some(format!(
-                "forecast of {}: the time step makes an error of about {:.2e} of the largest v1",
+                "forecast of {}: the time step makes an error of about {:.2e} of the peak displacement",
                 report.event_id, report.error_estimate
             )),
             Seen::Forecast(report) => Some(report_line("forecast", report)),

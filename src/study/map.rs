@@ -94,7 +94,7 @@ pub struct MapTable {
     pub column: Vec<u64>,
     /// What the impact leads to, or why that could not be computed.
     pub result: Vec<Result<Evaluation, String>>,
-    /// Largest displacement of the impact point \[m\].
+    /// Peak displacement of the impact point \[m\].
     pub max_v1: Vec<f64>,
     /// Residual displacement of the impact point \[m\]; NaN where the column does not stand.
     pub residual_v1: Vec<f64>,

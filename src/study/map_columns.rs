@@ -84,7 +84,7 @@ const RESULTS: [ResultColumn; 13] = [
         "max_v1_m",
         ColumnKind::Number,
         "m",
-        "largest displacement of the impact point",
+        "peak displacement of the impact point",
         |it| TableValue::Number(Some(it.max_v1)),
     ),
     (

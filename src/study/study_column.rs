@@ -104,7 +104,7 @@ pub struct Evaluation {
     pub deciding_criterion: &'static str,
     /// Whether the column yields, collapses or fractures.
     pub outcome: Outcome,
-    /// Largest displacement of the impact point \[m\].
+    /// Peak displacement of the impact point \[m\].
     pub max_v1: f64,
     /// The same in the equilibrium that remains \[m\]; `None` if there is none.
     pub residual_v1: Option<f64>,
@@ -375,7 +375,7 @@ impl StudyColumn {
     }
 
     /// The action of this impact, without the other numbers of [`evaluate`](Self::evaluate): neither does a collapse need its
-    /// largest displacement, nor a push-down its end.
+    /// peak displacement, nor a push-down its end.
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate).
@@ -465,7 +465,7 @@ impl StudyColumn {
         }
         let rates = self.model.properties.rate.is_some();
         let at_limit = match response.outcome {
-            // Its largest displacement has no limit for short steps.
+            // Its peak displacement has no limit for short steps.
             Outcome::Collapsed => return Ok(Certainty::PlainOnly),
             Outcome::Fractured if rates && impact.vehicle.is_none() => {
                 return Ok(Certainty::PlainOnly);

@@ -171,7 +171,7 @@ pub fn summary(report: &ImpactReport) -> String {
         _ => "COLLAPSED",
     };
     format!(
-        "{outcome}: max v1 {:.1} mm at {:.2} ms, residual v1 {:.1} mm, max u2 {:.1} mm, peak contact force {}, plastic work \
+        "{outcome}: peak v1 {:.1} mm at {:.2} ms, residual v1 {:.1} mm, max u2 {:.1} mm, peak contact force {}, plastic work \
          {:.1} kJ",
         1e3 * report.max_v1,
         1e3 * report.max_v1_time,

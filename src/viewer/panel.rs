@@ -129,7 +129,7 @@ fn rows(report: &ImpactReport) -> Vec<[String; 2]> {
         1e3 * report.max_v1,
         1e3 * report.max_v1_time
     );
-    add(report.max_v1, "Largest displacement v1", largest);
+    add(report.max_v1, "Peak displacement v1", largest);
     let residual = format!("{:.1} mm", 1e3 * report.residual_v1);
     add(report.residual_v1, "Residual v1", residual);
     let peak = report.peak_contact_force;
@@ -272,7 +272,7 @@ mod tests {
         let mut announced = announced();
         let text = panel(&drawing, Told::Forecast(&announced));
         let largest = 1e3 * announced.report.max_v1;
-        let largest = format!("| Largest displacement v1 | {largest:.1} mm at");
+        let largest = format!("| Peak displacement v1 | {largest:.1} mm at");
         assert_eq!(
             heading(&text),
             "## Forecast: plastic, the column does not collapse in the model"

@@ -76,7 +76,7 @@ class PredictRequest(IdlStruct, typename="column_twin_msgs::srv::dds_::PredictIm
 
 @dataclass
 class PredictReply(IdlStruct, typename="column_twin_msgs::srv::dds_::PredictImpact_Response_"):
-    """The reply as far as its report's largest displacement; CDR does not mark where a structure begins."""
+    """The reply as far as its report's peak displacement; CDR does not mark where a structure begins."""
     client: types.uint64
     number: types.int64
     success: bool

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A word that must not come back, as whole words or as a part of one, and the one to use.
-const BANNED: [(&str, Whole, &str); 20] = [
+const BANNED: [(&str, Whole, &str); 23] = [
     ("percussion", Whole::Part, "impact impulse"),
     ("virgin", Whole::Part, "undamaged"),
     ("severed", Whole::Part, "fractured"),
@@ -24,6 +24,9 @@ const BANNED: [(&str, Whole, &str); 20] = [
     ("~/calibrate", Whole::Part, "~/correct_damage"),
     ("srv/Calibrate", Whole::Part, "srv/CorrectDamage"),
     ("foreseen", Whole::Part, "predicted"),
+    ("largest displacement", Whole::Word, "peak displacement"),
+    ("largest v1", Whole::Word, "peak v1"),
+    ("peak of v1", Whole::Word, "peak v1"),
     ("compliant", Whole::Part, "deformable"),
     ("remaining_capacity", Whole::Part, "residual_capacity"),
 ];

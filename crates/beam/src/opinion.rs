@@ -44,15 +44,15 @@ pub enum Outcome {
 /// What the beam says.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BeamOutcome {
-    /// Largest displacement of the impact point along the direction of the hit, from where it was before \[m\].
+    /// Peak displacement of the impact point along the direction of the hit, from where it was before \[m\].
     pub max_displacement_m: f64,
-    /// Largest displacement at right angles to it, as a magnitude \[m\].
+    /// Peak displacement at right angles to it, as a magnitude \[m\].
     pub max_sideways_m: f64,
     /// What remains along the direction \[m\]; NaN after a collapse.
     pub residual_displacement_m: f64,
     /// What remains at right angles, as a magnitude \[m\].
     pub residual_sideways_m: f64,
-    /// When the largest displacement is reached \[s\].
+    /// When the peak displacement is reached \[s\].
     pub max_displacement_time_s: f64,
     /// How it ended.
     pub outcome: Outcome,
@@ -62,7 +62,7 @@ pub struct BeamOutcome {
     pub residual_capacity_n: [f64; 2],
     /// Largest base shear along the direction, as a mean over 1 ms \[N\].
     pub base_shear_n: f64,
-    /// Estimated relative error of the largest displacement, from a run with fewer elements and longer steps.
+    /// Estimated relative error of the peak displacement, from a run with fewer elements and longer steps.
     pub error_estimate: f64,
     /// Elements along the column.
     pub elements: usize,

@@ -1,4 +1,4 @@
-//! One impact, from the touch to the largest displacement, and what remains after it.
+//! One impact, from the touch to the peak displacement, and what remains after it.
 
 use column_mechanics::Impact;
 
@@ -24,13 +24,13 @@ const DESCENDED: f64 = 0.25;
 /// Most steps of a response.
 pub(crate) const MAX_STEPS: u64 = 200_000;
 
-/// Share of the largest displacement by which the column comes back before a response ends.
+/// Share of the peak displacement by which the column comes back before a response ends.
 const BACK: f64 = 0.02;
 
 /// What a response has found.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Course {
-    /// Largest displacement along and at right angles to the direction \[m\], and when the first \[s\].
+    /// Peak displacement along and at right angles to the direction \[m\], and when the first \[s\].
     pub largest: [f64; 2],
     pub time: f64,
     pub yielded: bool,

@@ -26,13 +26,13 @@ pub const BASE_WINDOW: f64 = 1e-3;
 const KNOTS_PER_WINDOW: f64 = 25.0;
 
 /// Knots that are kept: those of a window and some more, or as many displacements with this ratio, which span a ratio of 16
-/// at least, while the plateau begins at 0.30 of the largest displacement.
+/// at least, while the plateau begins at 0.30 of the peak displacement.
 const KNOTS: usize = 32;
 
 /// Ratio of the displacements at which the integrals are remembered for the plateau, `2^(1/8)`.
 const LEVEL_RATIO: f64 = 1.090_507_732_665_257_7;
 
-/// Shares of the largest displacement between which the plateau lies, as in the finite elements with which it is compared.
+/// Shares of the peak displacement between which the plateau lies, as in the finite elements with which it is compared.
 const PLATEAU: [f64; 2] = [0.30, 0.95];
 
 /// What acts on the base at one instant. `sliding` is the dynamic increase factor of the web of the lower bar where it

@@ -89,7 +89,7 @@ pub struct StudyResponse {
     pub end: End,
     /// Whether it ended because nothing could change any more, before it was quiet.
     pub ended_early: bool,
-    /// Largest displacement of the impact point \[m\].
+    /// Peak displacement of the impact point \[m\].
     pub max_v1: f64,
     /// Largest contact force \[N\].
     pub peak_contact_force: f64,

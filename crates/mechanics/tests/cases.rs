@@ -118,7 +118,7 @@ fn run(name: &str, overrides: &[&str]) -> [(Report, Vec<Sample>); 2] {
         let (p, impact) = example(&[&[scheme], overrides].concat());
         let (report, samples) = follow(&p, &impact);
         println!(
-            "{name:<28} {:?}: {:?} {:?} at {:.4} s, max v1 {:.4e} m, {} impact_impulses, {} steps",
+            "{name:<28} {:?}: {:?} {:?} at {:.4} s, peak v1 {:.4e} m, {} impact_impulses, {} steps",
             p.scheme,
             report.outcome,
             report.end,
@@ -135,7 +135,7 @@ fn run(name: &str, overrides: &[&str]) -> [(Report, Vec<Sample>); 2] {
 fn agree([(midpoint, _), (conserving, _)]: &[(Report, Vec<Sample>); 2], tolerance: f64) {
     assert_eq!(midpoint.outcome, conserving.outcome);
     let difference = (midpoint.max_v1 / conserving.max_v1 - 1.0).abs();
-    assert!(difference <= tolerance, "max v1 differs by {difference:e}");
+    assert!(difference <= tolerance, "peak v1 differs by {difference:e}");
 }
 
 #[test]
@@ -400,7 +400,7 @@ fn slow_impact_is_half_a_swing_of_both_masses() {
     let release = report.release_time.expect("release");
     for (name, found, expected) in [
         ("release", release, PI / frequency),
-        ("max v1", report.max_v1, speed / frequency),
+        ("peak v1", report.max_v1, speed / frequency),
         ("time of it", report.max_v1_time, PI / 2.0 / frequency),
         ("rebound", report.impactor_velocity, -speed),
         (

@@ -133,7 +133,7 @@ fn reference_cases_with_strain_rate_are_met() {
     }
 }
 
-/// The errors of the largest displacement fall with the square of the step; between the schemes nothing but the step
+/// The errors of the peak displacement fall with the square of the step; between the schemes nothing but the step
 /// differs.
 #[test]
 fn responses_with_rate_and_hardening_converge_with_the_step() {
@@ -154,7 +154,7 @@ fn responses_with_rate_and_hardening_converge_with_the_step() {
                     let of = |found: f64, limit: f64| (found / limit - 1.0).abs();
                     let error = of(report.max_v1, finest.max_v1);
                     println!(
-                        "{scheme} {exponents:?} b {hardening} dt {dt}: max v1 {error:.1e}, work {:.1e}",
+                        "{scheme} {exponents:?} b {hardening} dt {dt}: peak v1 {error:.1e}, work {:.1e}",
                         of(report.plastic_work, finest.plastic_work)
                     );
                     error

@@ -140,7 +140,7 @@ fn midpoint_has_the_papers_errors() {
     ];
     let errors = published.map(|(dt, expected)| {
         let error = relative(run("midpoint", dt, &ELLIPSE).0.max_v1, reference.vmax);
-        println!("midpoint dt {dt}: max v1 {error:+.3e}, published {expected:+.2e}");
+        println!("midpoint dt {dt}: peak v1 {error:+.3e}, published {expected:+.2e}");
         assert!(
             (error / expected - 1.0).abs() <= 0.2,
             "dt {dt}: {error:e} instead of {expected:e}"
@@ -148,7 +148,7 @@ fn midpoint_has_the_papers_errors() {
         error
     });
     let order = (errors[0] / errors[3]).log10();
-    println!("order of max v1 over a decade of dt: {order:.3}");
+    println!("order of peak v1 over a decade of dt: {order:.3}");
     assert!((1.9..=2.1).contains(&order), "order {order}");
 }
 
@@ -216,7 +216,7 @@ fn conserving_midpoint_reaches_the_reference() {
         let max_v1 = relative(report.max_v1, reference.vmax);
         let release = report.release_time.expect("release") - reference.tsep;
         let work = relative(report.plastic_work, reference.dissipated);
-        println!("{case}: max v1 {max_v1:+.2e}, release {release:+.2e} s, work {work:+.2e}");
+        println!("{case}: peak v1 {max_v1:+.2e}, release {release:+.2e} s, work {work:+.2e}");
         assert!(max_v1.abs() <= 3e-5 && work.abs() <= 3e-5);
         assert!(release.abs() <= 2e-5);
 

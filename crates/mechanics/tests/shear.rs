@@ -174,7 +174,7 @@ fn a_web_beyond_its_ultimate_angle_is_fractured() {
         assert_eq!(report.end, End::Fractured);
         assert!(report.webs[0].plastic_angle >= 0.2);
         assert_eq!(report.residual_v1, None);
-        // Its largest displacement is that of the instant of the fracture.
+        // Its peak displacement is that of the instant of the fracture.
         let length = properties.clear_lengths()[0];
         let angle = report.max_v1 / length;
         assert!((0.195..0.215).contains(&angle), "{angle}");

@@ -126,7 +126,7 @@ fn no_response_that_was_ended_early_yields_later() {
             return Ok(());
         }
         early.set(early.get() + 1);
-        // Followed from there with the steps of the model, nothing flows, touches or exceeds the largest displacement.
+        // Followed from there with the steps of the model, nothing flows, touches or exceeds the peak displacement.
         let model = Model::new(&properties).expect("a column");
         let mut state = study.last;
         for _ in 0..(0.05 / model.step_secs) as u64 {

@@ -24,7 +24,7 @@ const SIGNALS: Duration = Duration::from_millis(50);
 /// One impact and what it leads to, as numbers. The order is that of `_evaluation.py`.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// Mass, velocity, max v1, residual v1, peak contact force, residual capacity, its ratio, its reserve, and the largest
+    /// Mass, velocity, peak v1, residual v1, peak contact force, residual capacity, its ratio, its reserve, and the largest
     /// plastic rotation; NaN where there is none.
     pub numbers: [f64; NUMBERS],
     /// Its verdict.

@@ -304,7 +304,7 @@ fn print_outcome(detected: &Detected, truth: &Truth, out: &LinePrinter<'_>) {
     row("momentum", momentum, 1e-3, "kN s", &estimate.momentum);
     row("mass", truth.mass, 1.0, "kg", &estimate.mass);
     row("speed", truth.velocity, 1.0, "m/s", &estimate.velocity);
-    row("peak of v1", truth.peak_v1, 1e3, "mm", &estimate.peak_v1);
+    row("peak v1", truth.peak_v1, 1e3, "mm", &estimate.peak_v1);
     row(
         "residual v1",
         truth.residual_v1,
@@ -313,7 +313,7 @@ fn print_outcome(detected: &Detected, truth: &Truth, out: &LinePrinter<'_>) {
         &estimate.residual_v1,
     );
     out.print(format_args!(
-        "\n  The twin follows the response that explains the data best: {:.0} kg, {:.1} m/s; peak of v1\n  {:.1} mm, residual \
+        "\n  The twin follows the response that explains the data best: {:.0} kg, {:.1} m/s; peak v1\n  {:.1} mm, residual \
          {:.1} mm; {}\n{}",
         report.mass,
         report.velocity,

@@ -249,7 +249,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             }
             Seen::Forecast(report) => {
                 self.out.print(format_args!(
-                    "  forecast after {:.1} ms ({:.1} ms of computing): peak of v1 {:.1} mm, residual {:.1} mm; {}\n{}",
+                    "  forecast after {:.1} ms ({:.1} ms of computing): peak v1 {:.1} mm, residual {:.1} mm; {}\n{}",
                     1e3 * since.as_secs_f64(),
                     1e3 * report.compute_time,
                     1e3 * report.max_v1,
@@ -283,7 +283,7 @@ impl<'a, 'b> Narration<'a, 'b> {
         if fell && !self.peak_announced {
             self.peak_announced = true;
             self.out.print(format_args!(
-                "  {:>8} | {:BAR$} | peak of v1: {:.1} mm",
+                "  {:>8} | {:BAR$} | peak v1: {:.1} mm",
                 "",
                 "",
                 1e3 * self.largest
@@ -351,7 +351,7 @@ fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrin
             of(outcome)
         ));
     };
-    row("peak of v1", "mm", |it| 1e3 * it.max_v1);
+    row("peak v1", "mm", |it| 1e3 * it.max_v1);
     row("residual v1", "mm", |it| 1e3 * it.residual_v1);
     row("last separation", "ms", |it| 1e3 * it.release_time);
     row("peak contact force", "kN", |it| {
@@ -385,9 +385,7 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
         "  {:26}{:>20}{:>20}",
         "", "bending only", "with shear"
     ));
-    row("peak of v1", |it| {
-        format!("{:.2} mm", 1e3 * it.report.max_v1)
-    });
+    row("peak v1", |it| format!("{:.2} mm", 1e3 * it.report.max_v1));
     row("residual v1", |it| {
         let residual = it.report.residual_v1;
         residual.map_or("none".to_owned(), |v1| format!("{:.2} mm", 1e3 * v1))

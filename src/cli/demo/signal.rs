@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use column_twin::parameters::Parameters;
 
-    /// The largest displacement in the table is that of the truth, within gain error and noise.
+    /// The peak displacement in the table is that of the truth, within gain error and noise.
     #[test]
     fn the_signal_has_the_peak_and_the_rest_of_its_truth() {
         let files = ["config/heb220_s355.yaml", "config/sensors_industrial.yaml"];

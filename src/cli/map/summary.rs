@@ -75,9 +75,12 @@ type ExtremeOf = (&'static str, bool, fn(f64) -> Unit, NumberOf);
 
 /// The numbers whose extremes are shown.
 const EXTREMES: [ExtremeOf; 4] = [
-    ("Largest max v1, column stands", false, Unit::length, |it| {
-        it.residual_v1.map(|_| it.max_v1)
-    }),
+    (
+        "Largest peak v1, column stands",
+        false,
+        Unit::length,
+        |it| it.residual_v1.map(|_| it.max_v1),
+    ),
     ("Largest residual v1", false, Unit::length, |it| {
         it.residual_v1
     }),

@@ -104,7 +104,7 @@ pub(super) fn chapter() -> String {
         let report = respond(&column, &impact, 1.0).expect("a response");
         row(
             &format!(
-                "rigid-plastic column, 1500 kg at {velocity} m/s, P = {} MN: max v1",
+                "rigid-plastic column, 1500 kg at {velocity} m/s, P = {} MN: peak v1",
                 1e-6 * load
             ),
             "mm",
@@ -157,7 +157,7 @@ pub(super) fn chapter() -> String {
     };
     let report = respond(&held, &Impact::rigid(50.0, 20.0), 1.0).expect("a response");
     row(
-        "rectangular bar held axially, 50 kg at 20 m/s: max v1 over the depth of the section",
+        "rectangular bar held axially, 50 kg at 20 m/s: peak v1 over the depth of the section",
         "",
         0.322185,
         report.max_v1 / 0.1,
@@ -171,7 +171,7 @@ pub(super) fn chapter() -> String {
     };
     let report = respond(&massless, &car, 1.0).expect("a response");
     row(
-        "massless clamped beam of 4 m struck at mid-span, 1500 kg at 10 m/s (Jones): max v1",
+        "massless clamped beam of 4 m struck at mid-span, 1500 kg at 10 m/s (Jones): peak v1",
         "mm",
         127.724,
         1e3 * report.max_v1,

@@ -181,7 +181,7 @@ pub(super) fn chapter() -> String {
     let count = rigid[0].len();
     let _ = write!(
         text,
-        "\nOver the {count} rigid impacts with b = 1e-4 the mean ratio of max v1 is {mean:.3} with a root mean square deviation of {:.1} %; \
+        "\nOver the {count} rigid impacts with b = 1e-4 the mean ratio of peak v1 is {mean:.3} with a root mean square deviation of {:.1} %; \
          for the residual displacement they are {residual_mean:.3} and {:.1} %.\n",
         100.0 * square,
         100.0 * residual_square,
@@ -198,7 +198,7 @@ A beam of 44 elements with distributed mass and distributed plasticity, written 
 The two bars have the coupled elastic law, the yield surface of Duan and Chen, and a third of the column's mass at the impact point.
 `b` is the ratio of the slope after yield to the elastic one; the two bars use it as `hardening.ratio`.
 
-| case | vehicle | hardening | fibre max v1 [mm] | two bars [mm] | ratio | fibre residual [mm] | two bars [mm] | fibre time of max v1 [ms] | two bars [ms] |
+| case | vehicle | hardening | fibre peak v1 [mm] | two bars [mm] | ratio | fibre residual [mm] | two bars [mm] | fibre time of peak v1 [ms] | two bars [ms] |
 |---|---|---|---|---|---|---|---|---|---|
 ";
 

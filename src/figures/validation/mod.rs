@@ -227,12 +227,7 @@ fn validation() -> Validation {
         page += "| quantity | reference | conserving midpoint, dt 20 µs | deviation |\n|---|---|---|---|\n";
         let release = |it: &Report| it.release_time.unwrap_or(f64::NAN);
         for (quantity, unit, expected, found) in [
-            (
-                "peak of v1",
-                "mm",
-                1e3 * expected.max_v1,
-                1e3 * report.max_v1,
-            ),
+            ("peak v1", "mm", 1e3 * expected.max_v1, 1e3 * report.max_v1),
             (
                 "time of the peak",
                 "ms",
@@ -330,7 +325,7 @@ const CONVERGENCE: &str = "
 
 ![Convergence](images/validation_convergence.png)
 
-The table gives the relative error of the peak of v1 with elliptical hinges.
+The table gives the relative error of the peak displacement with elliptical hinges.
 The paper's midpoint scheme distributes the impact impulse over the first step, during which the column loses half of it.
 The conserving midpoint scheme applies the impact impulse instantaneously; its error comes from hinges that change state within a step.
 

@@ -200,7 +200,7 @@ fn predictions_agree_with_every_single_response() {
     assert!(often >= 2, "{:?}", all.actions);
 }
 
-/// A column that stays elastic, hit by a rigid mass: `max v1 = v+ sqrt((m + m_e) / k)` with `v+ = m V / (m + m_e)`,
+/// A column that stays elastic, hit by a rigid mass: `peak v1 = v+ sqrt((m + m_e) / k)` with `v+ = m V / (m + m_e)`,
 /// `m_e = m_l (L_a + L_b) / 3` and `k = 3 E I (L_a + L_b)^3 / (L_a L_b)^3` of the beam that is built in at both ends. A
 /// limit on the displacement is a limit on the speed, whose exceedance is that of the lognormal distribution.
 struct ElasticColumn {

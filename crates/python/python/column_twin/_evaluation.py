@@ -55,7 +55,7 @@ class Evaluation:
     velocity: float
     """Its speed [m/s]."""
     max_v1: float
-    """Largest displacement of the impact point [m]."""
+    """Peak displacement of the impact point [m]."""
     residual_v1: float
     """The same in the equilibrium that remains [m]; NaN if there is none."""
     peak_contact_force: float
@@ -97,7 +97,7 @@ class Evaluation:
     def __repr__(self) -> str:
         return (
             f"<Evaluation {self.mass:g} kg at {self.velocity:g} m/s: {self.action} ({self.deciding_criterion}), "
-            f"{self.outcome}, max v1 {1e3 * self.max_v1:.4g} mm, capacity {100 * self.capacity_ratio:.3g} %>"
+            f"{self.outcome}, peak v1 {1e3 * self.max_v1:.4g} mm, capacity {100 * self.capacity_ratio:.3g} %>"
         )
 
     def _repr_html_(self) -> str:

@@ -88,7 +88,7 @@ def result(result: Result) -> str:
     rows = [
         ("action", f"{_badge(result.action)} {escape(report['deciding_criterion'] or '')}"),
         ("outcome", escape(str(result.outcome))),
-        ("largest v1", _mm(result.max_v1)),
+        ("peak v1", _mm(result.max_v1)),
         ("residual v1", _mm(result.residual_v1)),
         ("peak contact force", _kn(report["peak_contact_force_n"])),
         ("residual capacity", "unknown" if ratio is None else f"{100 * ratio:.3g} % of the undamaged column"),
@@ -104,7 +104,7 @@ def evaluation(evaluation: Evaluation) -> str:
     rows = [
         ("action", f"{_badge(evaluation.action)} {escape(evaluation.deciding_criterion)}"),
         ("outcome", escape(str(evaluation.outcome))),
-        ("largest v1", _mm(evaluation.max_v1)),
+        ("peak v1", _mm(evaluation.max_v1)),
         ("residual v1", _mm(evaluation.residual_v1)),
         ("peak contact force", _kn(evaluation.peak_contact_force)),
         ("residual capacity", f"{100 * evaluation.capacity_ratio:.3g} % of the undamaged column"),

@@ -107,7 +107,7 @@ class Result:
 
     @property
     def max_v1(self) -> float:
-        """Largest displacement of the impact point [m], also inside of a step."""
+        """Peak displacement of the impact point [m], also inside of a step."""
         return float(self.report["max_v1_m"])
 
     @property
@@ -147,7 +147,7 @@ class Result:
     def __repr__(self) -> str:
         residual = "none" if self.residual_v1 is None else f"{1e3 * self.residual_v1:.4g} mm"
         return (
-            f"<Result {self.title}: {self.outcome}, {self.action}, max v1 {1e3 * self.max_v1:.4g} mm, "
+            f"<Result {self.title}: {self.outcome}, {self.action}, peak v1 {1e3 * self.max_v1:.4g} mm, "
             f"residual {residual}>"
         )
 
