@@ -1,6 +1,6 @@
 //! Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one action.
 //!
-//! Every number that may decide over people carries where it comes from: [`Provenance`]. `docs/assessment.md` lists the criteria.
+//! Every number that may decide over people carries where it comes from: [`Provenance`](crate::parameters::Provenance). `docs/assessment.md` lists the criteria.
 //!
 //! ```
 //! use column_twin::assessment::{AssessmentInput, ResidualCapacity, Action, assess};
