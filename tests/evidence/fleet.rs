@@ -343,7 +343,11 @@ fn every_recording_of_a_fleet_is_verified_by_itself() {
     let recorded = fleet.stop();
     for path in recorded.paths() {
         let found = verify(&path).expect("readable");
-        assert_verified(&found);
+        assert!(found.is_equal() && found.missing() == 0, "{found}");
+        // The next round of events may come while the columns still give the checkpoints with which a recording begins: an
+        // event is then the last message of one recording, and its command in the next.
+        let is_at_the_end = |it: &String| it.contains("came at the end of the recording");
+        assert!(found.unchecked.iter().all(is_at_the_end), "{found}");
         assert_eq!(found.columns.len(), 3, "{found}");
     }
 }
