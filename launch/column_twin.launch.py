@@ -33,7 +33,7 @@ def generate_launch_description():
             {"use_sim_time": LaunchConfiguration("use_sim_time")},
         ],
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
-        output="evaluate",
+        output="screen",
         # The state file preserves the damage, so the node can be restarted at any time.
         respawn=True,
         respawn_delay=2.0,

@@ -25,7 +25,7 @@ def generate_launch_description():
             name="column_twin",
             namespace=namespace,
             parameters=[PathJoinSubstitution([FindPackageShare("column_twin"), "config", file]), changes],
-            output="evaluate",
+            output="screen",
         )
         for namespace, file, changes in COLUMNS
     ])
