@@ -317,7 +317,7 @@ fn a_peer_with_an_expired_certificate_gets_nothing_through() {
     );
 }
 
-/// The monitor's own stack rejects to create the writer, and it reads what it may read.
+/// The monitor's own stack does not create the writer, and it reads what it may read.
 #[test]
 #[ignore = "slow: compiles and runs a program on Fast DDS"]
 fn a_monitor_reads_and_cannot_send_an_event() {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A word that must not come back, as whole words or as a part of one, and the one to use.
-const BANNED: [(&str, Whole, &str); 23] = [
+const BANNED: [(&str, Whole, &str); 24] = [
     ("percussion", Whole::Part, "impact impulse"),
     ("virgin", Whole::Part, "undamaged"),
     ("severed", Whole::Part, "fractured"),
@@ -19,6 +19,7 @@ const BANNED: [(&str, Whole, &str); 23] = [
     ("refusal", Whole::Part, "rejection"),
     ("REFUSED", Whole::Part, "REJECTED"),
     ("screening", Whole::Part, "evaluation"),
+    ("SCREENING", Whole::Part, "EVALUATION"),
     ("screen_batch", Whole::Part, "evaluate_batch"),
     ("calibrate\"", Whole::Part, "correct_damage"),
     ("~/calibrate", Whole::Part, "~/correct_damage"),

@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 
-from column_twin import CRITERIA, SCREENING, Column, Action, to_pandas
+from column_twin import CRITERIA, EVALUATION, Column, Action, to_pandas
 
 
 def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
@@ -22,7 +22,7 @@ def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
         batch = steel.evaluate_batch(masses, velocities, vehicle=vehicle)
         for row, mass, velocity in zip(batch, masses, velocities, strict=True):
             one = steel.evaluate(vehicle, mass, velocity)
-            for name in SCREENING.names or ():
+            for name in EVALUATION.names or ():
                 expected = getattr(one, name)
                 if name == "deciding_criterion":
                     assert CRITERIA[row[name]] == expected
@@ -57,7 +57,7 @@ def test_actions_are_ordered(steel: Column) -> None:
     assert actions[0] == Action.NONE and actions[-1] == Action.EVACUATE
     assert (np.diff(actions) >= 0).all()
     table = to_pandas(batch)
-    assert list(table.columns) == list(SCREENING.names or ())
+    assert list(table.columns) == list(EVALUATION.names or ())
     assert (table["action"] >= "shore").sum() == (actions >= Action.SHORE).sum()
 
 

@@ -4,7 +4,7 @@
 //! here come before it, because RustDDS stops at the first fault, describes some misleadingly, and starts with a key that
 //! does not belong to its certificate.
 //!
-//! Without the feature `security`, only the settings exist: a node that must be protected rejects to start.
+//! Without the feature `security`, only the settings exist: a node that must be protected does not start.
 
 #[cfg(feature = "security")]
 mod certificates;

@@ -12,24 +12,26 @@ from ._loading import native
 
 from ._capacity import Capacity, PushDown
 from ._catalogue import Section, Vehicle, sections, vehicles
-from ._codes import CRITERIA, Outcome, Action
+from ._codes import CRITERIA, Action, Outcome
 from ._column import Column
 from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
+from ._evaluation import EVALUATION, Evaluation, to_pandas
 from ._map import CriticalVelocity, Map, MapAxis
 from ._result import Result
 from ._risk import Estimate, Risk
-from ._evaluation import SCREENING, Evaluation, to_pandas
 
 __version__: str = native.VERSION
 
 __all__ = [
     "CRITERIA",
-    "SCREENING",
+    "EVALUATION",
+    "Action",
     "Capacity",
     "Column",
     "ColumnTwinError",
     "CriticalVelocity",
     "Estimate",
+    "Evaluation",
     "Map",
     "MapAxis",
     "Outcome",
@@ -38,9 +40,7 @@ __all__ = [
     "PushDown",
     "Result",
     "Risk",
-    "Evaluation",
     "Section",
-    "Action",
     "SimulationError",
     "Vehicle",
     "__version__",

@@ -201,7 +201,7 @@ class Column:
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
 
         Returns:
-            An array of the broadcast shape and of the structured type `SCREENING`, in SI units.
+            An array of the broadcast shape and of the structured type `EVALUATION`, in SI units.
 
         Raises:
             ParameterError: impacts that are not accepted; the text names the element.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from ._codes import CRITERIA, Outcome, Action
+from ._codes import CRITERIA, Action, Outcome
 from ._loading import native
 
 if TYPE_CHECKING:
@@ -36,14 +36,14 @@ CATEGORIES: dict[str, list[str]] = {
 }
 """The words for the codes of a batch."""
 
-SCREENING: np.dtype[np.void] = np.dtype(
+EVALUATION: np.dtype[np.void] = np.dtype(
     [*((name, np.float64) for name in _NUMBERS), *_CODES], align=True
 )
 """Type of the rows of a batch: the fields of `Evaluation` in SI units, NaN where there is none; `action` and `outcome` are
 numbers of `Action` and `Outcome`, `deciding_criterion` is a place in `CRITERIA`."""
 
-if SCREENING.itemsize != native.ROW_BYTES:
-    raise ImportError(f"column_twin is inconsistent: rows of {native.ROW_BYTES} bytes, expected {SCREENING.itemsize}")
+if EVALUATION.itemsize != native.ROW_BYTES:
+    raise ImportError(f"column_twin is inconsistent: rows of {native.ROW_BYTES} bytes, expected {EVALUATION.itemsize}")
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Evaluation:
 
 def table_of(rows: bytearray) -> npt.NDArray[np.void]:
     """The rows of a batch as a structured array, without a copy."""
-    return np.frombuffer(rows, dtype=SCREENING)
+    return np.frombuffer(rows, dtype=EVALUATION)
 
 
 def to_pandas(evaluations: npt.NDArray[np.void]) -> pd.DataFrame:

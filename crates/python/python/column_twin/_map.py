@@ -59,7 +59,7 @@ class Map:
     labels: list[str]
     """Names of the columns that are compared; one where nothing is compared."""
     cells: npt.NDArray[np.void]
-    """The fields of `SCREENING` but mass and velocity, of shape (rows, columns), or (labels, rows, columns) for a comparison."""
+    """The fields of `EVALUATION` but mass and velocity, of shape (rows, columns), or (labels, rows, columns) for a comparison."""
     failures: dict[tuple[int, ...], str]
     """Why cells could not be computed, by their place: their numbers are NaN and their codes 255, above every action."""
 
