@@ -135,8 +135,9 @@ fn the_base_of_the_stronger_column_bears_its_own_forces() {
 
 #[test]
 fn no_verdict_is_milder_than_that_of_an_engineer() {
-    let text = include_str!("data/verdict_cases.json");
-    let Cases { cases } = serde_json::from_str(text).expect("cases");
+    // The engineer's word for taking the load off a column is the program's former one.
+    let text = include_str!("data/verdict_cases.json").replace("\"prop\"", "\"shore\"");
+    let Cases { cases } = serde_json::from_str(&text).expect("cases");
     assert_eq!(cases.len(), 25);
     let (mut agree, mut harsher, mut out_of_range) = (0, Vec::new(), Vec::new());
     println!("case  program    engineer   residual  decides, and the range");
