@@ -271,8 +271,11 @@ def check_response(peer, expected, event_id, event_stamp):
             check(f"first {name} has an error estimate", math.isnan(of(name)[0].error_estimate), wanted == 2)
             report = of(name)[wanted - 1]
             check(f"kind of {name}", report.kind, kind)
-            # The range of the verdict is computed behind the forecast: it may be there before the response is over or not.
-            numbers = {field: value for field, value in expected["report"].items() if not field.startswith("range_")}
+            # The range of the verdict is computed behind the forecast, before or after the response is over.
+            numbers = dict(expected["report"])
+            if report.range_least != ImpactReport.ACTION_UNKNOWN:
+                check(f"{name}: its range contains the action", report.range_least <= report.action <= report.range_most, True)
+                numbers |= {field: getattr(report, field) for field in numbers if field.startswith("range_")}
             check_fields(name, report, numbers)
     states, forces = of("column_state"), of("hinge_forces")
     check("number of states", (len(states), len(forces)), (len(samples), len(samples)))
