@@ -61,8 +61,8 @@ fn a_keystore_is_made_extended_shown_and_renewed() {
         "CN=/control_room",
         "CN=/control_room",
         "renew it before then",
-        "calls       /column_twin/correct_damage /column_twin/confirm_estimate /column_twin/describe_parameters",
-        "offers      /column_twin/correct_damage /column_twin/confirm_estimate /column_twin/describe_parameters",
+        "calls       /column_twin/confirm_estimate /column_twin/correct_damage /column_twin/describe_parameters",
+        "offers      /column_twin/confirm_estimate /column_twin/correct_damage /column_twin/describe_parameters",
         "DDS topics  ros_discovery_info",
     ] {
         assert!(shown.contains(expected), "{expected}: {shown}");
@@ -116,7 +116,7 @@ fn bad_input_is_rejected_with_what_to_do() {
         ),
         ("create other --namespace garage", "must begin with `/`"),
         ("create other --node-name a/b", "not a valid node name"),
-        ("create", "DIR"),
+        ("create", "FOLDER"),
         ("add keystore /monitor=monitor", "renew DIR /monitor"),
         (
             "add keystore /new=monitor --days 4000",
