@@ -262,7 +262,6 @@ def interruption(sites, bridge, near, far):
     far.until("the first hundred states", lambda: len(far.of("column_state", event_id)) >= 100)
     bridge.end(signal.SIGKILL)
     near.until("the report beside the twin", lambda: near.of("impact_report", event_id))
-    expected = near.of("impact_report", event_id)[0][1]
     near.until("the last state beside the twin", lambda: any(it.phase == ColumnState.REST for _, it in near.of("column_state", event_id)))
     states = len(near.of("column_state", event_id))
     before = len(far.of("column_state", event_id))
@@ -282,7 +281,9 @@ def interruption(sites, bridge, near, far):
                               for _, it in far.seen[name]))
     for name in ["impact_report", "late_report"]:
         far.until(f"the report in {name}", lambda: far.of(name, event_id))
-        check(f"the report in {name}", str(far.of(name, event_id)[0][1]), str(expected))
+        # Without or with the range of its verdict, which may come later.
+        beside = [str(it) for _, it in near.of("impact_report", event_id)]
+        check(f"the report in {name} is one of those beside the twin", str(far.of(name, event_id)[0][1]) in beside, True)
     back = far.of("impact_report", event_id)[0][0] - started
     # An event that is sent before the route stands again is lost: the sender sends it again, as docs/sites.md says.
     event = far.event("afterwards", **LIGHT)
