@@ -52,7 +52,9 @@ const EXEMPT: [&str; 6] = [
 /// Lines that may contain one, with the reason in the line itself.
 fn is_exempt_line(line: &str) -> bool {
     // Keys of reference data, strides of a grid, and errors of the operating system.
-    line.contains("row_stride") || line.contains("onnection refused") || line.contains("Nu_virgin")
+    line.contains("row_stride")
+        || line.to_lowercase().contains("connection refused")
+        || line.contains("Nu_virgin")
 }
 
 fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
