@@ -73,8 +73,9 @@ fn a_recording_of_an_earlier_version_is_rejected_with_what_to_do() {
     if cfg!(feature = "ros") {
         commands.push(vec!["replay"]);
     }
+    let shown = folder.path().join("shown.rrd");
     if cfg!(feature = "viewer") {
-        commands.push(vec!["view"]);
+        commands.push(vec!["replay", "--rrd", shown.to_str().unwrap()]);
     }
     for command in commands {
         let (code, _, errors) = run(&command, &bag);
