@@ -22,7 +22,7 @@ pub struct ImpactEvaluation {
     pub assessment: Option<Assessment>,
     /// Length of a time step \[s\].
     pub step: f64,
-    /// Estimated relative error of the largest `v1`, from a run with half the step; `None` if that run failed.
+    /// Estimated relative error of the peak `v1`, from a run with half the step; `None` if that run failed.
     pub error_estimate: Option<f64>,
     /// Between which actions the verdict lies; `None` without the capacities.
     pub range: Option<ActionRange>,
@@ -96,7 +96,7 @@ fn judged(
     Ok((input.remaining, assess(&input)))
 }
 
-/// The error of the largest `v1`, estimated from a run with half the step; `None` if that has another outcome.
+/// The error of the peak `v1`, estimated from a run with half the step; `None` if that has another outcome.
 fn error_estimate(
     properties: &ColumnProperties,
     impact: &Impact,

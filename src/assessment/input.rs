@@ -68,7 +68,7 @@ pub struct AssessmentInput {
     pub ultimate_rotation: f64,
     /// Shear of the webs; `None` where they do not yield in shear.
     pub shear: Option<AssessedShear>,
-    /// Largest `v1` by absolute value \[m\].
+    /// Peak `v1` by absolute value \[m\].
     pub max_v1: f64,
     /// `L_a` \[m\].
     pub length_below: f64,

@@ -60,7 +60,7 @@ pub struct AssessedResponse {
     pub plastic_shear: [f64; WEBS],
     /// `v1` of the residual equilibrium \[m\]; `None` if there is none.
     pub residual_v1: Option<f64>,
-    /// Largest `v1` \[m\].
+    /// Peak `v1` \[m\].
     pub max_v1: f64,
     /// The reactions of the base.
     pub base: BaseReport,

@@ -189,7 +189,7 @@ impl OutputQueues {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::CorrectDamaged(_)
+            | Output::DamageCorrected(_)
             | Output::ParametersChanged(_) => results,
             Output::Status(_) | Output::Rejected(_) | Output::Notice(_) | Output::Save(_) => {
                 messages

@@ -292,7 +292,7 @@ impl Outgoing {
             | Output::Rejected(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::CorrectDamaged(_)
+            | Output::DamageCorrected(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
             | Output::Save(_) => {}

@@ -100,7 +100,7 @@ impl ReportedImpact {
         })
     }
 
-    /// Relative error of the largest `v1` by the length of the step, estimated by a second run with half of it; `None` where
+    /// Relative error of the peak `v1` by the length of the step, estimated by a second run with half of it; `None` where
     /// the beginning of the impact is not known or the second run does not converge.
     #[must_use]
     pub fn error_estimate(&self) -> Option<f64> {

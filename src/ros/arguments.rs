@@ -37,7 +37,7 @@ pub struct RosArguments {
     pub without_effect: Vec<String>,
 }
 
-/// Minimum action of log messages.
+/// Minimum level of log messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogLevel {
     /// `debug`

@@ -98,7 +98,7 @@ pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticSt
         TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),
         _ => (DiagnosticStatus::OK, "response in progress".to_owned()),
     };
-    let (level, message) = match action_level(twin) {
+    let (level, message) = match action_level(twin.action) {
         DiagnosticStatus::OK => (level, message),
         of_action => {
             let action = action_word(twin.action);
@@ -165,8 +165,8 @@ pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticSt
 }
 
 /// WARN to inspect or restrict, ERROR to shore or evacuate, or if the column could not be assessed.
-fn action_level(twin: &TwinStatus) -> u8 {
-    match twin.action {
+pub(super) fn action_level(action: u8) -> u8 {
+    match action {
         TwinStatus::ACTION_NONE => DiagnosticStatus::OK,
         TwinStatus::ACTION_INSPECT | TwinStatus::ACTION_RESTRICT => DiagnosticStatus::WARN,
         _ => DiagnosticStatus::ERROR,

@@ -38,6 +38,7 @@ mod missed;
 mod names;
 mod node;
 mod node_viewer;
+mod notice_log;
 mod output_log;
 mod parameter_services;
 mod publishing;

@@ -148,13 +148,8 @@ pub(super) fn start(
 }
 
 #[cfg(feature = "viewer")]
-fn log(action: crate::twin::NoticeLevel, text: String) {
-    use crate::twin::NoticeLevel::{Error, Info, Warning};
-    match action {
-        Info => tracing::info!("viewer: {text}"),
-        Warning => tracing::warn!("viewer: {text}"),
-        Error => tracing::error!("viewer: {text}"),
-    }
+fn log(level: crate::twin::NoticeLevel, text: String) {
+    super::notice_log::log(level, &format!("viewer: {text}"));
 }
 
 #[cfg(all(test, feature = "viewer"))]

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::twin::{Command, Journal, Notice, NoticeLevel, Output, Rejected, RejectedInput};
+use crate::twin::{Command, Journal, Notice, Output, Rejected, RejectedInput};
 
 use super::live_columns::LiveColumns;
+use super::notice_log::log;
 
 /// States that are published later than this are logged at the level `debug` \[ns\].
 const LATE: i64 = 2_000_000;
@@ -115,7 +116,7 @@ impl OutputLog {
             Output::Journal(Journal::Status(_))
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::CorrectDamaged(_)
+            | Output::DamageCorrected(_)
             | Output::Rejected(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
@@ -158,14 +159,5 @@ impl OutputLog {
             None => &*notice.text,
         };
         log(notice.level, text);
-    }
-}
-
-/// Logs a line of a level.
-pub(super) fn log(level: NoticeLevel, text: &str) {
-    match level {
-        NoticeLevel::Info => tracing::info!("{text}"),
-        NoticeLevel::Warning => tracing::warn!("{text}"),
-        NoticeLevel::Error => tracing::error!("{text}"),
     }
 }

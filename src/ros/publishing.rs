@@ -237,7 +237,7 @@ impl Publishing {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::CorrectDamaged(_)
+            | Output::DamageCorrected(_)
             | Output::Rejected(_)
             | Output::Notice(_)
             | Output::Save(_) => {}

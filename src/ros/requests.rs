@@ -70,7 +70,7 @@ pub(super) fn correct_damage(
         source: format!("service {}", qos::CORRECT_DAMAGE.name).into(),
     }));
     match outcome {
-        Ok(Accepted::CorrectDamaged(it)) => CorrectDamageResponse {
+        Ok(Accepted::DamageCorrected(it)) => CorrectDamageResponse {
             success: true,
             rejection_code: 0,
             message: it.in_words(),

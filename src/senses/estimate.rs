@@ -134,7 +134,7 @@ pub struct ImpactEstimate {
     /// Correlation of the logarithms of mass and speed.
     #[serde(with = "exact_number")]
     pub mass_velocity_correlation: f64,
-    /// Largest `v1`, past or still to come \[m\].
+    /// Peak `v1`, past or still to come \[m\].
     pub peak_v1: CredibleInterval,
     /// `v1` that remains \[m\]; among the responses after which the column stands.
     pub residual_v1: CredibleInterval,

@@ -22,7 +22,7 @@ const INCREMENTS: u64 = 16;
 pub struct LastImpact {
     /// What hit the column.
     pub impact: AssessedImpact,
-    /// Largest `v1` of its response \[m\].
+    /// Peak `v1` of its response \[m\].
     pub max_v1: f64,
     /// Which part of the column came closest to its strength.
     // Absent in recordings and states of programs that do not keep it.

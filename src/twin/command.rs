@@ -142,7 +142,7 @@ pub enum Accepted {
     /// It holds now.
     Applied,
     /// The damage was compared with a measurement, and corrected where it did not agree.
-    CorrectDamaged(DamageCorrection),
+    DamageCorrected(DamageCorrection),
     /// It is the same impact as one that the sensors have detected, and is kept as evidence.
     Merged,
     /// It is valid and will be applied when the present response has ended, unless the column cannot take it then: another

@@ -75,11 +75,11 @@ impl Twin {
         life.last_correction = Some(correction);
         let text = format!("by {}: {}", measured.source, correction.in_words());
         out.notice(NoticeLevel::Warning, now, text);
-        out.put(Output::CorrectDamaged(correction));
+        out.put(Output::DamageCorrected(correction));
         self.status.set_changed();
         self.journal.set_checkpoint_due();
         self.save(now, out);
-        Ok(Accepted::CorrectDamaged(correction))
+        Ok(Accepted::DamageCorrected(correction))
     }
 }
 

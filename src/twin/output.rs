@@ -39,7 +39,7 @@ pub enum Output {
     /// An event is the same impact as one that the sensors have detected: evidence for its estimate.
     Merged(MergedEvent),
     /// The damage of the column was compared with a measurement.
-    CorrectDamaged(DamageCorrection),
+    DamageCorrected(DamageCorrection),
     /// The state of the twin itself: on every change, and at least once per [`STATUS_PERIOD`](super::STATUS_PERIOD).
     Status(Status),
     /// A command was rejected and has changed nothing.

@@ -109,7 +109,7 @@ pub struct Status {
     pub range: Option<Arc<VerdictRange>>,
     /// The vehicle of the last response that has ended.
     pub vehicle: VehicleReport,
-    /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
+    /// Estimated relative error of the peak `v1` of the last response; `None` if it is not known.
     pub error_estimate: Option<f64>,
     /// Undeformed lengths of the bars: those of the response, or of the column at rest.
     pub lengths: Lengths,

@@ -126,7 +126,7 @@ impl ViewerItem {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::CorrectDamaged(_)
+            | Output::DamageCorrected(_)
             | Output::Status(_)
             | Output::Save(_)
             | Output::Journal(_) => return None,

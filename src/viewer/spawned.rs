@@ -56,7 +56,7 @@ impl Spawned {
         };
         if let Ok(Some(status)) = child.try_wait() {
             self.child = None;
-            let (action, text) = if status.success() {
+            let (level, text) = if status.success() {
                 let text = "the viewer has been closed".to_owned();
                 (NoticeLevel::Info, text)
             } else {
@@ -65,7 +65,7 @@ impl Spawned {
                 );
                 (NoticeLevel::Warning, text)
             };
-            (self.log)(action, text);
+            (self.log)(level, text);
         }
     }
 }

@@ -9,23 +9,25 @@ use column_twin::recording::ChunkCompression;
 use super::random_damage::{Random, mutate};
 use super::sample::{self, sample};
 
-fn run(arguments: &[&str], bag: &Path) -> Output {
+/// Runs a command on a recording; what it starts stays on this machine.
+pub fn run(arguments: &[&str], bag: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_column-twin"))
         .args(arguments)
         .arg(bag)
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .output()
         .unwrap()
 }
 
-fn code(output: &Output) -> i32 {
+pub fn code(output: &Output) -> i32 {
     output.status.code().unwrap()
 }
 
-fn out(output: &Output) -> String {
+pub fn out(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-fn err(output: &Output) -> String {
+pub fn err(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::messages::{INTERFACES, Message as _, cdr, std_msgs};
+
+use super::commands::{code, err, out, run};
 
 /// What every command must say.
 const ADVICE: &str = "an earlier version recorded it, whose messages (column_twin/msg/ImpactReport) this version does not read; use \
@@ -50,21 +51,6 @@ fn earlier_recording(folder: &Path) -> PathBuf {
     path
 }
 
-fn run(arguments: &[&str], bag: &Path) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
-        .args(arguments)
-        .arg(bag)
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        .output()
-        .unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
-
 #[test]
 fn a_recording_of_an_earlier_version_is_rejected_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,8 +64,9 @@ fn a_recording_of_an_earlier_version_is_rejected_with_what_to_do() {
         commands.push(vec!["replay", "--rrd", shown.to_str().unwrap()]);
     }
     for command in commands {
-        let (code, _, errors) = run(&command, &bag);
-        assert_eq!(code, 2, "{command:?}: {errors}");
+        let ended = run(&command, &bag);
+        let errors = err(&ended);
+        assert_eq!(code(&ended), 2, "{command:?}: {errors}");
         assert!(errors.contains(ADVICE), "{command:?}: {errors}");
         assert_eq!(errors.trim().lines().count(), 1, "{command:?}: {errors}");
     }
@@ -90,14 +77,16 @@ fn a_recording_of_an_earlier_version_is_rejected_with_what_to_do() {
 fn a_recording_of_an_earlier_version_is_listed_and_exported() {
     let folder = tempfile::tempdir().unwrap();
     let bag = earlier_recording(folder.path());
-    let (code, listed, errors) = run(&["info"], &bag);
-    assert_eq!((code, errors.as_str()), (0, ""));
+    let ended = run(&["info"], &bag);
+    let listed = out(&ended);
+    assert_eq!((code(&ended), err(&ended)), (0, String::new()));
     assert!(
         listed.contains("/impact_report") && listed.contains(ADVICE),
         "{listed}"
     );
     assert!(!listed.contains("Impacts"), "{listed}");
-    let (code, lines, errors) = run(&["export", "--json", "--output", "-"], &bag);
-    assert_eq!(code, 0, "{errors}");
+    let ended = run(&["export", "--json", "--output", "-"], &bag);
+    let lines = out(&ended);
+    assert_eq!(code(&ended), 0, "{}", err(&ended));
     assert!(lines.contains("\"max_v1\""), "{lines}");
 }

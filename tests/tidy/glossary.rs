@@ -65,11 +65,11 @@ fn names() -> BTreeMap<String, String> {
             found.insert(name.to_owned(), place.to_owned());
         }
     };
-    for (folder, ending) in [("msg", "msg"), ("srv", "srv")] {
-        for entry in fs::read_dir(folder).expect("the folder") {
+    for kind in ["msg", "srv"] {
+        for entry in fs::read_dir(kind).expect("the folder") {
             let path = entry.expect("an entry").path();
             let is_parameters = path.ends_with("ColumnParameters.msg");
-            if path.extension().is_none_or(|it| it != ending) || is_parameters {
+            if path.extension().is_none_or(|it| it != kind) || is_parameters {
                 continue;
             }
             let text = fs::read_to_string(&path).expect("a definition");

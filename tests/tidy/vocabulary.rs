@@ -39,7 +39,7 @@ enum Whole {
     Part,
 }
 
-/// Where a banned word may stand: data of others, definitions of ROS 2, the history, this list, and the converter's own table.
+/// Where a banned word may stand: the code of others, definitions of ROS 2, the history, this list, and reference data.
 const EXEMPT: [&str; 6] = [
     "vendor",
     "CHANGELOG.md",

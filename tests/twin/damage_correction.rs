@@ -27,7 +27,7 @@ impl Bench {
             source: "test".into(),
         }));
         match outcome? {
-            Accepted::CorrectDamaged(correction) => Ok(correction),
+            Accepted::DamageCorrected(correction) => Ok(correction),
             other => panic!("{other:?}"),
         }
     }
@@ -94,7 +94,7 @@ fn the_corrected_column_has_what_was_measured() {
             bench
                 .out
                 .iter()
-                .any(|it| matches!(it, Output::CorrectDamaged(it) if *it == found))
+                .any(|it| matches!(it, Output::DamageCorrected(it) if *it == found))
         );
     }
 }

@@ -32,7 +32,7 @@ impl Outputs for Counted {
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
-            | Output::CorrectDamaged(_)
+            | Output::DamageCorrected(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
             | Output::Journal(_) => {}

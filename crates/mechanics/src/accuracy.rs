@@ -17,7 +17,7 @@ pub fn with_half_the_step(properties: &ColumnProperties) -> Option<ColumnPropert
     })
 }
 
-/// Estimated relative error of the largest `v1` of a response, from that of the same response with half the step: the
+/// Estimated relative error of the peak `v1` of a response, from that of the same response with half the step: the
 /// relative difference times [`ERROR_PER_DIFFERENCE`], >= 0. `None` where the two have nothing in common: they end
 /// differently, or one of the displacements is 0 or not a number.
 ///

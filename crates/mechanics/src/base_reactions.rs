@@ -1,5 +1,5 @@
 //! What the column bears upon its base: shear force, moment and normal force, with the inertia of the lower bar; their means
-//! over a millisecond, which are what anchors and concrete detect, and the extremes of a response.
+//! over a millisecond, which are what loads anchors and concrete, and the extremes of a response.
 //!
 //! The mass of the bar between the base and the impact point moves in proportion to its height. By the equilibrium of moments
 //! about the impact point the base bears `V = (M_1a + M_3)/l + N v_1/l - m_l L_a a_1/6`, `N` positive in tension, exact for

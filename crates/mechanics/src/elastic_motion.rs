@@ -4,7 +4,7 @@
 //! The scheme is Störmer's, `U_{n+1} - 2 U_n + U_{n-1} = h^2 M*^{-1} f_n`, with one evaluation of the forces per step and
 //! no iteration but that of a massless top. A free vibration of circular frequency `omega` has in it the frequency
 //! `2/h asin(omega* h/2)`; the mass `M* = M (x / sin x)^2` with `x = omega h/2` makes that `omega` again, so that the phase
-//! is right after any number of periods, whatever the step. Slow motions do not detect the difference.
+//! is right after any number of periods, whatever the step. Slow motions are hardly affected.
 //!
 //! It begins from and ends in a displacement with its true velocity: `U_1 = U_0 + h V_0 + h^2 (2 A_0 + A_1)/6` and
 //! `V_n = (U_n - U_{n-1})/h + h (2 A_n + A_{n-1})/6`, with the true accelerations `A`, both of third order.
@@ -26,7 +26,7 @@ use super::state::{State, Velocity};
 use super::statics::{self, Settled};
 use super::vehicle::Vehicle;
 
-/// Steps per period of the transverse vibration. The kinks of a vehicle's crush curve limit them: the largest `v1` is within
+/// Steps per period of the transverse vibration. The kinks of a vehicle's crush curve limit them: the peak `v1` is within
 /// 8e-4 of that of the plain response on the maps of the tests.
 const STEPS_PER_PERIOD: f64 = 31.0;
 
@@ -70,7 +70,7 @@ pub(crate) struct Glimpse<'a> {
     /// Steps of the model since the event.
     pub step: u64,
     pub displacement: &'a Displacement,
-    /// Largest `v1` since the last step \[m\].
+    /// Peak `v1` since the last step \[m\].
     pub peak_v1: f64,
     /// \[N\]
     pub contact_force: f64,
@@ -374,7 +374,7 @@ impl<'a> Run<'a> {
     }
 
     /// Takes the end of a step of `secs` seconds with this increment of `v1, u1, u2`; the vehicle, too, is then at its end.
-    /// Returns the largest `v1` of the step; the state at its beginning is in `next` then.
+    /// Returns the peak `v1` of the step; the state at its beginning is in `next` then.
     fn arrive(&mut self, next: &mut MotionState, increment: Vector3<f64>, secs: f64) -> f64 {
         let before = self.now.acceleration;
         let v1_before = self.now.settled.displacement.v1;
@@ -623,7 +623,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Largest `v1` of the cubic between two instants \[m\]: the parabola of its rates.
+/// Peak `v1` of the cubic between two instants \[m\]: the parabola of its rates.
 fn peak(v1: f64, rate: f64, next: f64, next_rate: f64, secs: f64) -> f64 {
     if !(rate > 0.0 && next_rate < 0.0) {
         return next;

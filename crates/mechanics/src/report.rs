@@ -48,9 +48,9 @@ pub struct Report {
     pub end: End,
     /// End of the response \[s\].
     pub end_time: f64,
-    /// Largest `v1` \[m\].
+    /// Peak `v1` \[m\].
     pub max_v1: f64,
-    /// Time of the largest `v1` \[s\].
+    /// Time of the peak `v1` \[s\].
     pub max_v1_time: f64,
     /// `v1` of the static equilibrium under the load with the plastic deformations frozen \[m\]; `None` if collapsed or
     /// fractured.

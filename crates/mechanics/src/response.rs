@@ -492,7 +492,7 @@ impl Response {
         ]
     }
 
-    /// Largest `v1` so far \[m\].
+    /// Peak `v1` so far \[m\].
     pub(crate) fn max_v1(&self) -> f64 {
         self.max_v1
     }

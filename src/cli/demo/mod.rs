@@ -192,7 +192,7 @@ struct Narration<'a, 'b> {
     out: &'a LinePrinter<'b>,
     forecast: Option<ImpactReport>,
     outcome: Option<ImpactReport>,
-    /// Largest `v1` so far, and whether the peak has been announced.
+    /// Peak `v1` so far, and whether the peak has been announced.
     largest: f64,
     peak_announced: bool,
     phase: Option<u8>,

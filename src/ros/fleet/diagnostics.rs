@@ -4,9 +4,9 @@ use std::cmp::Reverse;
 use std::sync::atomic::Ordering;
 
 use crate::fleet::MAX_OPEN_COLUMNS;
-use crate::messages::column_twin_msgs::{ColumnStatus, TwinStatus};
+use crate::messages::column_twin_msgs::ColumnStatus;
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
-use crate::ros::diagnostics::{entry, phase_name};
+use crate::ros::diagnostics::{action_level, entry, phase_name};
 use crate::ros::lines::action_word;
 
 use super::column_topics::TopicCounts;
@@ -63,13 +63,11 @@ pub(super) fn topics_status(topics: &TopicCounts) -> DiagnosticStatus {
     entry("column topics", level, message.to_owned(), values)
 }
 
-/// ERROR if the column is out of service, has to be shored or evacuated, or could not be assessed; WARN to inspect or restrict.
+/// ERROR if the column is out of service, otherwise the level of its action.
 fn level(column: &ColumnStatus) -> u8 {
-    match column.action {
-        _ if column.is_out_of_service() => DiagnosticStatus::ERROR,
-        TwinStatus::ACTION_NONE => DiagnosticStatus::OK,
-        TwinStatus::ACTION_INSPECT | TwinStatus::ACTION_RESTRICT => DiagnosticStatus::WARN,
-        _ => DiagnosticStatus::ERROR,
+    match column.is_out_of_service() {
+        true => DiagnosticStatus::ERROR,
+        false => action_level(column.action),
     }
 }
 
@@ -176,6 +174,7 @@ fn column_status(level: u8, column: &ColumnStatus) -> DiagnosticStatus {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::messages::column_twin_msgs::TwinStatus;
 
     #[test]
     fn the_worst_twenty_columns_are_listed_and_the_rest_counted() {

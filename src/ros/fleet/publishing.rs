@@ -23,7 +23,7 @@ use crate::ros::live_columns::LiveColumns;
 use crate::ros::matches::Matches;
 use crate::ros::measurements::SensedColumns;
 use crate::ros::node::{Node, NodeError};
-use crate::ros::output_log::log;
+use crate::ros::notice_log::log;
 use crate::ros::qos;
 use crate::ros::raw::Raw;
 use crate::ros::sending::{Sending, encoded};
