@@ -15,6 +15,48 @@
 //! The mechanics is in [`mod@column`], the parameters of a column are in [`parameters`], the twin with the damage of all
 //! its impacts is in [`twin`], and the solver's thread in [`live`]. `ARCHITECTURE.md` describes all modules.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - assessment/: Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one action
+// - bounded_file.rs: A file that is expected to be short
+// - cli/: The command line
+// - endpoints.rs: All endpoints of the node with their quality of service, which never relies on the defaults of a library
+// - evidence/: Recordings as evidence: what is recorded of the twin, and how a recording is verified by recomputation
+// - exact_number.rs: Numbers in JSON that read back bit for bit, including numbers that are not finite
+// - figures/: The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact
+//   force, the crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same
+//   SVG, as PNG
+// - fleet/: What a fleet of columns is made of without ROS: its status, gathered for few messages, its table for people, its
+//   plan for pictures, vehicles that hit several columns, and which columns have topics of their own
+// - hexadecimal.rs: Bytes as hexadecimal digits
+// - incoming.rs: Converts received messages to commands, and measurements to batches
+// - keystore/: Keystores for DDS security, laid out as SROS 2 lays them out, so that `ros2 security` and every ROS 2 node can
+//   use them:
+// - live/: One twin or many in real time: clocks, deadlines, bounded queues, a pool of solver threads
+// - main.rs: The program `column-twin`
+// - messages/: The messages that the twin exchanges with other programs, as Rust types
+// - numerics/: Numerical methods that know nothing of columns and give the same bits on every processor
+// - outgoing/: Converts the outputs of the twin to messages
+// - parameters/: Parameters: declaration, validation and documentation follow from one table
+// - printable.rs: Text from outside as it may appear in logs, errors, tables and on a terminal
+// - recording/: The crate `rosbag2_mcap` with the names, message definitions and parameters of this program
+// - report/: The report for people: one HTML file about one impact, all impacts of a recording, or an impact that was estimated
+//   from the readings of sensors, with everything inside it
+// - results/: Results under the names that programs see, which are a stable interface: the JSON and the CSV of the command
+//   line, and the Python package
+// - ros/: The ROS 2 node: the twin's interface over ros2-client and RustDDS
+// - senses/: Sensors on the column: what they read, and what their readings say about an impact
+// - sensors/: A sensor as a thing on the column: what it measures, where, and how well
+// - shape/: The geometry that everything that draws the column shares: its joints, the outline of its section, the solid that
+//   this outline sweeps along the bent axis, the yield surface of its hinges, and the vehicle that hits it
+// - standing/: A column at rest with its damage, as the next impact will find it
+// - study/: Studies: many impacts on a column, computed on all processors
+// - time.rs: Time as this program counts it
+// - twin/: The digital twin of one column over its life, from impact to impact
+// - viewer/: Shows an engineer the deformed column, the vehicle, where the column yields and how far it is from failure, in the
+//   Rerun viewer (feature `viewer`)
+// - whole_file.rs: A file that appears whole or not at all
+
 pub use column_mechanics as column;
 
 pub mod assessment;

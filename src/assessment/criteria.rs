@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
 use super::criterion::{Action, PART_OF_LENGTH};
+use super::definition::{Definition, Evaluation, NotEvaluated, Relation};
 use super::input::{AssessedShear, AssessmentInput};
 use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
 use super::section_class::{SectionClass, section_class};
@@ -12,50 +13,6 @@ use crate::parameters::Provenance;
 
 /// Spring constant of a vehicle in Annex C of EN 1991-1-7 \[N/m\] (JCSS Probabilistic Model Code, 2.18).
 const ANNEX_C_STIFFNESS: f64 = 300e3;
-
-/// On which side of its limit a value is admissible.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Relation {
-    AtMost,
-    AtLeast,
-}
-
-/// A criterion without values.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Definition {
-    pub name: &'static str,
-    pub edition: &'static str,
-    pub tag: Provenance,
-    pub unit: &'static str,
-    pub relation: Relation,
-    pub action: Action,
-    /// What the value is.
-    pub value: &'static str,
-    /// What it means if the criterion is exceeded.
-    pub consequence: &'static str,
-    pub evaluate: fn(&AssessmentInput) -> Evaluation,
-}
-
-/// Value and limit, or why there are none.
-pub(super) type Evaluation = Result<(f64, f64), NotEvaluated>;
-
-/// Why a criterion has no value.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum NotEvaluated {
-    /// It says nothing about this column: it cannot be exceeded.
-    NotApplicable(Cow<'static, str>),
-    /// Data are missing with which it might be exceeded: which, and what to give.
-    Missing(Cow<'static, str>),
-}
-
-impl NotEvaluated {
-    /// The reason in words.
-    pub fn reason(&self) -> &str {
-        match self {
-            Self::NotApplicable(reason) | Self::Missing(reason) => reason,
-        }
-    }
-}
 
 /// What to give where the dimensions of the section are not known.
 const NO_DIMENSIONS: NotEvaluated = NotEvaluated::Missing(Cow::Borrowed(
@@ -102,6 +59,8 @@ const RESERVE: &str =
 pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "collapse",
+        title: "Stability during the hit",
+        cause: "the column collapses or fractures during the hit and carries nothing",
         edition: PROGRAM,
         tag: Provenance::Computed,
         unit: "",
@@ -116,6 +75,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "ultimate_rotation",
+        title: "Plastic rotation: section fractures",
+        cause: "the section is bent so far that it tears",
         edition: LIGNOS,
         tag: Provenance::Read,
         unit: "rad",
@@ -141,6 +102,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "ultimate_shear_angle",
+        title: "Plastic shear of the web: web fractures",
+        cause: "the web is sheared so far that it tears",
         edition: LINKS,
         tag: Provenance::Assumed,
         unit: "rad",
@@ -155,6 +118,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "capacity_reserve_1",
+        title: "Buckling resistance left, strong axis, over the load",
+        cause: "the buckling resistance that is left is smaller than the load",
         edition: TIMES_RATIO,
         tag: Provenance::Assumed,
         unit: "",
@@ -166,6 +131,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "remaining_resistance",
+        title: "Buckling resistance left, weaker axis, over the load",
+        cause: "the buckling resistance that is left about the weaker axis is smaller than the load",
         edition: TIMES_RATIO,
         tag: Provenance::Assumed,
         unit: "",
@@ -177,6 +144,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "damage_80",
+        title: "Axial resistance lost: collapse",
+        cause: "more than 80 % of the axial resistance is lost",
         edition: DAMAGE,
         tag: Provenance::Assumed,
         unit: "",
@@ -188,6 +157,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "capacity_reserve_1_5",
+        title: "Buckling resistance left, strong axis, with a reserve of 1.5",
+        cause: "the buckling resistance that is left is less than 1.5 times the load",
         edition: TIMES_RATIO,
         tag: Provenance::Assumed,
         unit: "",
@@ -199,6 +170,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "remaining_resistance_1_5",
+        title: "Buckling resistance left, weaker axis, with a reserve of 1.5",
+        cause: "the buckling resistance that is left about the weaker axis is less than 1.5 times the load",
         edition: TIMES_RATIO,
         tag: Provenance::Assumed,
         unit: "",
@@ -210,6 +183,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "residual_bow_100",
+        title: "Residual bow over the height: resistance not reliable",
+        cause: "the column stays bent so far that its buckling resistance must not be relied on",
         edition: PROGRAM,
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
@@ -221,6 +196,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "capping_rotation",
+        title: "Plastic rotation: local buckling",
+        cause: "the section is bent so far that its plates buckle and its resistance falls",
         edition: "Lignos et al. 2019, monotonic, for classes 1 and 2; 0.01 rad at most for class 3, none for class 4",
         tag: Provenance::Assumed,
         unit: "rad",
@@ -245,6 +222,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "damage_50",
+        title: "Axial resistance lost: high damage",
+        cause: "more than half of the axial resistance is lost",
         edition: DAMAGE,
         tag: Provenance::Assumed,
         unit: "",
@@ -256,6 +235,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "residual_bow_250",
+        title: "Residual bow of the bent part: buckling curves do not hold",
+        cause: "the column stays bent further than the buckling curves allow for",
         edition: "EN 1993-1-1:2005, table 5.1, e0 of buckling curve b",
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
@@ -267,6 +248,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "damage_20",
+        title: "Axial resistance lost: medium damage",
+        cause: "more than a fifth of the axial resistance is lost",
         edition: DAMAGE,
         tag: Provenance::Assumed,
         unit: "",
@@ -278,6 +261,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "residual_bow_750",
+        title: "Residual bow of the bent part: tolerance of erection",
+        cause: "the column is no longer as straight as it has to be erected",
         edition: "EN 1090-2:2018, straightness of a column",
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
@@ -289,6 +274,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "plastic_flow",
+        title: "Yielding in bending",
+        cause: "the steel has yielded in bending",
         edition: PROGRAM,
         tag: Provenance::Assumed,
         unit: "rad",
@@ -301,6 +288,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     // The base, in one block.
     Definition {
         name: "base_anchors_1_3",
+        title: "Base anchors, failed",
+        cause: "the anchors of the base no longer hold the column",
         edition: BASE_SHEAR,
         tag: Provenance::Assumed,
         unit: "",
@@ -317,6 +306,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "base_shear",
+        title: "Base, shear: anchors and friction",
+        cause: "the shear force exceeds the resistance of the base plate's anchors",
         edition: BASE_SHEAR,
         tag: Provenance::Assumed,
         unit: "N",
@@ -332,6 +323,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "base_moment",
+        title: "Base, moment: plate, anchors, concrete",
+        cause: "the moment exceeds the resistance of the base plate",
         edition: BASE_MOMENT,
         tag: Provenance::Assumed,
         unit: "N m",
@@ -352,6 +345,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "base_uplift",
+        title: "Base, uplift: anchors in tension",
+        cause: "the base is lifted with more force than its anchors bear",
         edition: BASE_MOMENT,
         tag: Provenance::Assumed,
         unit: "N",
@@ -367,6 +362,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "shear_flow",
+        title: "Yielding of the web in shear",
+        cause: "the web has yielded in shear",
         edition: PROGRAM,
         tag: Provenance::Assumed,
         unit: "rad",
@@ -381,6 +378,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "asce41_cp",
+        title: "Plastic rotation: collapse prevention (seismic)",
+        cause: "the rotation exceeds collapse prevention of ASCE 41",
         edition: ASCE,
         tag: Provenance::Recalled,
         unit: "rad",
@@ -392,6 +391,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "asce41_ls",
+        title: "Plastic rotation: life safety (seismic)",
+        cause: "the rotation exceeds life safety of ASCE 41",
         edition: ASCE,
         tag: Provenance::Recalled,
         unit: "rad",
@@ -403,6 +404,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "asce41_io",
+        title: "Plastic rotation: immediate occupancy (seismic)",
+        cause: "the rotation exceeds immediate occupancy of ASCE 41",
         edition: ASCE,
         tag: Provenance::Recalled,
         unit: "rad",
@@ -414,6 +417,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "aisc342_cp",
+        title: "Plastic rotation: collapse prevention (seismic)",
+        cause: "the rotation exceeds collapse prevention of AISC 342",
         edition: AISC,
         tag: Provenance::Recalled,
         unit: "rad",
@@ -425,6 +430,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "aisc342_ls",
+        title: "Plastic rotation: life safety (seismic)",
+        cause: "the rotation exceeds life safety of AISC 342",
         edition: AISC,
         tag: Provenance::Recalled,
         unit: "rad",
@@ -436,6 +443,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "aisc342_io",
+        title: "Plastic rotation: immediate occupancy (seismic)",
+        cause: "the rotation exceeds immediate occupancy of AISC 342",
         edition: AISC,
         tag: Provenance::Recalled,
         unit: "rad",
@@ -447,6 +456,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "support_rotation_20",
+        title: "Rotation at the supports: failure (blast)",
+        cause: "the bars turn so far at their supports that blast practice expects failure",
         edition: PDC,
         tag: Provenance::Recalled,
         unit: "deg",
@@ -458,6 +469,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "support_rotation_10",
+        title: "Rotation at the supports: heavy damage (blast)",
+        cause: "the bars turn so far at their supports that blast practice expects heavy damage",
         edition: PDC,
         tag: Provenance::Recalled,
         unit: "deg",
@@ -469,6 +482,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "support_rotation_3",
+        title: "Rotation at the supports: moderate damage (blast)",
+        cause: "the bars turn so far at their supports that blast practice expects moderate damage",
         edition: PDC,
         tag: Provenance::Recalled,
         unit: "deg",
@@ -480,6 +495,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "crush_force",
+        title: "Strength of the vehicle's front over that of the column",
+        cause: "the vehicle's front is stronger than the column",
         edition: PROGRAM,
         tag: Provenance::Assumed,
         unit: "N",
@@ -497,6 +514,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "equivalent_static_force",
+        title: "Equivalent static force of the impact",
+        cause: "the equivalent static force of the impact exceeds the plastic resistance of the column",
         edition: "EN 1991-1-7:2006, annex C, v sqrt(k m) with k = 300 kN/m (JCSS 2.18)",
         tag: Provenance::Read,
         unit: "N",
@@ -510,13 +529,41 @@ pub(super) const DEFINITIONS: &[Definition] = &[
             Ok((force, input.plateau))
         },
     },
-    table_4_1("table_4_1_motorway", |input| Ok((1000e3, input.plateau))),
-    table_4_1("table_4_1_rural", |input| Ok((750e3, input.plateau))),
-    table_4_1("table_4_1_urban", |input| Ok((500e3, input.plateau))),
-    table_4_1("table_4_1_courtyard_lorry", |input| {
-        Ok((150e3, input.plateau))
-    }),
-    table_4_1("table_4_1_courtyard_car", |input| Ok((50e3, input.plateau))),
+    Definition {
+        name: "table_4_1_motorway",
+        title: "Design force of a motorway",
+        cause: "the design force of a motorway exceeds the plastic resistance of the column",
+        evaluate: |input| Ok((1000e3, input.plateau)),
+        ..TABLE_4_1_FORCE
+    },
+    Definition {
+        name: "table_4_1_rural",
+        title: "Design force of a rural road",
+        cause: "the design force of a rural road exceeds the plastic resistance of the column",
+        evaluate: |input| Ok((750e3, input.plateau)),
+        ..TABLE_4_1_FORCE
+    },
+    Definition {
+        name: "table_4_1_urban",
+        title: "Design force of an urban road",
+        cause: "the design force of an urban road exceeds the plastic resistance of the column",
+        evaluate: |input| Ok((500e3, input.plateau)),
+        ..TABLE_4_1_FORCE
+    },
+    Definition {
+        name: "table_4_1_courtyard_lorry",
+        title: "Design force of a courtyard, lorries",
+        cause: "the design force of lorries in a courtyard exceeds the plastic resistance of the column",
+        evaluate: |input| Ok((150e3, input.plateau)),
+        ..TABLE_4_1_FORCE
+    },
+    Definition {
+        name: "table_4_1_courtyard_car",
+        title: "Design force of a courtyard, cars",
+        cause: "the design force of cars in a courtyard exceeds the plastic resistance of the column",
+        evaluate: |input| Ok((50e3, input.plateau)),
+        ..TABLE_4_1_FORCE
+    },
 ];
 
 /// The connection of the base and what it has to bear.
@@ -543,19 +590,19 @@ fn base(input: &AssessmentInput) -> Result<(&ConnectedBase, &BaseDemand), NotEva
 }
 
 /// A force of Table 4.1, in the direction of the traffic, which does not depend on the impact.
-const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluation) -> Definition {
-    Definition {
-        name,
-        edition: TABLE_4_1,
-        tag: Provenance::Recalled,
-        unit: "N",
-        relation: Relation::AtMost,
-        action: Action::Inspect,
-        value: "indicative equivalent static force of this road class",
-        consequence: "the force of the code exceeds the plastic plateau F0 of the column",
-        evaluate,
-    }
-}
+const TABLE_4_1_FORCE: Definition = Definition {
+    name: "",
+    title: "",
+    cause: "",
+    edition: TABLE_4_1,
+    tag: Provenance::Recalled,
+    unit: "N",
+    relation: Relation::AtMost,
+    action: Action::Inspect,
+    value: "indicative equivalent static force of this road class",
+    consequence: "the force of the code exceeds the plastic plateau F0 of the column",
+    evaluate: |_| Err(NO_IMPACT),
+};
 
 /// That there is a load with which a resistance can be compared.
 fn loaded(input: &AssessmentInput) -> Result<(), NotEvaluated> {

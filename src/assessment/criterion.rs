@@ -34,6 +34,12 @@ pub enum Action {
 pub struct Criterion {
     /// Its name, as in the parameter `assessment.criteria`.
     pub name: &'static str,
+    /// What engineers call it: what is compared with the limit, and after a colon what it means to exceed it.
+    #[serde(skip)]
+    pub title: &'static str,
+    /// The cause of the action if it is exceeded, as a part of a sentence.
+    #[serde(skip)]
+    pub cause: &'static str,
     /// Document and edition, or what the criterion is based on.
     pub edition: &'static str,
     /// Where its limit comes from; the weakest link where several numbers enter.
@@ -55,6 +61,14 @@ pub struct Criterion {
     pub decides: bool,
     /// What it says, with its numbers, or why it could not be evaluated.
     pub statement: String,
+}
+
+impl Criterion {
+    /// What is compared with the limit, without what it means to exceed it.
+    #[must_use]
+    pub fn quantity(&self) -> &'static str {
+        self.title.split(": ").next().unwrap_or(self.title)
+    }
 }
 
 impl Action {

@@ -16,10 +16,29 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - action_range.rs: Between which actions the verdict on an impact lies, if what is not known exactly of it differs
+// - base.rs: The base of a column in an assessment: what it has to bear, what its connection bears, and which part fails first
+// - criteria.rs: The criteria as data: names, editions, tags, actions; and how each is evaluated
+// - criterion.rs: What a criterion says, and what has to be done if it is exceeded
+// - definition.rs: What a criterion consists of, without values
+// - evaluation.rs: One impact on the undamaged column with all that an engineer needs to judge it
+// - input.rs: What an assessment judges, as plain data
+// - prepared.rs: The assessment of many impacts on one column: what does not depend on the impact is computed once, and only
+//   the criteria that decide are evaluated, without their texts
+// - remaining.rs: The residual axial capacity of a column, beside the buckling resistances of the code
+// - response.rs: The response of an undamaged column to an impact, and what its assessment depends on
+// - rotation_limits.rs: Limits of the plastic rotation of a hinge in an I or H section
+// - section_class.rs: The class of a section: whether its plates buckle before it can rotate (EN 1993-1-1:2005, 5.5 and table
+//   5.2, as the open-source library metku of Tampere University states it in `eurocodes/en1993/en1993_1_1.py`)
+// - utilisation.rs: How close a column has come to yielding
+
 mod action_range;
 mod base;
 mod criteria;
 mod criterion;
+mod definition;
 mod evaluation;
 mod input;
 mod prepared;
@@ -36,11 +55,12 @@ use serde::Serialize;
 pub(crate) use action_range::range_in_words;
 pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
-use criteria::{DEFINITIONS, Definition, NotEvaluated, Relation};
+use criteria::DEFINITIONS;
 #[cfg(feature = "cli")]
 pub(crate) use criterion::PART_OF_LENGTH as UNIT_OF_BOW;
 use criterion::quantity;
 pub use criterion::{Action, Criterion, PARTIAL_FACTOR};
+use definition::{Definition, NotEvaluated, Relation};
 pub use evaluation::ImpactEvaluation;
 pub use input::{
     AssessedImpact, AssessedShear, AssessmentInput, VerdictLoad, largest_plastic_rotation,
@@ -94,6 +114,9 @@ pub struct Assessment {
 pub struct MissingData {
     /// Its name.
     pub criterion: &'static str,
+    /// What engineers call it, as in [`Criterion::title`].
+    #[serde(skip)]
+    pub title: &'static str,
     /// What would have to be done if it were exceeded.
     pub action: Action,
     /// What is missing, and what to give.
@@ -143,6 +166,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
             Ok(measured) if decides => choice.consider(index, measured),
             Err(NotEvaluated::Missing(needs)) if decides => not_evaluated.push(MissingData {
                 criterion: definition.name,
+                title: definition.title,
                 action: definition.action,
                 needs: needs.to_string(),
             }),
@@ -263,6 +287,8 @@ fn criterion(
     let numbers = measured.as_ref().ok();
     Criterion {
         name: definition.name,
+        title: definition.title,
+        cause: definition.cause,
         edition: definition.edition,
         tag: definition.tag,
         value: numbers.map(|it| it.value),

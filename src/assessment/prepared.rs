@@ -4,7 +4,8 @@
 use std::sync::OnceLock;
 
 use super::base::{BaseDemand, ConnectedBase};
-use super::criteria::{DEFINITIONS, Definition, share_of_limit};
+use super::criteria::{DEFINITIONS, share_of_limit};
+use super::definition::Definition;
 use super::remaining::{ResidualCapacity, VerdictBasis, imperfection};
 use super::{
     Action, AssessedImpact, AssessedShear, AssessmentInput, Choice, VerdictLoad, decides, measured,

@@ -634,6 +634,23 @@ fn the_document_lists_every_criterion() {
     }
 }
 
+/// No report names a check by an identifier.
+#[test]
+fn every_criterion_has_a_title_that_people_use() {
+    for (index, it) in DEFINITIONS.iter().enumerate() {
+        assert!(
+            it.title.len() > 10 && !it.title.contains('_'),
+            "{}",
+            it.name
+        );
+        assert!(
+            it.cause.len() > 20 && !it.cause.ends_with('.'),
+            "{}",
+            it.name
+        );
+    }
+}
+
 /// A value just beyond its limit once had a "margin -0 %".
 #[test]
 fn a_small_margin_is_not_minus_zero_per_cent() {

@@ -1,5 +1,41 @@
 //! The command line.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - capacity.rs: `column-twin capacity`: the axial capacity of the column, undamaged and as it is, and what follows for its
+//   load
+// - demo/: `column-twin demo`: one impact from the event to the verified recording, on this machine and with nothing installed
+// - estimate.rs: `column-twin estimate`: what struck the column and what remains of it, from the readings of its sensors
+// - export.rs: `column-twin export`: exports the messages of a recording as tables or as JSON
+// - failure.rs: How a command ends: exit codes, failures, and printing
+// - fleet.rs: `column-twin fleet`: runs many columns as one ROS 2 node
+// - fleet_study.rs: The columns of a fleet as the object of a study
+// - history.rs: The history of a response as a table
+// - idl.rs: `column-twin idl`: the topics of the node for DDS programs without ROS
+// - impact.rs: `column-twin impact`: publishes one impact event, as a sensor would
+// - impact_args.rs: The options that specify an impact
+// - info.rs: `column-twin info`: summarises a recording
+// - interruption.rs: A study on a terminal: progress while it runs, and Ctrl-C
+// - keystore.rs: `column-twin keystore`: keys, certificates and permissions for DDS security
+// - keystore_absent.rs: `column-twin keystore` in a program without DDS security: explains how to build one with it
+// - map/: `column-twin map`: what impacts on a column lead to, over a plane of two quantities
+// - measure.rs: `column-twin measure`: publishes readings of sensors, as the drivers of the sensors would
+// - recorded_detected.rs: What the sensors of a recorded twin have detected, for the viewer: its measurements, and its
+//   estimates with their records
+// - recorded_items.rs: The items of a recording for the viewer: states with their hinges, reports, and the parameters of the
+//   column
+// - repair.rs: `column-twin repair`: repairs a recording that was cut off or damaged
+// - replay.rs: `column-twin replay`: publishes a recording over DDS, or shows it in the viewer
+// - report.rs: `column-twin report`: a report about the impacts of a recording, for people
+// - risk/: `column-twin risk`: how often vehicles that leave the road damage the column, and how severely
+// - run.rs: `column-twin run`: runs the twin as a ROS 2 node
+// - simulate.rs: `column-twin simulate`: the response of the column to one impact
+// - summary.rs: The summary of one impact, for a person and for programs
+// - threads.rs: The option `--threads` of the studies
+// - vehicles.rs: `column-twin vehicles`: the catalogue of vehicles with the source of every number
+// - verify.rs: `column-twin verify`: verifies a recording by recomputation
+// - watch.rs: `column-twin watch`: prints what a running twin or a fleet publishes
+
 mod capacity;
 #[cfg(test)]
 mod capacity_tests;

@@ -6,6 +6,36 @@
 //!
 //! The font is embedded, so that a figure looks the same on every machine.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - axis.rs: Axes of plots: a range and round numbers marked on it
+// - chart.rs: Plots on a page: the axes of a plot, and the chart of quantities against time
+// - damage_map.rs: The figures of a damage map: the classes over its plane, and the boundaries of several columns in comparison
+// - deformed_shape.rs: The shape of the column before the impact, at its peak displacement and at rest
+// - energy_ledger.rs: The energy ledger as a stack over time
+// - estimate.rs: The figures of an estimate: the forecast as the data improve it, and for each sensor what it has read against
+//   what is predicted
+// - force_crush.rs: The force of each spring of a deformable vehicle over its crush, with the envelope of the force
+// - histories.rs: Displacements, forces and moments over time: the paper's Figures 5 to 8, and the contact force
+// - iso_lines.rs: Lines of equal value in a field on a grid, by marching squares
+// - map_areas.rs: The areas of the classes of a damage map
+// - map_axis.rs: An axis of a damage map as its figures show it
+// - map_marks.rs: Marks of a damage map: speed limits and vehicles of the catalogue, where an axis has them
+// - map_picture.rs: The plot of a damage map on its page: areas, lines with labels, marks and the frame
+// - measures.rs: The figure that compares the measures of a risk study
+// - page.rs: The page of every figure: canvas, font, colours, heading and legend
+// - path_chart.rs: The chart of one quantity over another that is not time: paths, envelopes and shapes
+// - probability_rows.rs: What figures with probabilities in rows share: a scale of powers of ten, names of the rows, colours
+// - push_down.rs: The push-down curves: axial force over shortening, undamaged and now
+// - raster.rs: Renders SVG as PNG
+// - reference.rs: The reference responses as samples, for the tests of figures and summary
+// - response_history.rs: The history of a response, from which the figures are drawn
+// - risk.rs: The figures of a risk study: fragility curves, probabilities in the period, sensitivities
+// - thinning.rs: Thins long histories to what the pixels of a figure can show, without losing an extreme value
+// - units.rs: Units for numbers that people read
+// - validation/: `docs/validation.md` and its figures: both schemes compared with the reference responses
+// - yield_path.rs: The path of a hinge's moment and normal force in its yield surface
+
 mod axis;
 mod chart;
 mod damage_map;

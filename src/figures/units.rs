@@ -43,13 +43,13 @@ impl Unit {
 
     /// The unit for readings of a sensor up to `largest` in the unit of its quantity.
     pub fn of_sensor(quantity: Quantity, largest: f64) -> Self {
-        let unit = |symbol, per_si| Self { symbol, per_si };
         match quantity {
-            Quantity::Acceleration => unit("m/s²", 1.0),
             Quantity::Displacement => Self::length(largest),
-            Quantity::Rotation => unit("mrad", 1e3),
-            Quantity::BendingStrain | Quantity::AxialStrain => unit("µm/m", 1e6),
             Quantity::ContactForce => Self::force(largest),
+            _ => {
+                let (symbol, per_si) = quantity.shown_unit();
+                Self { symbol, per_si }
+            }
         }
     }
 

@@ -14,6 +14,21 @@
 //! randomness of keys and serial numbers; the time comes from the caller. Private keys are written with mode 0600 and are
 //! never overwritten.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - access.rs: What the programs of an enclave may publish and subscribe to
+// - certificates.rs: Keys, certificates and signatures, all by OpenSSL: elliptic curve P-256 and SHA-256, which DDS Security
+//   1.1 asks for and SROS 2 uses
+// - documents.rs: The governance and the permissions as XML (DDS Security 1.1, 9.4.1.2 and 9.4.1.3), in the words of SROS 2
+// - enclave.rs: Which enclaves a keystore for some twins needs
+// - enclave_name.rs: Names of enclaves
+// - error.rs: Errors of keystores
+// - inspection.rs: What a keystore holds, and what is wrong with it
+// - layout.rs: Names of the files and folders of a keystore, as in SROS 2
+// - policy.rs: The same permissions as a policy for `ros2 security create_permission` and `generate_artifacts`
+// - reading.rs: Reads the files of a keystore
+// - store.rs: Making, extending and renewing a keystore on disk
+
 mod access;
 mod certificates;
 mod documents;

@@ -7,6 +7,29 @@
 //! caller. A separate thread writes the state files. Another one finds ranges of verdicts, and the critical velocities of columns at
 //! rest. If there are sensors, further ones detect impacts with them.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - clock.rs: Clocks that drive a twin
+// - inbox.rs: Requests to the solver threads, and the answers
+// - lateness.rs: The lateness of a cycle of the solver
+// - libraries.rs: The prepared responses of a fleet's columns with sensors: those of equal columns are prepared once, in the
+//   background, and shared
+// - marked.rs: Columns that a thread is to look at, without a lock, because those that mark them have deadlines
+// - measurements.rs: The queue of measurements: bounded, and drops its oldest batches when it is full, because the newest ones
+//   say what the column does now
+// - notifier.rs: Wakes one thread, without a lock
+// - pool/: One twin or many in real time: a pool of solver threads, bounded queues for all columns together, one thread for
+//   their state files and one for their critical velocities
+// - queue.rs: Bounded queues between the threads, each with a name, a policy for overflow, and counters
+// - real_time.rs: Real-time properties of the solver's thread
+// - recent_batches.rs: The newest measurements, for those who only look at them: they take nothing from the estimation, and
+//   lose what they look at too late
+// - sensing.rs: The threads that detect impacts: each takes the measurements of its columns, and gives the estimates to their
+//   twins
+// - sensing_news.rs: What the solvers tell a thread that detects impacts: without a lock, because they have deadlines
+// - single.rs: A single twin: a pool of one column
+// - statistics.rs: What a live twin or a fleet tells about itself
+
 mod clock;
 mod inbox;
 mod lateness;

@@ -4,6 +4,16 @@
 //! Every state with its hinge forces, every report, forecast and status becomes a message. Joint states and markers serve
 //! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - assessment.rs: The outcome of an impact with its assessment as messages
+// - descriptions.rs: What the entries of the arrays about hinges and webs stand for
+// - estimate.rs: What the sensors say about an impact as a message
+// - joint_states.rs: The four hinges as joints, with rotation, rate and moment, for tools that plot or display joints
+// - markers.rs: Markers for RViz and Foxglove: the deformed column, its hinges, the vehicle, and the contact force
+// - tap.rs: The interface through which the node passes messages to a recording
+// - withdrawn.rs: A forecast that no longer holds, or that will never be there, as a message
+
 mod assessment;
 mod descriptions;
 mod estimate;

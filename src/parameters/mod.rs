@@ -21,6 +21,46 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - base.rs: The connection of the column's base, as given and as assumed
+// - catalogue.rs: The catalogue of rolled sections: HEA, HEB, HEM and IPE of EN 10365, from `config/sections.csv`
+// - check.rs: Checks what was given for a parameter against its entry in the table
+// - consistency.rs: Consistency between parameters whose values are admissible one by one
+// - criterion_names.rs: The names of the criteria of an assessment, among which `assessment.criteria` chooses
+// - draft.rs: A set of parameters while it is being put together from its sources
+// - fault.rs: Faults in given parameters: what is wrong, where, and what is admissible
+// - file.rs: Reads ROS 2 parameter files
+// - flat_file.rs: Reads small YAML files of texts, one for each name
+// - fleet.rs: The parameters of a fleet: many columns from one parameter file with wildcards, or from a table with one row per
+//   column
+// - fleet_selection.rs: Columns of a fleet that a person names: by their `column_id`, or by their names with the wildcards of
+//   parameter files
+// - given.rs: What was given for a parameter, with its place, before it is checked
+// - hinge_rows.rs: The rows of the table about the strength of a hinge over its rotation
+// - inconsistency.rs: Parameters that are not compatible
+// - lookup.rs: Parameters by their names, also misspelt and old ones
+// - node_name.rs: Names of nodes, and the patterns by which parameter files refer to them
+// - overrides.rs: Parameters given on the command line
+// - parameter.rs: A parameter: its type, its admissible values, when a change applies
+// - processors.rs: Lists of processors, as `taskset` and `cpuset` write them
+// - ranges.rs: Ranges and texts that several rows of the parameter table share
+// - reference.rs: The reference documentation of the parameters, generated from the table
+// - section.rs: The section of a column, from its name and from what is given
+// - senders.rs: The notation of a sender that may speak to the node
+// - sensors.rs: The parameters that exist once for each sensor in `sensors.names`, and the sensors that they describe
+// - settings.rs: The parameters as typed data, grouped as their names are
+// - settings_values.rs: The settings as values in the order of the table, and back
+// - shear.rs: The shear of the web of a column, from its section and its parameters
+// - spelling.rs: Suggestions for misspelt names
+// - steel.rs: Structural steel grades
+// - table.rs: The one table of parameters, from which declaration, validation and documentation follow
+// - value.rs: Values of parameters, with the types of ROS 2 that the table uses
+// - vehicles.rs: The catalogue of vehicles, from `config/vehicles.json`, and the vehicle that the parameters describe
+// - verdict_rows.rs: The rows of the table about the load and the buckling lengths with which a verdict is made
+// - yaml.rs: YAML text as a tree that knows the place of every node, keeps duplicate keys and bounds its own depth
+// - yaml_1_1.rs: Values as programs send them that read YAML 1.1, such as `ros2 param`
+
 mod base;
 mod catalogue;
 mod check;

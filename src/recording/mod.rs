@@ -1,5 +1,12 @@
 //! The crate `rosbag2_mcap` with the names, message definitions and parameters of this program.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - earlier.rs: Recordings of earlier versions, whose messages belong to another package
+// - event_summary.rs: The impacts in a recording
+// - instant.rs: Times of a recording for people
+// - seal_finding.rs: What the seal of a recording proves, in words
+
 mod earlier;
 mod event_summary;
 mod instant;

@@ -3,7 +3,6 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
-use super::check_names::check_name;
 use super::words::part_of;
 use crate::assessment::{Action, Criterion, UNIT_OF_BOW};
 use crate::figures::units::significant;
@@ -112,7 +111,7 @@ fn table(assessed: &Assessed, rows: &[&Criterion]) -> Markup {
                 @for criterion in rows {
                     @let exceeded = criterion.exceeded == Some(true);
                     tr.exceeded[exceeded].deciding[criterion.name == deciding && !is_none] {
-                        th scope="row" { (check_name(criterion.name).name) }
+                        th scope="row" { (criterion.title) }
                         td { (clause(criterion)) " [" (criterion.tag) "]" }
                         td.number { (value_in_words(criterion).unwrap_or_else(|| "-".to_owned())) }
                         td.number { (limit_in_words(criterion).unwrap_or_else(|| "-".to_owned())) }

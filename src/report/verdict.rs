@@ -3,7 +3,6 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
-use super::check_names::check_name;
 use super::checks::{limit_in_words, value_in_words};
 use super::reported_impact::ReportedImpact;
 use super::words::{capitalised, part_of};
@@ -136,7 +135,7 @@ fn cause(impact: &ReportedImpact, assessment: &Assessment, deciding: Option<&Cri
             }
             _ => "Cause: the column collapses during the hit and carries nothing.".to_owned(),
         },
-        (_, Some(criterion)) => format!("Cause: {}.", check_name(criterion.name).cause),
+        (_, Some(criterion)) => format!("Cause: {}.", criterion.cause),
     }
 }
 
@@ -149,7 +148,7 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
             if let (Some(value), Some(limit)) =
                 (value_in_words(criterion), limit_in_words(criterion))
             {
-                let name = check_name(criterion.name).quantity();
+                let name = criterion.quantity();
                 text = format!("{name}: {value}; limit {limit}. ");
             }
         }
@@ -199,7 +198,7 @@ fn outcome(impact: &ReportedImpact) -> String {
 fn missing(assessment: &Assessment) -> String {
     let mut names: Vec<&str> = Vec::new();
     for it in &assessment.not_evaluated {
-        let name = check_name(it.criterion).name;
+        let name = it.title;
         if it.action > assessment.action && !names.contains(&name) {
             names.push(name);
         }

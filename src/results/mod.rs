@@ -1,6 +1,12 @@
 //! Results under the names that programs see, which are a stable interface: the JSON and the CSV of the command line, and
 //! the Python package.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - capacity_fields.rs: The capacity of a column under the names that programs see
+// - history_columns.rs: The columns of the history of one impact
+// - impact_fields.rs: The outcome of one impact under the names that programs see
+
 mod capacity_fields;
 mod history_columns;
 mod impact_fields;

@@ -147,7 +147,7 @@ impl Blocks {
         } else {
             only.filter(|only| *only == value)
         };
-        if channel.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
+        if channel.quantity.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
             channel.lost_from = channel.lost_from.min(index);
         }
     }
@@ -172,7 +172,7 @@ impl Blocks {
         });
         let count = f64::from(channel.counts[index]);
         let yielded = self.channels.iter().any(|other| {
-            other.is_strain()
+            other.quantity.is_strain()
                 && (other.lost_from <= index
                     || (0..=index)
                         .filter_map(|index| other.mean(index))
@@ -182,19 +182,12 @@ impl Blocks {
             mean,
             variance: channel.noise * channel.noise / count + channel.zero_variance,
             largest,
-            yielded: yielded && channel.is_strain(),
+            yielded: yielded && channel.quantity.is_strain(),
         })
     }
 }
 
 impl Channel {
-    fn is_strain(&self) -> bool {
-        matches!(
-            self.quantity,
-            Quantity::BendingStrain | Quantity::AxialStrain
-        )
-    }
-
     /// The largest reading of a block. Of an acceleration it is a sample: the waves that the model does not have change its sign
     /// within a block, so that its mean shows neither their size nor what a clipped sample has lost.
     fn largest(&self, index: usize) -> f64 {

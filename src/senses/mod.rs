@@ -8,6 +8,43 @@
 //! The modules read no clock and no file, and the same readings give the same bits. Without the feature `study` there are only
 //! the sensors, what the model says that they read, detection, and estimates as data.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - batch.rs: Consecutive samples of one sensor, as the intake of measurements passes them on
+// - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
+// - collector.rs: Collects the samples of a sensor that sends each in a message of its own
+// - comparison.rs: What each sensor has read, against what the weighted responses say that it reads
+// - contradiction.rs: Sensors that contradict each other
+// - detection.rs: Finds impacts in the readings of the sensors
+// - estimate.rs: An estimate: what struck the column and how it ends, with its uncertainty
+// - estimate_record.rs: An estimate together with what made it so
+// - estimator.rs: From readings to estimates
+// - event_evidence.rs: What an event says about an impact that the sensors have detected: another witness, such as a camera or
+//   a person
+// - hypothesis.rs: What may have struck the column, before anything is measured
+// - intake.rs: Takes the measurements of all sensors: checks every batch, brings it into the order and the clock of the twin,
+//   and counts what is missing
+// - lanes.rs: Numbers of several sensors side by side, with which the processor calculates at once
+// - library.rs: The responses to conceivable impacts that are prepared for one column at rest, and for all columns that are
+//   equal to it
+// - member.rs: One response among those that are weighed: its likelihood by the data
+// - model_error.rs: How far the model may be from the column: its own error, beside the noise of the sensors
+// - population.rs: Weighted responses: adaptive multiple importance sampling over what may have struck the column
+// - predicted.rs: What one impact lets the sensors read, to be seen beside what they have read
+// - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
+// - probe.rs: What the model says that a sensor reads
+// - readings.rs: Recorded readings of sensors, as a table in a CSV file
+// - recomputation.rs: Estimates computed again from recorded measurements
+// - recorded.rs: Estimates from recorded readings: the same detection and the same updates as with live ones
+// - sensing.rs: From live measurements to estimates: learns, detects an impact, and estimates it while data arrive
+// - sensor_clock.rs: The clock of a sensor against the clock that drives the twin
+// - simulated.rs: What sensors read in a simulated impact, with their errors
+// - stillness.rs: Whether a sensor that sends is stuck: it repeats one value for longer than its noise allows
+// - undamaged_capacities.rs: Residual capacity of the undamaged column, for any yield strength near the given one
+// - update.rs: The work on an estimate in slices of a few milliseconds, so that a thread can take new data between them
+// - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
+//   blocks are in the predictions
+
 mod batch;
 #[cfg(feature = "study")]
 mod blocks;

@@ -105,6 +105,24 @@ impl Quantity {
         "contact_force",
     ];
 
+    /// Whether it is the strain of a fibre.
+    #[must_use]
+    pub const fn is_strain(self) -> bool {
+        matches!(self, Self::BendingStrain | Self::AxialStrain)
+    }
+
+    /// The usual unit in which people see it, and the factor from the SI unit.
+    #[must_use]
+    pub const fn shown_unit(self) -> (&'static str, f64) {
+        match self {
+            Self::Acceleration => ("m/s²", 1.0),
+            Self::Displacement => ("mm", 1e3),
+            Self::Rotation => ("mrad", 1e3),
+            Self::BendingStrain | Self::AxialStrain => ("µm/m", 1e6),
+            Self::ContactForce => ("kN", 1e-3),
+        }
+    }
+
     /// Its word, such as `bending_strain`.
     #[must_use]
     pub const fn word(self) -> &'static str {

@@ -8,6 +8,17 @@
 //! top. Only a short part of each bar next to a joint is bent ([`BEND_LENGTH`]), so that a plastic hinge looks like one and
 //! not like a broken stick.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - action_colour.rs: The colours of the actions, in figures and in the viewer
+// - bent_axis.rs: The axis of the deformed column: two straight bars with a short smooth bend at each joint
+// - joints.rs: The ends of the two bars
+// - outline.rs: The outline of the section
+// - round_number.rs: Round numbers for scales and axes
+// - solid.rs: The solid that a section sweeps along the bent axis
+// - vehicle.rs: The vehicle as it is drawn: a body of its real size whose nose shortens as its front crushes
+// - yield_curve.rs: The yield surface as a curve
+
 mod action_colour;
 mod bent_axis;
 mod joints;

@@ -2,6 +2,11 @@
 //!
 //! `standing_column.rs` is the column, `impact_height.rs` says where its hinges 1a and 1b are.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - impact_height.rs: The height of hinges 1a and 1b, and with that of the impact
+// - standing_column.rs: The column as an impact finds it: undamaged, or with the damage that earlier impacts have left
+
 mod impact_height;
 mod standing_column;
 

@@ -18,6 +18,24 @@
 //! # Ok::<(), column_twin::study::StudyError>(())
 //! ```
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - axis.rs: The axes of a damage map: what varies, and through which values
+// - batch.rs: Many independent computations on all processors
+// - critical.rs: Critical velocities: how fast a vehicle may be before its impact has a given action
+// - fleet_kinds.rs: The kinds of columns of a fleet: columns that differ by their names only are computed once
+// - map.rs: Damage maps: what an impact leads to, over a plane of two quantities
+// - map_bands.rs: The bands of the boundaries between actions: between which values each of them lies if what is not known
+//   exactly of the impact and of the column differs
+// - map_columns.rs: The columns of a map in files: one table of names, units and values for every format
+// - map_grid.rs: The cells of a map as pictures need them, in a bounded memory
+// - refine.rs: The boundaries of the action classes of a map, computed only where the classes change
+// - risk/: Risk: how often does a vehicle damage the column, and how severely?
+// - row_search.rs: The search for the boundaries of the classes in one row of a map
+// - study_column.rs: A column that is prepared once for many impacts, and what one impact on it leads to
+// - threads.rs: How many threads compute independent results
+// - vehicle_limits.rs: How fast each vehicle may hit a column next
+
 #[cfg(feature = "study")]
 mod axis;
 #[cfg(feature = "study")]

@@ -3,31 +3,14 @@
 use std::sync::Arc;
 
 use super::assessed::{Assessed, LastImpact};
+use super::begun_impact::BegunImpact;
 use super::forecast::Forecast;
-use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
+use super::output::{Output, Outputs, StateOutput, StrikingVehicle};
 use super::plant::Plant;
-use super::status::TwinPhase;
+use super::status::{Lengths, TwinPhase};
 use super::timeline::Timeline;
-use super::what_if::Striking;
-use crate::assessment::{BaseDemand, VerdictRange};
-use crate::column::Report;
-use crate::parameters::Parameters;
+use crate::assessment::VerdictRange;
 use crate::time::Nanos;
-use crate::time::seconds;
-
-/// An impact whose response has begun.
-#[derive(Debug, Clone)]
-pub(super) struct BegunImpact {
-    /// Of the event: the instant of step 0.
-    pub stamp: Nanos,
-    pub event_id: Arc<str>,
-    pub striking: Striking,
-    /// Those that held when it began, so that forecast and result are assessed alike.
-    pub parameters: Arc<Parameters>,
-    pub step_nanos: u64,
-    /// What earlier impacts have put into the base.
-    pub base_before: Option<BaseDemand>,
-}
 
 /// The response to an impact.
 #[derive(Debug)]
@@ -62,29 +45,6 @@ pub(super) struct BeforeResponse {
     pub assessed: Option<Arc<Assessed>>,
     /// The impact before.
     pub last_impact: Option<LastImpact>,
-}
-
-impl BegunImpact {
-    pub fn report_output(
-        &self,
-        report: Report,
-        assessed: Option<Arc<Assessed>>,
-        error_estimate: Option<f64>,
-        compute_nanos: u64,
-    ) -> ReportOutput {
-        ReportOutput {
-            stamp: self.stamp,
-            event_id: Arc::clone(&self.event_id),
-            striking: self.striking.clone(),
-            report,
-            assessed,
-            error_estimate,
-            step_nanos: self.step_nanos,
-            compute_time: seconds(compute_nanos),
-            is_superseded: false,
-            range: None,
-        }
-    }
 }
 
 impl ActiveResponse {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::plant::{Condition, Plant};
-use super::what_if::Striking;
+use super::striking::Striking;
 use crate::assessment::{
     AssessedImpact, Assessment, AssessmentInput, BaseDemand, ResidualCapacity, Utilisation, assess,
     imperfection,

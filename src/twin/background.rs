@@ -3,7 +3,6 @@
 
 use super::command::Command;
 use super::critical::CriticalVelocityTask;
-use super::lifecycle::Twin;
 use super::range::RangeTask;
 
 /// Something to be computed in the background, as plain data for another thread.
@@ -61,34 +60,6 @@ impl BackgroundTask {
                 one.has_the_result_of(other)
             }
             _ => false,
-        }
-    }
-}
-
-impl Twin {
-    /// What is to be computed in the background, the most urgent first.
-    pub fn background_tasks(&self) -> impl Iterator<Item = BackgroundTask> {
-        let range = self.range_task().map(Box::new).map(BackgroundTask::Range);
-        let critical = || self.critical_velocity_task();
-        let critical = std::iter::once_with(critical).flatten();
-        range.into_iter().chain(
-            critical
-                .map(Box::new)
-                .map(BackgroundTask::CriticalVelocities),
-        )
-    }
-
-    /// Whether this is still to be computed.
-    #[must_use]
-    pub fn awaits(&self, task: &BackgroundTask) -> bool {
-        match task {
-            // One response has one range.
-            BackgroundTask::Range(task) => {
-                self.awaits_range() && self.journal.responses == task.response
-            }
-            BackgroundTask::CriticalVelocities(task) => {
-                self.critical_velocity_task().is_some_and(|it| it == **task)
-            }
         }
     }
 }

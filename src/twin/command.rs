@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::damage_correction::DamageCorrection;
+use super::damage_correction::{DamageCorrection, ResidualMeasurement};
 use super::rejection::Rejection;
 use crate::assessment::VerdictRange;
 use crate::column::ImpactSpecification;
 use crate::exact_number;
 use crate::parameters::Value;
 use crate::senses::EstimateRecord;
-use crate::sensors::Quantity;
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
 
@@ -77,25 +76,6 @@ pub struct EstimateDecision {
     pub event_id: String,
     /// Whether it is.
     pub accept: bool,
-    /// The sender, for logs.
-    pub source: Arc<str>,
-}
-
-/// What was measured on the column at rest, relative to the undamaged column.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ResidualMeasurement {
-    /// [`Quantity::Displacement`] \[m\] or [`Quantity::Rotation`] \[rad\], positive as in the readings of sensors.
-    pub quantity: Quantity,
-    /// Above the base \[m\].
-    #[serde(with = "exact_number")]
-    pub height: f64,
-    /// What was measured.
-    #[serde(with = "exact_number")]
-    pub value: f64,
-    /// Its standard deviation, > 0.
-    #[serde(with = "exact_number")]
-    pub deviation: f64,
     /// The sender, for logs.
     pub source: Arc<str>,
 }

@@ -3,13 +3,13 @@
 //! The plastic deformation of all hinges is multiplied by one factor, so that the mechanism remains that of the impacts, and
 //! the column is brought into its new equilibrium; the factor is the one with which the model reads what was measured.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
-use super::command::{Accepted, ResidualMeasurement};
-use super::lifecycle::Twin;
-use super::output::{NoticeLevel, Output, Outputs};
 use super::plant::Plant;
 use super::rejection::{Rejection, RejectionCode};
+use crate::exact_number;
 use crate::senses::Probe;
 use crate::sensors::Quantity;
 use crate::time::Nanos;
@@ -23,6 +23,25 @@ const HALVINGS: u32 = 60;
 
 /// Standard deviations of the measurement by which the corrected model may miss it.
 const TOLERANCE: f64 = 0.01;
+
+/// What was measured on the column at rest, relative to the undamaged column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResidualMeasurement {
+    /// [`Quantity::Displacement`] \[m\] or [`Quantity::Rotation`] \[rad\], positive as in the readings of sensors.
+    pub quantity: Quantity,
+    /// Above the base \[m\].
+    #[serde(with = "exact_number")]
+    pub height: f64,
+    /// What was measured.
+    #[serde(with = "exact_number")]
+    pub value: f64,
+    /// Its standard deviation, > 0.
+    #[serde(with = "exact_number")]
+    pub deviation: f64,
+    /// The sender, for logs.
+    pub source: Arc<str>,
+}
 
 /// A comparison of the model with a measurement on the column at rest, and what has become of the damage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -44,43 +63,6 @@ pub struct DamageCorrection {
     pub after: f64,
     /// By which the plastic deformation of all hinges was multiplied; 1 where the model agreed.
     pub factor: f64,
-}
-
-impl Twin {
-    /// Corrects the damage by a measurement. Where the model agrees with it within its standard deviation, nothing changes.
-    ///
-    /// # Errors
-    /// The column is not at rest or does not stand, or the measurement does not fit to its damage.
-    pub(super) fn correct_damage(
-        &mut self,
-        measured: &ResidualMeasurement,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) -> Result<Accepted, Rejection> {
-        if self.response.is_some() {
-            let reason = "the column is responding to an impact; measure when it is at rest";
-            return Err(Rejection::new(RejectionCode::NotAtRest, reason));
-        }
-        self.at_rest.check_standing()?;
-        let (correction, corrected) = correct(&self.at_rest, measured, now)?;
-        if let Some(corrected) = corrected {
-            self.forbid_resuming();
-            self.at_rest = corrected;
-            self.assess();
-            self.forget_other_critical_velocities();
-            self.forget_range();
-        }
-        let life = &mut self.registry.life;
-        life.corrections_since_reset = life.corrections_since_reset.saturating_add(1);
-        life.last_correction = Some(correction);
-        let text = format!("by {}: {}", measured.source, correction.in_words());
-        out.notice(NoticeLevel::Warning, now, text);
-        out.put(Output::DamageCorrected(correction));
-        self.status.set_changed();
-        self.journal.set_checkpoint_due();
-        self.save(now, out);
-        Ok(Accepted::DamageCorrected(correction))
-    }
 }
 
 impl DamageCorrection {
@@ -112,7 +94,7 @@ impl DamageCorrection {
 }
 
 /// The comparison, and the corrected column; `None` where the model agrees with the measurement.
-fn correct(
+pub(super) fn correct(
     at_rest: &Plant,
     measured: &ResidualMeasurement,
     stamp: Nanos,

@@ -4,14 +4,14 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::active_response::BegunImpact;
 use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assessed};
+use super::begun_impact::BegunImpact;
 use super::output::{
     ForecastEnd, NoticeLevel, Output, Outputs, ReportOutput, Verdicts, WithdrawnForecast,
-    WithdrawnImpact,
 };
 use super::plant::Plant;
 use super::timeline::{LookAhead, Outlook};
+use super::withdrawn_impact::WithdrawnImpact;
 use crate::column::Report;
 use crate::time::Nanos;
 

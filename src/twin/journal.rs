@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::estimates::Estimates;
+use super::judged_impact::JudgedImpact;
 use super::plant::Condition;
-use super::range::JudgedImpact;
 use super::registry::{Counts, LastRejection, Life};
 use super::rejection::Rejection;
 use crate::column::{Impact, State};

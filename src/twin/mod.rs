@@ -6,24 +6,6 @@
 //! [`Output::State`] at every instant of `publish_rate`. When the response is over, the [`Output::Report`] follows and
 //! the column is at rest again, with its damage.
 //!
-//! | part | responsibility | knows nothing of |
-//! |---|---|---|
-//! | `plant` | the column and what strikes it: state, step, equilibrium, condition | clock, identifiers |
-//! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the look-ahead | identifiers |
-//! | `forecast` | the forecasts, also of responses that have ended before their time | |
-//! | `assessed` | residual capacity and assessment of the column at rest | clock, identifiers |
-//! | `critical` | critical velocities of the column at rest: what is to be computed, and the result | clock, identifiers |
-//! | `range` | range of the verdict on an impact: what is to be computed, and the result | clock |
-//! | `background` | which of what another thread computes comes first | threads |
-//! | `impacts` | how an impact meets the column: at rest, in motion, or in a response that is over | |
-//! | `estimates` | what the sensors have detected, and what has become of it | mechanics, clock |
-//! | `estimation` | from an estimate to an impact | threads, sensors |
-//! | `correction` | corrects the damage by a measurement on the column at rest | |
-//! | `registry` | identifiers, rejections, counts, impacts that are still to come | mechanics |
-//! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
-//! | `journal` | what a recording needs, numbered | what the entries mean |
-//! | [`Twin`] | the order in which these act on a command and on the clock | |
-//!
 //! Deliberately absent: ROS, threads, locks, channels, clocks. Time is passed in, as nanoseconds since the epoch; what
 //! leaves goes into [`Outputs`]. Only the functions of [`state_file`] touch files. While a response runs,
 //! [`Twin::advance_to`] allocates no memory.
@@ -68,57 +50,89 @@
 //! - A reset makes the column undamaged and forgets the identifiers of its impacts, and what the sensors have detected before. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - active_response.rs: The response to an impact under way: its outputs, and what is predicted of its end
+// - assessed.rs: The residual capacity of the column at rest, and its assessment
+// - background.rs: What another thread computes for the twin with the lowest priority, and which of it comes first
+// - begun_impact.rs: An impact whose response has begun, and the report about it
+// - command.rs: Commands: the one vocabulary in which the bus, the journal and a replay tell the twin what to do
+// - critical.rs: The critical velocities of the column at rest: how fast each vehicle may hit it next
+// - damage_correction.rs: Corrects the damage of the column at rest by what was measured on it
+// - estimates.rs: What the sensors have detected: the newest estimate, what has become of it, and which events may be the same
+//   impact
+// - forecast.rs: Forecasts: that of the present response, and those of earlier ones that something else has ended before their
+//   forecasts were complete
+// - journal.rs: What a recording needs so that everything can be recomputed: the state from which the twin starts, the commands
+//   that it was given, and how far it had come by then
+// - judged_impact.rs: An impact whose verdict has, or will have, a range, as a checkpoint holds it
+// - lifecycle/: The twin: the order in which its parts act on a command and on the clock
+// - output.rs: What leaves the twin
+// - parameter_set.rs: The parameters that hold, and the ones that wait for the end of a response
+// - plant.rs: The plant: the column, and what strikes it
+// - range.rs: The range of the verdict on an impact: between which actions it lies if what is not known exactly of the impact
+//   and the column differs
+// - registry.rs: The registry: identifiers and stamps of impacts, what was accepted and rejected, impacts that are still to
+//   come, and what the column has been through since the last reset
+// - rejection.rs: Why a command was rejected: a stable code for programs beside a sentence for people
+// - saved_state.rs: The damage of the column as text, which survives a restart of the program
+// - seen_ids.rs: Identifiers of accepted impacts
+// - state_file.rs: The state file: read at the start, and replaced atomically
+// - status.rs: The state of the twin itself, and when to report it
+// - striking.rs: What hits the column
+// - timeline/: The timeline of one response: from the clock to steps, and back to earlier steps
+// - what_if.rs: What an impact would do to the column as it is: a snapshot of the twin that answers without touching it
+// - withdrawn_impact.rs: An accepted impact that has no report
+
 mod active_response;
 mod assessed;
 mod background;
+mod begun_impact;
 mod command;
 mod critical;
 mod damage_correction;
 mod estimates;
-mod estimation;
-mod fleet_member;
 mod forecast;
-mod forecasting;
-mod impacts;
 mod journal;
+mod judged_impact;
 mod lifecycle;
 mod output;
 mod parameter_set;
 mod plant;
 mod range;
-mod reconfiguration;
 mod registry;
 mod rejection;
-mod reproduction;
 mod saved_state;
 mod seen_ids;
 pub mod state_file;
 mod status;
+mod striking;
 mod timeline;
 mod what_if;
+mod withdrawn_impact;
 
 pub use assessed::{Assessed, LastImpact};
 pub use background::{BackgroundKind, BackgroundTask};
-pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, ResidualMeasurement};
+pub use command::{Accepted, Command, EstimateDecision, ImpactCommand};
 pub use critical::CriticalVelocityTask;
-pub use damage_correction::{CORRECTION_FACTORS, DamageCorrection};
+pub use damage_correction::{CORRECTION_FACTORS, DamageCorrection, ResidualMeasurement};
 pub use estimates::{Decision, Estimates};
-#[cfg(feature = "record")]
-pub(crate) use estimation::vehicle_name;
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,
 };
+pub use judged_impact::JudgedImpact;
+#[cfg(feature = "record")]
+pub(crate) use lifecycle::vehicle_name;
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
-    EstimateOutput, ForecastEnd, Lengths, MergedEvent, Notice, NoticeLevel, Output, Outputs,
+    EstimateOutput, ForecastEnd, MergedEvent, Notice, NoticeLevel, Output, Outputs,
     ParametersChanged, RangedReport, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
-    WithdrawnImpact,
 };
 pub use plant::Condition;
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;
-pub use range::{JudgedImpact, RangeTask};
+pub use range::RangeTask;
 pub use registry::{
     Counts, LastRejection, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Rejected, RejectedInput,
     event_id_fault,
@@ -126,9 +140,11 @@ pub use registry::{
 pub use rejection::{MAX_REASON_CHARS, Rejection, RejectionCode};
 pub use saved_state::{SavedState, SavedStateError};
 pub use seen_ids::MAX_SEEN_IDS;
-pub use status::{RestingColumn, Status, TwinPhase};
+pub use status::{Lengths, RestingColumn, Status, TwinPhase};
+pub use striking::Striking;
 pub use timeline::MAX_LOOK_AHEAD_STEPS;
-pub use what_if::{ColumnSnapshot, MAX_VEHICLE_NAME_CHARS, Prediction, Striking};
+pub use what_if::{ColumnSnapshot, MAX_VEHICLE_NAME_CHARS, Prediction};
+pub use withdrawn_impact::WithdrawnImpact;
 
 use crate::time::{NANOS_PER_SECOND, Nanos};
 

@@ -9,8 +9,10 @@ use super::estimates::Decision;
 use super::journal::Journal;
 use super::registry::Rejected;
 use super::saved_state::SavedState;
+use super::status::Lengths;
 use super::status::{Status, TwinPhase};
-use super::what_if::Striking;
+use super::striking::Striking;
+use super::withdrawn_impact::WithdrawnImpact;
 use crate::assessment::{self, VerdictRange};
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
@@ -79,17 +81,6 @@ pub struct StrikingVehicle {
     pub name: Arc<str>,
     /// Its total mass \[kg\].
     pub mass: f64,
-}
-
-/// Undeformed lengths of the two bars \[m\], and what holds the upper one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lengths {
-    /// Of the lower one: the height of hinges 1a and 1b above the base.
-    pub below: f64,
-    /// Of the upper one.
-    pub above: f64,
-    /// Whether nothing holds the top, so that the upper bar goes on straight.
-    pub top_is_free: bool,
 }
 
 /// A forecast or a result.
@@ -167,17 +158,6 @@ pub struct MergedEvent {
     pub striking: Striking,
     /// How that counts for the estimate.
     pub evidence: EventEvidence,
-}
-
-/// An accepted impact that has no report.
-#[derive(Debug, Clone)]
-pub struct WithdrawnImpact {
-    /// Stamp of the event.
-    pub stamp: Nanos,
-    /// Its identifier.
-    pub event_id: Arc<str>,
-    /// What hits the column.
-    pub striking: Striking,
 }
 
 /// Why a forecast no longer holds, or why there is none.

@@ -8,19 +8,16 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use super::active_response::{ActiveResponse, BegunImpact};
+use super::active_response::ActiveResponse;
 use super::assessed::Assessed;
-use super::command::Accepted;
-use super::lifecycle::Twin;
-use super::output::{NoticeLevel, Output, Outputs, RangedReport, ReportOutput};
+use super::begun_impact::BegunImpact;
+use super::judged_impact::JudgedImpact;
+use super::output::ReportOutput;
 use super::plant::{Condition, Plant};
-use super::what_if::Striking;
+use super::striking::Striking;
 use crate::assessment::{Action, ActionRange, VerdictRange};
-use crate::column::{ColumnProperties, Impact, Report};
+use crate::column::{ColumnProperties, Impact};
 use crate::parameters::Parameters;
-use crate::time::Nanos;
 
 /// All on which the range of a verdict depends, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +55,7 @@ impl RangeTask {
             && self.parameters.differs_by_names_only(&other.parameters)
     }
 
-    fn new(
+    pub(super) fn new(
         response: u64,
         parameters: &Arc<Parameters>,
         struck: &ColumnProperties,
@@ -78,29 +75,6 @@ impl RangeTask {
             verdict: (assessment.action, assessment.at_least),
         }
     }
-}
-
-/// An impact whose report was given out and whose verdict has, or will have, a range: all that is needed to give the report
-/// out once more.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JudgedImpact {
-    /// Stamp of the event.
-    pub stamp: Nanos,
-    /// The impact.
-    pub event_id: Arc<str>,
-    /// Name of the vehicle.
-    pub vehicle: Arc<str>,
-    /// What hit the column.
-    pub impact: Impact,
-    /// Its outcome.
-    pub report: Report,
-    /// Estimated relative error of `max_v1` by the time step; `None` if it is not known.
-    pub error_estimate: Option<f64>,
-    /// Length of a time step \[ns\].
-    pub step_nanos: u64,
-    /// The range of the verdict; `None` until it is known.
-    pub range: Option<Arc<VerdictRange>>,
 }
 
 /// The last impact with the range of its verdict.
@@ -151,7 +125,7 @@ impl Judged {
         })
     }
 
-    fn output(&self, assessed: Option<Arc<Assessed>>) -> ReportOutput {
+    pub(super) fn output(&self, assessed: Option<Arc<Assessed>>) -> ReportOutput {
         let it = &self.impact;
         ReportOutput {
             stamp: it.stamp,
@@ -180,14 +154,14 @@ fn has_range(before: &Plant) -> bool {
 
 impl ActiveResponse {
     /// The assessment in the complete forecast, if the range of that is not known yet.
-    fn assessed_without_range(&self) -> Option<&Arc<Assessed>> {
+    pub(super) fn assessed_without_range(&self) -> Option<&Arc<Assessed>> {
         if self.range.is_some() || self.forecast.is_running() || !has_range(&self.before) {
             return None;
         }
         self.forecast.predicted()?.assessed.as_ref()
     }
 
-    fn range_task(&self, response: u64) -> Option<RangeTask> {
+    pub(super) fn range_task(&self, response: u64) -> Option<RangeTask> {
         let assessed = self.assessed_without_range()?;
         let BegunImpact {
             parameters,
@@ -205,7 +179,7 @@ impl ActiveResponse {
     }
 
     /// The forecast with the range of its verdict.
-    fn ranged_forecast(&self) -> Option<ReportOutput> {
+    pub(super) fn ranged_forecast(&self) -> Option<ReportOutput> {
         let predicted = self.forecast.predicted()?;
         Some(ReportOutput {
             range: self.range.clone(),
@@ -216,96 +190,5 @@ impl ActiveResponse {
                 predicted.compute_nanos,
             )
         })
-    }
-}
-
-impl Twin {
-    /// Whether there is a [`range_task`](Self::range_task), without making it.
-    #[must_use]
-    pub fn awaits_range(&self) -> bool {
-        match &self.response {
-            Some(response) => response.assessed_without_range().is_some(),
-            None => self.has_unknown_range() && self.assessed.is_some(),
-        }
-    }
-
-    fn has_unknown_range(&self) -> bool {
-        let judged = self.judged.as_ref();
-        judged.is_some_and(|it| it.impact.range.is_none())
-    }
-
-    /// What is to be computed before [`Command::VerdictRange`](super::Command::VerdictRange) can be given: the range of the verdict
-    /// on the present or the last impact is not known, and its forecast is complete.
-    #[must_use]
-    pub fn range_task(&self) -> Option<RangeTask> {
-        if let Some(response) = &self.response {
-            return response.range_task(self.journal.responses);
-        }
-        self.range_task_at_rest()
-            .filter(|_| self.has_unknown_range())
-    }
-
-    /// All on which the range of the verdict on the last impact depends, whether it is known or not; `None` where it has none.
-    #[must_use]
-    pub fn range_task_at_rest(&self) -> Option<RangeTask> {
-        Some(RangeTask::new(
-            self.journal.responses,
-            self.parameters.current(),
-            &self.at_rest.model.properties,
-            self.judged.as_ref()?.impact.impact,
-            self.assessed.as_ref()?,
-        ))
-    }
-
-    /// Takes the range of the verdict on the present or the last impact. If none is awaited by now, it is left aside.
-    pub(super) fn take_range(&mut self, range: &Arc<VerdictRange>) -> Accepted {
-        if !self.awaits_range() {
-            return Accepted::Unchanged;
-        }
-        let range = Some(Arc::clone(range));
-        if let Some(response) = &mut self.response {
-            response.range = range;
-        } else if let Some(judged) = &mut self.judged {
-            judged.impact.range = range;
-            // A recording that begins at rest begins with the last checkpoint, and needs no command before it.
-            self.journal.set_checkpoint_due();
-        }
-        self.status.set_changed();
-        Accepted::Applied
-    }
-
-    /// Gives out the forecast or the report of the impact once more, with the range of its verdict.
-    pub(super) fn put_ranged(&self, now: Nanos, out: &mut impl Outputs) {
-        let (report, is_result) = match (&self.response, &self.judged) {
-            (Some(response), _) => (response.ranged_forecast(), false),
-            (None, Some(judged)) => (Some(judged.output(self.assessed.clone())), true),
-            (None, None) => (None, true),
-        };
-        let Some(report) = report else { return };
-        if let Some(range) = &report.range {
-            let text = format!(
-                "range of the verdict on impact \"{}\": {range}",
-                report.event_id
-            );
-            out.notice(NoticeLevel::Info, now, text);
-        }
-        out.put(Output::Ranged(RangedReport { report, is_result }));
-    }
-
-    /// Forgets the range of the verdict on the last impact, which no longer is that of the column.
-    pub(super) fn forget_range(&mut self) {
-        self.judged = None;
-    }
-
-    /// Another impact begins: a range of the verdict on the last one that is not known yet is not awaited any more.
-    pub(super) fn withdraw_unknown_range(&mut self) {
-        if self.has_unknown_range() {
-            self.forget_range();
-        }
-    }
-
-    /// The range of the verdict on the last impact, if it is known.
-    pub(super) fn known_range(&self) -> Option<&Arc<VerdictRange>> {
-        self.judged.as_ref()?.impact.range.as_ref()
     }
 }

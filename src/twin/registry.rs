@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
 use super::damage_correction::DamageCorrection;
-use super::output::WithdrawnImpact;
 use super::rejection::{Rejection, RejectionCode, truncated};
 use super::seen_ids::SeenIds;
-use super::what_if::Striking;
+use super::striking::Striking;
+use super::withdrawn_impact::WithdrawnImpact;
 use crate::assessment::BaseDemand;
 use crate::parameters::Parameters;
 use crate::printable::{Printable, is_printable};

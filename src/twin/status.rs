@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::STATUS_PERIOD;
 use super::assessed::Assessed;
 use super::damage_correction::DamageCorrection;
-use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
 use super::registry::{Counts, LastRejection, Registry};
 use super::rejection::RejectionCode;
@@ -13,6 +12,17 @@ use crate::assessment::VerdictRange;
 use crate::column::{HINGES, Phase, Sample, VehicleReport, WEBS};
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
+
+/// Undeformed lengths of the two bars \[m\], and what holds the upper one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lengths {
+    /// Of the lower one: the height of hinges 1a and 1b above the base.
+    pub below: f64,
+    /// Of the upper one.
+    pub above: f64,
+    /// Whether nothing holds the top, so that the upper bar goes on straight.
+    pub top_is_free: bool,
+}
 
 /// Where column and twin are in the course of an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,5 +1,6 @@
 //! What an impact would do to the column as it is: a snapshot of the twin that answers without touching it.
 
+use super::striking::Striking;
 use std::sync::Arc;
 
 use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assessed};
@@ -31,22 +32,6 @@ pub struct ColumnSnapshot {
     pub(super) undamaged: Option<UndamagedCapacity>,
     /// What earlier impacts have put into the base.
     pub(super) base_before: Option<BaseDemand>,
-}
-
-/// What hits the column: an impact with everything that its specification left open.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Striking {
-    /// Name of the vehicle in the catalogue; empty: the one that the parameters give by numbers.
-    pub vehicle: Arc<str>,
-    /// The impact.
-    pub impact: Impact,
-}
-
-impl Striking {
-    /// Time until the vehicle touches a column that stands still \[ns\].
-    pub(super) fn approach_nanos(&self) -> i64 {
-        (1e9 * self.impact.approach_secs()).round() as i64
-    }
 }
 
 /// The forecast of an impact that has not happened.

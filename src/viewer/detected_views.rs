@@ -11,7 +11,6 @@ use super::timeline::Moment;
 use crate::assessment::Action;
 use crate::messages::column_twin_msgs::{CredibleInterval, ImpactReport};
 use crate::parameters::Parameters;
-use crate::sensors::Quantity;
 use crate::shape::action_colour;
 
 /// Most sensors that have a view of their own; more would not be readable. The data of all sensors are there.
@@ -101,7 +100,7 @@ impl DetectedCurves {
     pub fn new(parameters: &Parameters) -> Option<Self> {
         let sensors = parameters.sensors();
         let shown = sensors.into_iter().map(|sensor| {
-            let (unit, per_si) = unit(sensor.quantity);
+            let (unit, per_si) = sensor.quantity.shown_unit();
             ShownSensor {
                 title: format!("{} [{unit}]", sensor.name),
                 per_si,
@@ -305,15 +304,4 @@ fn rows(
     let each = values.len() / moments.len();
     let columns = Scalars::new(values).columns(vec![each; moments.len()])?;
     stream.send_columns(entity, time_columns(moments.iter().copied()), columns)
-}
-
-/// The unit in which a quantity is shown, and the factor from the SI unit.
-fn unit(quantity: Quantity) -> (&'static str, f64) {
-    match quantity {
-        Quantity::Acceleration => ("m/s2", 1.0),
-        Quantity::Displacement => ("mm", 1e3),
-        Quantity::Rotation => ("mrad", 1e3),
-        Quantity::BendingStrain | Quantity::AxialStrain => ("um/m", 1e6),
-        Quantity::ContactForce => ("kN", 1e-3),
-    }
 }

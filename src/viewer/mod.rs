@@ -12,6 +12,50 @@
 //! ever, also in its destructor; it never reconnects; a server on a port in use fails silently; by default it listens on
 //! every interface.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - blueprint.rs: The layout of the viewer, for a laptop screen: column, panel and log on the left, curves in the middle, yield
+//   surfaces on the right
+// - branch.rs: A part of the tree of entities of a Rerun stream: that of one column
+// - camera.rs: Where the scene is looked at from, so that the column, the whole vehicle and all labels are in the picture
+// - colour.rs: Colours, one for each meaning, in the scene and in the plots
+// - connection.rs: A connection to a running viewer, which may stop, end and come back
+// - curve_styles.rs: How the curves look
+// - curves.rs: The curves of an impact in a Rerun stream: one column of data per entity for a batch of states
+// - damage_map.rs: A damage map in the viewer: an image of its classes with one pixel per cell, the boundaries, the axes and a
+//   legend
+// - destination.rs: The destination of the frames of a running twin, selected by `viewer.mode`
+// - detected.rs: What the sensors say about an impact, and what they have read beside what was predicted, as the viewer shows
+//   it
+// - detected_views.rs: The curves about an impact that the sensors detect: forecast, momentum and action over the time of the
+//   data, and each sensor
+// - error.rs: What the viewer reports to the program that runs it: errors and log lines
+// - events.rs: The events of an impact with their times: from a report if there is one, otherwise from the states
+// - file.rs: A file for the viewer, from a simulation or a recording
+// - fleet/: A fleet in the viewer: the plan of all columns, coloured by action, and in full the columns that are selected and
+//   the one that was hit last
+// - force_crush.rs: The springs of the vehicle in a diagram of force over crush: their envelopes, paths and present positions
+// - frame_budget.rs: How many frames of the scene are drawn
+// - frames.rs: Frames of the scene in a Rerun stream: the column, its hinges, its top and the vehicle
+// - item.rs: The items that are shown in the viewer; they come from a running twin, a simulation or a recording
+// - labels.rs: Labels that do not cover one another
+// - live_viewer.rs: The viewer of a running twin: a thread of its own that reads a queue of its own
+// - map_blueprint.rs: The layout of damage maps in the viewer: the image of each variant with its boundaries and axes, and
+//   beside it what they mean
+// - panel.rs: The panel beside the scene, as Markdown: what the impact does to the column, what hits it, and what the colours
+//   mean
+// - picture.rs: What a stream shows: one column, or a fleet
+// - plots.rs: The curves over time: their quantities, units and the ranges of their axes
+// - point.rs: Points and vectors in space
+// - recorded_message.rs: Converts the messages of a recording to items for the viewer
+// - rerun_types.rs: Conversions to Rerun's own types
+// - scene.rs: The visible scene of the column at one instant, as plain numbers without any type of Rerun
+// - server.rs: A server for viewers on this machine
+// - spawned.rs: A viewer process that this program starts
+// - static_scene.rs: The parts of the scene that do not move: undeformed column, supports and yield surfaces
+// - stream.rs: Writes items to a Rerun stream: static data once, states in batches with one column of data per entity
+// - timeline.rs: The three timelines on which everything is shown
+
 mod blueprint;
 mod branch;
 mod camera;

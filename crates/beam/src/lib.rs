@@ -1,6 +1,26 @@
 #![doc = include_str!("../README.md")]
 #![expect(
-    clippy::needless_range_loop,
+
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - beam.rs: The beam: its nodes, its state, and the forces and stiffness of a trial increment
+// - column.rs: A column as an engineer gives it, and the beam that is built from it
+// - contact.rs: The vehicle: its face, stiff contact springs between the face and the nodes behind it, and what moves the face
+// - damage.rs: What an impact leaves in the column: as little as possible, so that a fleet can keep it
+// - element.rs: The deformations of an element between two nodes, which turn and move by any amount
+// - mesh.rs: Where the nodes are: close together where the column yields, further apart between
+// - newton.rs: Newton's method with a line search for a step in time or an increment of equilibrium
+// - opinion.rs: The second opinion: an impact on a column, computed as a beam
+// - parts.rs: What a beam is made of: elements, their shear, and the springs of its supports
+// - rate.rs: The growth of the yield strength with the strain rate of the outer fibre, which passes a low-pass filter
+// - response.rs: One impact, from the touch to the peak displacement, and what remains after it
+// - section.rs: The cross-section as fibres: their strains, stresses and plastic strains
+// - statics.rs: Equilibrium: under the load before an impact, after it, and while the top is pushed down
+// - torsion.rs: The torsional rigidity with which uniform torsion gives the twist that restrained warping leaves at the impact
+//   point
+// - tridiagonal.rs: Symmetric equations whose unknowns couple with those of the neighbouring node only
+
+clippy::needless_range_loop,
     reason = "indices number degrees of freedom, which several matrices share"
 )]
 

@@ -18,6 +18,9 @@ const BALANCED: f64 = 1e-15;
 /// a stiff column.
 pub(crate) const STAGNATED: f64 = 2e-12;
 
+/// Round-off of the angle by which the chord of a bar turns, relative to that angle: a few units in the last place.
+const ROUND_OFF_OF_CHORD: f64 = 8.0 * f64::EPSILON;
+
 /// Floor of the pivots of `beta1` and `u2`, relative to their elastic stiffness. With both hinges of the joint flowing,
 /// or with the normal force held at a corner of the yield surface, the tangent of a massless unknown vanishes: its value
 /// is not determined, but the force that belongs to it is.
@@ -129,7 +132,9 @@ pub(crate) fn solve<S: NonlinearSystem>(
         let full_residual = system.evaluate(&full, point);
         let full_size = size_of(&full_residual);
         let stagnates = full_size > 0.5 * size;
-        if stagnates && (size.min(full_size) <= STAGNATED || is_round_off(&correction, &increment))
+        if stagnates
+            && (size.min(full_size) <= STAGNATED
+                || is_round_off(&correction, &increment, frame.shorter_bar()))
         {
             // Round-off of a stiff column: further iterations do not help.
             if full_size < size {
@@ -188,11 +193,13 @@ pub(crate) fn slope(residual: &Vector4<f64>, correction: &Displacement) -> f64 {
         + residual[3] * correction.u2)
 }
 
-/// Whether a correction is round-off of the increment.
-fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
+/// Whether a correction is round-off of the increment. A hinge turns by `beta1` and by the chord of its bar, whose round-off may
+/// be far more than that of a small `beta1`.
+fn is_round_off(correction: &Displacement, increment: &Displacement, length: f64) -> bool {
     let moved = |u: &Displacement| u.v1.abs().max(u.u1.abs()).max(u.u2.abs());
+    let chord = ROUND_OFF_OF_CHORD * moved(increment) / length;
     moved(correction) <= STAGNATED * moved(increment)
-        && correction.beta1.abs() <= STAGNATED * increment.beta1.abs()
+        && correction.beta1.abs() <= chord.max(STAGNATED * increment.beta1.abs())
 }
 
 /// A correction scaled down to [`MAX_CORRECTION`].

@@ -1,5 +1,6 @@
-//! The monotonic backbone of a hinge in a wide-flange section: regressions of Lignos, Hartloper, Elkady, Deierlein and Hamburger
-//! (2019), "Proposed Updates to the ASCE 41 Nonlinear Modeling Parameters for Wide-Flange Steel Columns in Support of
+//! The monotonic backbone of a hinge in a wide-flange section, from regressions over tests.
+//!
+//! The regressions are those of Lignos, Hartloper, Elkady, Deierlein and Hamburger (2019), "Proposed Updates to the ASCE 41 Nonlinear Modeling Parameters for Wide-Flange Steel Columns in Support of
 //! Performance-Based Seismic Engineering", J. Struct. Eng. 145(9), doi 10.1061/(ASCE)ST.1943-541X.0002353.
 //!
 //! The coefficients are those of two published programs, one of them by an author of the paper: `src/Spring_IMK.tcl` of FM-2D

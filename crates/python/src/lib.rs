@@ -3,6 +3,15 @@
 //!
 //! Whatever computes for longer than microseconds releases the GIL.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - batch.rs: Many impacts at once, in rows of bytes that numpy reads as a structured array
+// - column.rs: A column for Python
+// - fault.rs: Faults as Python exceptions, with the texts that the command line prints
+// - risk.rs: Risk studies for Python
+// - study.rs: Damage maps and critical velocities for Python
+// - values.rs: Values from Python to Rust and back
+
 mod batch;
 mod column;
 mod fault;

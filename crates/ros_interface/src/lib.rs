@@ -28,6 +28,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - bounded_sequence.rs: A bounded sequence of a message, such as `float64[<=3]`
+// - cdr.rs: The bytes of a message: an encapsulation header of four bytes, then CDR (OMG RTPS 10.2, XTypes 7.4)
+// - idl.rs: Messages as OMG IDL, for a monitor that uses plain DDS: names, order and types are those on the wire, the comments
+//   are those of the definitions
+// - interface.rs: A ROS 2 type: its names, its definition, and what follows from the definition
+// - type_description.rs: Descriptions of types as REP-2011 and REP-2016 define them: what a type hash is computed over, and
+//   what the service `~/get_type_description` answers
+// - type_hash.rs: Type hashes as REP-2016 defines them (RIHS01) and as rosidl writes them to `share/<package>/msg/<Type>.json`
+
 mod bounded_sequence;
 pub mod cdr;
 pub mod idl;

@@ -2,6 +2,14 @@
 //!
 //! The node runs as a process of its own; the demonstration talks to it over real DDS on loopback, as any client does.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - detected.rs: `column-twin demo --sensors`: the node receives no event and detects the impact with its sensors
+// - signal.rs: The signal that the demonstration with sensors plays: `tests/data/signals/README.md` says where it comes from
+// - stage.rs: What the demonstrations share: a folder, processes of this program in a domain of their own, and the verified
+//   recording
+// - texts.rs: Bounds and texts that both demonstrations use
+
 mod detected;
 mod signal;
 mod stage;

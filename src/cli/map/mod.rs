@@ -1,5 +1,15 @@
 //! `column-twin map`: what impacts on a column lead to, over a plane of two quantities.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - arguments.rs: The arguments of `column-twin map`, and the map that they describe
+// - boundaries.rs: The refined boundaries of a map as a table, for files and for people
+// - error.rs: Why there is no map, and how a map ends
+// - files.rs: The files of a map: each appears complete, or as complete as an interrupted map is, and never half written
+// - fleet.rs: `column-twin map` of a fleet: the critical velocities of one vehicle for each of its columns
+// - summary.rs: What a map shows, for people and as JSON: classes with their shares, critical velocities, the largest numbers
+// - table_writer.rs: Tables as CSV, JSON, Parquet and Arrow, row by row, in a memory that does not depend on the number of rows
+
 mod arguments;
 mod boundaries;
 mod error;

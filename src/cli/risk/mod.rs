@@ -1,5 +1,14 @@
 //! `column-twin risk`: how often vehicles that leave the road damage the column, and how severely.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - case.rs: What a study of risk is about, from the arguments of the command to the responses
+// - fleet.rs: `column-twin risk` of a fleet: the probabilities for each of its columns, their sum and their ranking
+// - measures.rs: The measures of a scenario: the same vehicles once more behind each, and what that changes
+// - numbers.rs: Probabilities and periods in words
+// - summary.rs: The result of a study for people
+// - tables.rs: The fragility curves and the samples as tables
+
 mod case;
 mod fleet;
 mod measures;

@@ -1,6 +1,12 @@
 //! `docs/validation.md` and its figures: both schemes compared with the reference responses.
 //! `UPDATE_DOCS=1 cargo test --release --lib validation` regenerates the page; otherwise the test checks it.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - analytic.rs: Comparison with analytic solutions for rigid-plastic columns and with a crash test against a wall
+// - experiments.rs: Comparison with impact tests on members, the list of all the evidence for the model, and what is missing
+// - fibre.rs: Comparison with a fibre beam model: what the two bars leave out, in numbers
+
 mod analytic;
 mod experiments;
 mod fibre;

@@ -7,6 +7,26 @@
 //! does not depend on when it is stepped. While columns respond, the solver threads allocate no memory for their states, and a single
 //! one finds every lock free.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - background.rs: The one thread that computes what columns await in the background, with the lowest priority: ranges of
+//   verdicts, and the critical velocities of columns at rest
+// - by_key.rs: Columns in the order of a key, from which each can be taken out: a binary heap that allocates nothing after the
+//   start
+// - fleet_news.rs: What the solver threads of a fleet tell those that detect impacts
+// - jobs.rs: What a solver thread does for a column: it passes on an input, steps the column, computes ahead; and what the
+//   column needs next
+// - keeper.rs: Writes the state files in one thread, because a disk may be slow
+// - readers.rs: The readers of the outputs: each has queues of its own, so that a slow one loses its own outputs only
+// - schedule.rs: What the solver threads do next
+// - sensors.rs: The sensors: the queues of their measurements, a few threads that detect impacts, and one that prepares
+//   responses for a fleet
+// - shared.rs: What the solver threads share: the columns, what is to be done next, and the ways in and out
+// - sink.rs: Passes what the columns give out to the readers, to the thread that writes the state files, and to those that
+//   detect impacts
+// - watch.rs: Which of the solver threads that wait wakes at the next deadline
+// - worker.rs: A solver thread: takes the most urgent job, does it, and says what the column needs next
+
 mod background;
 mod by_key;
 #[cfg(feature = "study")]

@@ -1,5 +1,9 @@
 //! `column-twin replay`: publishes a recording over DDS, with its original bytes and timing.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - pace.rs: The due times of recorded messages
+
 mod pace;
 
 use std::path::PathBuf;

@@ -6,6 +6,20 @@
 //!
 //! Without the feature `security`, only the settings exist: a node that must be protected does not start.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - certificates.rs: Certificates and keys of an enclave
+// - dates.rs: Dates of certificates and documents
+// - documents.rs: The signed documents of an enclave: their signature, and the XML elements that both share
+// - enclave.rs: An enclave: the six files of a participant, checked before it starts
+// - error.rs: Why a participant must not be created
+// - fault.rs: The files of an enclave, and what can be wrong with them
+// - governance.rs: The governance document: how the domain is protected
+// - health.rs: The state of security for `/diagnostics`
+// - peers.rs: Peers that joined with a valid identity, and peers that were rejected: counted, and logged within a limit
+// - permissions.rs: The permissions document: what the participant may do, and until when
+// - settings.rs: What the environment and the command line ask for, with the rules of rcl (`rcl/src/rcl/security.c`)
+
 #[cfg(feature = "security")]
 mod certificates;
 #[cfg(feature = "security")]

@@ -28,6 +28,32 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - critical_speeds.rs: Critical speeds of a class of vehicles as a function of the other inputs, to predict the action of most
+//   samples
+// - departure.rs: A vehicle that leaves the road, and what of it reaches the column
+// - distribution.rs: The distributions of the inputs: quantiles, moments, limits
+// - estimate.rs: Probabilities with confidence intervals, from counts
+// - evaluation.rs: The action of a sample, by the response of the column
+// - fragility.rs: Fragility curves: the probability of an action as a function of the speed at the column
+// - input.rs: Distributions as files and command lines give them, checked against what each input may be
+// - measure.rs: Measures that protect a column, as scenarios describe them
+// - measure_risk.rs: By how much a measure changes the annual probability
+// - normal.rs: The standard normal distribution, with the same bits on every processor
+// - protection.rs: What a measure stops
+// - random.rs: Random numbers that depend on the seed and on the number of the sample only
+// - reach.rs: Which of the vehicles that leave the road reach the column: how many, and how their speeds, angles and
+//   decelerations are distributed
+// - result.rs: The result of a study: probabilities, fragility curves, sensitivities
+// - scenario.rs: The inputs of a risk study as data: shipped scenarios in `config/risk.json`, a user's file, single
+//   distributions
+// - sensitivity.rs: Which input matters: the probability at both ends of each input, and shares of the variance
+// - study.rs: The samples of a study, on all processors
+// - tally.rs: Counts of a study
+// - target.rs: Target probabilities: how often an action may be needed in a year
+// - traffic.rs: From the probability for one vehicle to the probability for a year
+
 mod critical_speeds;
 mod departure;
 mod distribution;

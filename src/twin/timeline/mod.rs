@@ -1,6 +1,12 @@
 //! The timeline of one response: from the clock to steps, and back to earlier steps. Knows no identifiers. The look-ahead
 //! follows a copy of the column ahead of the clock.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - history.rs: Snapshots of a response, from which an earlier step is reached again
+// - look_ahead.rs: A copy of the column that runs ahead of the clock until its response is over; then what the response leaves
+//   behind: the residual capacity, and the error that the time step makes
+
 mod history;
 mod look_ahead;
 

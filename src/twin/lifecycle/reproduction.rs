@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use super::MAX_STEPS_PER_CALL;
-use super::journal::{Checkpoint, JournalClock, NotReached, Position};
-use super::lifecycle::{Stopwatch, Twin};
-use super::output::{Output, Outputs};
-use super::plant::Plant;
-use super::range::Judged;
+use super::{Stopwatch, Twin};
 use crate::column::{Model, ModelError};
 use crate::parameters::Parameters;
 use crate::time::Nanos;
+use crate::twin::MAX_STEPS_PER_CALL;
+use crate::twin::journal::{Checkpoint, JournalClock, NotReached, Position};
+use crate::twin::output::{Output, Outputs};
+use crate::twin::plant::Plant;
+use crate::twin::range::Judged;
 
 impl Twin {
     /// The twin as it was at a checkpoint, without the course of the response before it.

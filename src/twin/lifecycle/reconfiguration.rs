@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::command::Accepted;
-use super::lifecycle::Twin;
-use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
-use super::plant::Plant;
-use super::rejection::Rejection;
+use super::Twin;
 use crate::parameters::{Parameters, Value};
 use crate::time::Nanos;
 use crate::time::seconds;
+use crate::twin::command::Accepted;
+use crate::twin::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
+use crate::twin::plant::Plant;
+use crate::twin::rejection::Rejection;
 
 /// Maximum length of a response \[steps\] whose end is computed in order to judge a change that waits for it: at most about a
 /// second, which the sender of the change has to wait.

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::critical::CriticalVelocityTask;
-use super::estimates::Estimates;
-use super::forecast::SupersededForecasts;
-use super::journal::JournalClock;
-use super::lifecycle::{SolverStatistics, Stopwatch, Twin};
-use super::parameter_set::ParameterSet;
-use super::plant::Condition;
-use super::registry::Registry;
-use super::status::StatusClock;
+use super::{SolverStatistics, Stopwatch, Twin};
 use crate::time::Nanos;
+use crate::twin::critical::CriticalVelocityTask;
+use crate::twin::estimates::Estimates;
+use crate::twin::forecast::SupersededForecasts;
+use crate::twin::journal::JournalClock;
+use crate::twin::parameter_set::ParameterSet;
+use crate::twin::plant::Condition;
+use crate::twin::registry::Registry;
+use crate::twin::status::StatusClock;
 
 impl Twin {
     /// The twin of another undamaged column that differs from this undamaged one by its names only, without computing its equilibrium
@@ -54,7 +54,7 @@ impl Twin {
     }
 
     /// Whether there is nothing to do for [`Twin::advance_to`] and [`Twin::run_ahead`] until the next command, apart from the
-    /// status once per [`STATUS_PERIOD`](super::STATUS_PERIOD), which repeats what is known.
+    /// status once per [`STATUS_PERIOD`](crate::twin::STATUS_PERIOD), which repeats what is known.
     #[must_use]
     pub fn is_quiet(&self, now: Nanos) -> bool {
         !self.is_responding() && !self.is_looking_ahead() && self.status.next_deadline(now) > now

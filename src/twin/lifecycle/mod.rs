@@ -1,5 +1,33 @@
 //! The twin: the order in which its parts act on a command and on the clock.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - background.rs: What another thread has to compute for the twin now
+// - critical_velocities.rs: The critical velocities of the column at rest: asked for, taken, and forgotten
+// - damage_correction.rs: Corrects the damage by a measurement on the column at rest
+// - estimation.rs: From an estimate to an impact: acceptance, following, and events that are the same impact
+// - fleet_member.rs: What a twin needs as one of many: it is made from an equal one, says when it has nothing to do, and keeps
+//   no more than it needs
+// - forecasting.rs: Carries the forecasts of a twin on, and withdraws those that no longer hold
+// - impacts.rs: How an impact meets the column: at rest, in motion, or in a response that is over
+// - reconfiguration.rs: Changes of the parameters, and the reset
+// - reproduction.rs: A twin that continues from a checkpoint and follows a recorded one without a clock
+// - verdict_range.rs: The range of the verdict on the present or the last impact: asked for, taken, given out, and forgotten
+
+mod background;
+mod critical_velocities;
+mod damage_correction;
+mod estimation;
+mod fleet_member;
+mod forecasting;
+mod impacts;
+mod reconfiguration;
+mod reproduction;
+mod verdict_range;
+
+#[cfg(feature = "record")]
+pub(crate) use estimation::vehicle_name;
+
 use std::sync::Arc;
 
 use super::active_response::{ActiveResponse, BeforeResponse, LastResponse};
@@ -8,7 +36,6 @@ use super::command::{Accepted, Command};
 use super::critical::KnownCriticalVelocities;
 use super::estimates::Estimates;
 use super::forecast::{Predicted, SupersededForecasts};
-use super::impacts::NO_REPORT;
 use super::journal::{Journal, JournalClock, StatusRecord};
 use super::output::{NoticeLevel, Output, Outputs, ReportOutput, Verdicts};
 use super::parameter_set::ParameterSet;
@@ -26,37 +53,40 @@ use crate::parameters::Parameters;
 use crate::time::Nanos;
 use crate::time::seconds;
 
+/// What becomes of the report of an impact whose response another impact ends.
+const NO_REPORT: &str = "for which no report will follow";
+
 /// Gives monotonic nanoseconds; used only to measure compute times.
 pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
 
 /// One column over its life.
 pub struct Twin {
-    pub(super) registry: Registry,
-    pub(super) parameters: ParameterSet,
+    registry: Registry,
+    parameters: ParameterSet,
     /// The column at rest, as the last response or a reset left it.
-    pub(super) at_rest: Plant,
+    at_rest: Plant,
     /// Its assessment; `None` if it cannot be computed.
-    pub(super) assessed: Option<Arc<Assessed>>,
+    assessed: Option<Arc<Assessed>>,
     /// Undamaged capacity of the last column that was assessed.
-    pub(super) undamaged: Option<UndamagedCapacity>,
+    undamaged: Option<UndamagedCapacity>,
     /// Its critical velocities; `None` until they are computed.
-    pub(super) critical: Option<KnownCriticalVelocities>,
+    critical: Option<KnownCriticalVelocities>,
     /// The last impact with the range of its verdict, if that has one.
-    pub(super) judged: Option<Box<Judged>>,
+    judged: Option<Box<Judged>>,
     /// In memory of its own, because most columns of a fleet have none.
-    pub(super) response: Option<Box<ActiveResponse>>,
+    response: Option<Box<ActiveResponse>>,
     /// The clock has jumped back during the present response, which no longer waits for it.
-    pub(super) is_completing: bool,
+    is_completing: bool,
     /// Forecasts of responses that have ended before their time.
-    pub(super) superseded: SupersededForecasts,
+    superseded: SupersededForecasts,
     /// The last response that is over.
-    pub(super) last: Option<LastResponse>,
-    pub(super) journal: JournalClock,
+    last: Option<LastResponse>,
+    journal: JournalClock,
     /// What the sensors have detected.
-    pub(super) estimates: Estimates,
-    pub(super) status: StatusClock,
-    pub(super) solver: SolverStatistics,
-    pub(super) stopwatch: Stopwatch,
+    estimates: Estimates,
+    status: StatusClock,
+    solver: SolverStatistics,
+    stopwatch: Stopwatch,
 }
 
 /// What the solver has done since the start.

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
-use super::forecast::{Completed, Forecast};
-use super::lifecycle::Twin;
-use super::output::{ForecastEnd, Output, Outputs};
+use super::Twin;
 use crate::time::Nanos;
+use crate::twin::active_response::{ActiveResponse, LastResponse};
+use crate::twin::begun_impact::BegunImpact;
+use crate::twin::forecast::{Completed, Forecast};
+use crate::twin::output::{ForecastEnd, Output, Outputs};
 
 /// Most steps with which the forecasts of responses that have ended before their time are completed when the column comes to
 /// rest: some 0.1 s of computing.

@@ -2,22 +2,21 @@
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
-use super::command::{Accepted, ImpactCommand};
-use super::forecast::Forecast;
-use super::lifecycle::Twin;
-use super::output::{ForecastEnd, NoticeLevel, Output, Outputs};
-use super::plant::{Plant, Struck};
-use super::registry::{PendingImpact, check_column_id, check_stamp};
-use super::rejection::{Rejection, RejectionCode};
-use super::timeline::{History, LookAhead, Timeline};
-use super::what_if::Striking;
+use super::{NO_REPORT, Twin};
 use crate::assessment::imperfection;
 use crate::time::Nanos;
 use crate::time::seconds;
+use crate::twin::active_response::{ActiveResponse, LastResponse};
+use crate::twin::begun_impact::BegunImpact;
+use crate::twin::command::{Accepted, ImpactCommand};
+use crate::twin::forecast::Forecast;
+use crate::twin::output::{ForecastEnd, NoticeLevel, Output, Outputs};
+use crate::twin::plant::{Plant, Struck};
+use crate::twin::registry::{PendingImpact, check_column_id, check_stamp};
+use crate::twin::rejection::{Rejection, RejectionCode};
+use crate::twin::striking::Striking;
+use crate::twin::timeline::{History, LookAhead, Timeline};
 
-/// What becomes of the report of an impact whose response another impact ends.
-pub(super) const NO_REPORT: &str = "for which no report will follow";
 const OBSOLETE_REPORT: &str = "whose report no longer holds";
 
 impl Twin {

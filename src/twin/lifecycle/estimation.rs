@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use super::active_response::ActiveResponse;
-use super::command::{Accepted, EstimateDecision};
-use super::estimates::{Decision, Sequence, contact, is_sure_enough};
-use super::lifecycle::Twin;
-use super::output::{EstimateOutput, MergedEvent, NoticeLevel, Output, Outputs};
-use super::plant::Struck;
-use super::registry::{PendingImpact, RejectedInput, check_not_ahead, printable};
-use super::rejection::{Rejection, RejectionCode};
-use super::what_if::Striking;
+use super::Twin;
 use crate::column::Phase;
 use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
 use crate::senses::{EstimateRecord, EventEvidence};
 use crate::time::Nanos;
+use crate::twin::active_response::ActiveResponse;
+use crate::twin::command::{Accepted, EstimateDecision};
+use crate::twin::estimates::{Decision, Sequence, contact, is_sure_enough};
+use crate::twin::output::{EstimateOutput, MergedEvent, NoticeLevel, Output, Outputs};
+use crate::twin::plant::Struck;
+use crate::twin::registry::{PendingImpact, RejectedInput, check_not_ahead, printable};
+use crate::twin::rejection::{Rejection, RejectionCode};
+use crate::twin::striking::Striking;
 
 impl Twin {
     fn estimation(&self) -> &EstimationSettings {
