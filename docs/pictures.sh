@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README: those of the viewer with the real viewer, headless, and that of the report with Chromium:
+# Makes the pictures of the documents: those of the viewer with the real viewer, headless, and that of the report with Chromium:
 #
 #   docs/pictures.sh [FOLDER]     default: docs/images
 #

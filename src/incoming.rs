@@ -2,12 +2,12 @@
 //! command that follows from each recorded message.
 
 use crate::endpoints::COLUMN_PARAMETERS;
+use crate::estimation::RawBatch;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin_msgs::{
     ColumnParameters, ImpactEvent, Measurement, ParameterEntry,
 };
 use crate::parameters::Value;
-use crate::senses::RawBatch;
 use crate::time::{INVALID_STAMP, Nanos};
 use crate::twin::{Command, ImpactCommand, Rejection, RejectionCode};
 

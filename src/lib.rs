@@ -21,6 +21,7 @@
 // - bounded_file.rs: A file that is expected to be short
 // - cli/: The command line
 // - endpoints.rs: All endpoints of the node with their quality of service, which never relies on the defaults of a library
+// - estimation/: Sensors on the column: what they read, and what their readings say about an impact
 // - evidence/: Recordings as evidence: what is recorded of the twin, and how a recording is verified by recomputation
 // - exact_number.rs: Numbers in JSON that read back bit for bit, including numbers that are not finite
 // - figures/: The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact
@@ -45,7 +46,6 @@
 // - results/: Results under the names that programs see, which are a stable interface: the JSON and the CSV of the command
 //   line, and the Python package
 // - ros/: The ROS 2 node: the twin's interface over ros2-client and RustDDS
-// - senses/: Sensors on the column: what they read, and what their readings say about an impact
 // - sensors/: A sensor as a thing on the column: what it measures, where, and how well
 // - shape/: The geometry that everything that draws the column shares: its joints, the outline of its section, the solid that
 //   this outline sweeps along the bent axis, the yield surface of its hinges, and the vehicle that hits it
@@ -62,6 +62,7 @@ pub use column_mechanics as column;
 pub mod assessment;
 pub mod bounded_file;
 pub mod endpoints;
+pub mod estimation;
 #[cfg(feature = "record")]
 pub mod evidence;
 mod exact_number;
@@ -75,7 +76,6 @@ pub mod incoming;
 pub mod keystore;
 pub mod live;
 pub mod messages;
-#[cfg(feature = "study")]
 mod numerics;
 pub mod outgoing;
 pub mod parameters;
@@ -87,7 +87,6 @@ pub mod report;
 pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
-pub mod senses;
 pub mod sensors;
 pub mod shape;
 pub mod standing;

@@ -1,4 +1,4 @@
-//! Runs every command of README.md and launch_notes.md as documented. A command that is not run here needs an entry below:
+//! Runs every command of README.md, launch_notes.md and the guide as documented. A command that is not run here needs an entry below:
 //! either another check runs it, or a reason says why it cannot be run.
 #![cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
@@ -360,6 +360,11 @@ fn run_all_of(document: &str) {
 #[test]
 fn every_command_of_the_readme_is_run() {
     run_all_of("README.md");
+}
+
+#[test]
+fn every_command_of_the_guide_is_run() {
+    run_all_of("docs/guide.md");
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! An evaluation against the plain simulation with its full assessment, cell by cell.
 
-#![cfg(feature = "study")]
-
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 

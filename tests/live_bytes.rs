@@ -2,8 +2,6 @@
 //! program of version 0.2, which had one engine for a single twin and another one for a fleet.
 //!
 //! `UPDATE_BYTES=1 cargo test --release --test live_bytes` writes them again, in a commit that says why they change.
-#![cfg(feature = "study")]
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 //! | part | measured quantity |
 //! |---|---|
 //! | `stream` | 1 kHz to rclpy and to a Rust reader: losses, order, delay of publication, latency, compared with a bare publisher |
-//! | `senses` | lateness of the 1 kHz stream with eight sensors at 10 kHz, while they detect nothing and while an impact is estimated, against the same without sensors |
+//! | `sensors` | lateness of the 1 kHz stream with eight sensors at 10 kHz, while they detect nothing and while an impact is estimated, against the same without sensors |
 //! | `forecast` | time from an event to its forecast over DDS, compared with a bare echo |
 //! | `idle` | processor time of the node at rest |
 //! | `many` | forty nodes on one machine, each in a process of its own, at rest |
@@ -24,7 +24,7 @@ mod load;
 mod many;
 mod peers;
 mod processor;
-mod senses;
+mod sensors;
 mod soak;
 mod stop;
 mod stream;
@@ -55,7 +55,7 @@ type Part = (&'static str, fn(Duration));
 
 const PARTS: &[Part] = &[
     ("stream", stream::run),
-    ("senses", senses::run),
+    ("sensors", sensors::run),
     ("forecast", forecast::run),
     ("idle", idle::run),
     ("many", many::run),

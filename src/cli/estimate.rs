@@ -13,14 +13,14 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::Action;
+use column_twin::estimation::{
+    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
+    RecordedImpact, estimate_recorded,
+};
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
 use column_twin::printable::Printable;
 use column_twin::report::{EstimateDocument, parameters_path};
-use column_twin::senses::{
-    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
-    RecordedImpact, estimate_recorded,
-};
 use column_twin::sensors::Sensor;
 use column_twin::whole_file;
 

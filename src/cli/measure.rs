@@ -11,8 +11,8 @@ use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
 use super::simulate::parameters_of;
+use column_twin::estimation::Readings;
 use column_twin::ros::{ClientError, MeasureOptions, RosArguments, send_measurements};
-use column_twin::senses::Readings;
 
 /// Arguments of `column-twin measure`.
 #[derive(Debug, Args)]

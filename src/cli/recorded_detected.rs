@@ -3,12 +3,12 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 
+use column_twin::estimation::{EstimateRecord, Intake};
 use column_twin::evidence::{JournalEntry, JournalLine};
 use column_twin::incoming::raw_batch;
 use column_twin::live::RecentBatches;
 use column_twin::messages::column_twin_msgs::{ImpactEstimate, Measurement};
 use column_twin::parameters::Parameters;
-use column_twin::senses::{EstimateRecord, Intake};
 use column_twin::twin::{Command, Journal};
 use column_twin::viewer::{DetectedImpacts, DetectedUpdate};
 

@@ -16,6 +16,7 @@ use super::impact_args::{ImpactSpecificationArgs, yaml};
 use super::summary::Summary;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
+use column_twin::estimation::simulate_sensors;
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
 #[cfg(feature = "viewer")]
@@ -32,7 +33,6 @@ use column_twin::report::{
     Origin, ReportDetails, ReportDetailsError, ReportDocument, ReportedImpact, parameters_path,
     title,
 };
-use column_twin::senses::simulate_sensors;
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
 use column_twin::whole_file::{self, WholeFile};

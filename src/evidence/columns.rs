@@ -12,11 +12,11 @@ use super::measured::{Measured, UNREADABLE};
 use super::parameter_events::ParameterEvents;
 use super::replayer::Replayer;
 use super::verification::{ColumnCheck, Verification};
+use crate::estimation::SharedPreparations;
 use crate::messages::cdr;
 use crate::messages::column_twin_msgs::Measurement;
 use crate::outgoing::Topic;
 use crate::recording::Message;
-use crate::senses::SharedPreparations;
 use crate::time::Nanos;
 use crate::twin::Journal;
 

@@ -6,8 +6,8 @@ use super::about::{About, sha256_of};
 use super::journal_line::{Counting, JournalEntry, JournalError, JournalLine};
 use super::topics::{Topics, is_recomputed};
 use crate::endpoints::{self, Endpoint};
+use crate::estimation::IntakeState;
 use crate::recording::Entry;
-use crate::senses::IntakeState;
 use crate::twin::Journal;
 
 /// Encodes messages and journal entries for a recording. What it is told to have been recorded appears in the next line of

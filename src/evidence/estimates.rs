@@ -6,11 +6,11 @@ use std::sync::Arc;
 use super::comparison::{Difference, Place};
 use super::measured::Measured;
 use super::verification::Verification;
-use crate::parameters::Parameters;
-use crate::senses::{
+use crate::estimation::{
     EstimateRecord, EventEvidence, NotRecomputed, Recomputation, SensorComparison,
     SharedPreparations,
 };
+use crate::parameters::Parameters;
 use crate::twin::{Command, MergedEvent};
 
 /// Checks the estimates of a recording.

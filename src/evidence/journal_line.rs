@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::about::About;
+use crate::estimation::IntakeState;
 use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
-use crate::senses::IntakeState;
 use crate::sensors::Sensor;
 use crate::time::Nanos;
 use crate::twin::{Journal, RejectionCode};

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 
 use super::comparison::{Difference, Place};
 use super::verification::Verification;
+use crate::estimation::{Batch, Intake, IntakeState};
 use crate::incoming::raw_batch;
 use crate::messages::cdr::CdrError;
 use crate::messages::column_twin_msgs::Measurement;
-use crate::senses::{Batch, Intake, IntakeState};
 use crate::sensors::Sensor;
 use crate::time::Nanos;
 

@@ -11,13 +11,13 @@ use super::journal_line::JournalEntry;
 use super::selection::{Selection, SingleRecording};
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
+use crate::estimation::{Intake, IntakeState};
 use crate::live::{QueueStats, WhenFull};
 use crate::outgoing::{RecordingHealth, RecordingTap};
 use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
     self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
-use crate::senses::{Intake, IntakeState};
 use crate::time::Nanos;
 use crate::twin::{Journal, RejectionCode};
 

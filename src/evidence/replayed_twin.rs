@@ -7,10 +7,10 @@ use super::comparison::{Difference, Place};
 use super::forecasts::{Forecasts, FoundForecast};
 use super::verification::Verification;
 use crate::column::ModelError;
+use crate::estimation::MAX_EVENTS;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin_msgs::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
-use crate::senses::MAX_EVENTS;
 use crate::time::Nanos;
 use crate::twin::{
     Checkpoint, Command, CommandRecord, Journal, MergedEvent, Output, StateOutput, Twin,

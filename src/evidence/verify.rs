@@ -16,9 +16,9 @@ use super::replayer::RecordedBytes;
 use super::topics::INPUTS;
 use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
+use crate::estimation::SensorComparison;
 use crate::outgoing::{Message, Topic};
 use crate::recording::{self, Reader, RecordingError};
-use crate::senses::SensorComparison;
 use crate::twin::{Journal, Output};
 
 /// The column of a single twin: its name is known from its first checkpoint only.

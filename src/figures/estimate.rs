@@ -9,7 +9,7 @@ use super::chart::{Band, Curve, Mark, TimeChart};
 use super::page::{Drawn, LegendKey, Stroke, colour};
 use super::units::{Unit, significant};
 use super::{FigureError, drawn, write_all};
-use crate::senses::{
+use crate::estimation::{
     ComparedMean, CredibleInterval, ImpactEstimate, RecordedImpact, SensorComparison,
 };
 use crate::sensors::Sensor;

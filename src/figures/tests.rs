@@ -365,7 +365,7 @@ fn the_figures_of_a_risk_study() {
 
 mod estimates {
     use super::*;
-    use crate::senses::{
+    use crate::estimation::{
         ComparedMean, CredibleInterval, Detection, ImpactEstimate, Onset, RecordedImpact,
         SensorComparison,
     };

@@ -17,8 +17,8 @@ use rustix::thread::CpuSet;
 
 use super::notifier::Notifier;
 use super::real_time::lower_priority;
+use crate::estimation::{EstimatorError, Library};
 use crate::parameters::Parameters;
-use crate::senses::{EstimatorError, Library};
 use crate::standing::StandingColumn;
 
 /// The thread's name.

@@ -13,7 +13,7 @@ use crossbeam_queue::ArrayQueue;
 use super::notifier::Notifier;
 use super::queue::{QueueStats, WhenFull};
 use super::recent_batches::RecentBatches;
-use crate::senses::Batch;
+use crate::estimation::Batch;
 
 /// Most batches in the queue: 5 s of 16 sensors that send a batch every 10 ms.
 pub const MAX_QUEUED_BATCHES: usize = 8192;

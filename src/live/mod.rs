@@ -33,7 +33,6 @@
 mod clock;
 mod inbox;
 mod lateness;
-#[cfg(feature = "study")]
 mod libraries;
 mod marked;
 mod measurements;
@@ -42,9 +41,7 @@ mod pool;
 pub(crate) mod queue;
 mod real_time;
 mod recent_batches;
-#[cfg(feature = "study")]
 mod sensing;
-#[cfg(feature = "study")]
 mod sensing_news;
 mod single;
 mod statistics;
@@ -52,7 +49,6 @@ mod statistics;
 pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
-#[cfg(feature = "study")]
 pub use libraries::{LIBRARY_THREAD, LibraryStatistics, MAX_LIBRARIES, MAX_LIBRARY_BYTES};
 pub use measurements::{
     MAX_QUEUED_BATCHES, MAX_QUEUED_BATCHES_OF_A_FLEET, MAX_QUEUED_SAMPLES, MeasurementQueue,
@@ -62,12 +58,10 @@ pub use pool::{
     BACKGROUND_THREAD, FleetHandle, FleetOptions, LiveFleet, MAX_CLOCK_STEP_BACK,
     MAX_FLEET_COMMANDS, MAX_THREADS, SOLVER_THREAD, STATE_WRITER_THREAD,
 };
-#[cfg(feature = "study")]
 pub use pool::{FleetMeasurements, SensingStatistics};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
 pub use recent_batches::RecentBatches;
-#[cfg(feature = "study")]
 pub use sensing::{Deliver, MAX_ESTIMATED_AT_ONCE, SENSING_THREAD};
 pub use single::{Live, LiveHandle, LiveOptions};
 pub use statistics::{LiveStatistics, Panicked};

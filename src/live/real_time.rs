@@ -232,7 +232,6 @@ pub(super) fn lower_priority(processors: Option<&CpuSet>) -> bool {
 
 /// Lets the calling thread give way to all threads of normal priority and to those of real time, and gives it these
 /// processors.
-#[cfg(feature = "study")]
 pub(super) fn yield_to_others(processors: Option<&CpuSet>) {
     const NICE: i32 = 10;
     if let Some(processors) = processors {

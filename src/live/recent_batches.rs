@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::senses::Batch;
+use crate::estimation::Batch;
 use crate::time::Nanos;
 
 /// Time for which batches are kept \[ns\]: the final estimate of an impact comes some seconds after it.

@@ -19,7 +19,7 @@ use super::measurements::{MeasurementQueue, Queued};
 use super::queue::OutputQueues;
 use super::real_time::yield_to_others;
 use super::sensing_news::SensingNews;
-use crate::senses::{EstimateRecord, EstimatorError, MAX_EVENTS, Sensing, Work};
+use crate::estimation::{EstimateRecord, EstimatorError, MAX_EVENTS, Sensing, Work};
 use crate::time::Nanos;
 use crate::twin::{ColumnSnapshot, Condition, Notice, NoticeLevel, Output, Rejection};
 
@@ -546,8 +546,8 @@ mod tests {
     use super::super::{Live, LiveOptions};
     use super::*;
     use crate::column::Impact;
+    use crate::estimation::{Batch, simulate_sensors};
     use crate::parameters::{Parameters, Value};
-    use crate::senses::{Batch, simulate_sensors};
     use crate::standing::StandingColumn;
     use crate::twin::{Accepted, ParametersChanged, Twin};
 

@@ -6,7 +6,7 @@ use crossbeam_queue::ArrayQueue;
 
 use super::marked::Marked;
 use super::measurements::MeasurementQueue;
-use crate::senses::MAX_EVENTS;
+use crate::estimation::MAX_EVENTS;
 use crate::time::Nanos;
 use crate::twin::{MergedEvent, Notice, NoticeLevel, Output};
 

@@ -6,13 +6,11 @@ use std::sync::Arc;
 use super::clock::{Clock, monotonic_nanos};
 use super::inbox::MAX_COMMANDS;
 use super::measurements::MeasurementQueue;
-#[cfg(feature = "study")]
 use super::pool::Sensors;
 use super::pool::{FleetHandle, Pool, Upkeep};
 use super::queue::{OutputQueue, OutputQueues, Receiver};
 use super::real_time::RealTime;
 use super::recent_batches::RecentBatches;
-#[cfg(feature = "study")]
 use super::sensing::Deliver;
 use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
@@ -34,7 +32,6 @@ pub struct LiveOptions {
     /// The queue of measurements; `None` without sensors.
     pub measurements: Option<Arc<MeasurementQueue>>,
     /// Takes the estimates of impacts that the sensors have detected; `None`: the twin.
-    #[cfg(feature = "study")]
     pub estimates: Option<Deliver>,
 }
 
@@ -45,7 +42,6 @@ impl Default for LiveOptions {
             state_file: None,
             outputs: vec![OutputQueue::ros()],
             measurements: None,
-            #[cfg(feature = "study")]
             estimates: None,
         }
     }
@@ -66,7 +62,6 @@ impl Live {
     ) -> std::io::Result<LiveHandle> {
         let outputs = options.outputs.iter();
         let outputs: Vec<_> = outputs.map(|it| Arc::new(OutputQueues::new(it))).collect();
-        #[cfg(feature = "study")]
         let sensors = {
             let measurements = options.measurements.clone();
             measurements.map(|it| Sensors::of_one(it, options.estimates))
@@ -80,7 +75,6 @@ impl Live {
             taken_outputs: 0,
             upkeep: Upkeep::Constant,
             max_requests: MAX_COMMANDS,
-            #[cfg(feature = "study")]
             sensors,
         };
         Ok(LiveHandle {

@@ -1,12 +1,12 @@
 //! What the sensors say about an impact as a message.
 
+use crate::estimation::{self, FEWEST_RESPONSES};
 use crate::messages::column_twin_msgs::{CredibleInterval, ImpactEstimate};
-use crate::senses::{self, FEWEST_RESPONSES};
 use crate::twin::{Decision, EstimateOutput};
 
-impl From<senses::CredibleInterval> for CredibleInterval {
-    fn from(interval: senses::CredibleInterval) -> Self {
-        let senses::CredibleInterval { mean, low, high } = interval;
+impl From<estimation::CredibleInterval> for CredibleInterval {
+    fn from(interval: estimation::CredibleInterval) -> Self {
+        let estimation::CredibleInterval { mean, low, high } = interval;
         Self { mean, low, high }
     }
 }

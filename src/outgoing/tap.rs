@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex};
 
 use crate::endpoints::Endpoint;
+use crate::estimation::Intake;
 use crate::live::QueueStats;
-use crate::senses::Intake;
 use crate::time::Nanos;
 use crate::twin::{Journal, RejectionCode};
 

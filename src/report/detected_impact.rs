@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::senses::{EstimateRecord, SensorComparison};
+use crate::estimation::{EstimateRecord, SensorComparison};
 use crate::sensors::Sensor;
 use crate::twin::{Decision, EstimateOutput};
 

@@ -7,11 +7,11 @@ use super::estimate_section;
 use super::facts::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};
+use crate::estimation::EstimateRecord;
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, TimedEstimate, comparison_svg, forecast_svg};
 use crate::parameters::RIGID;
 use crate::recording::instant;
-use crate::senses::EstimateRecord;
 use crate::twin::Decision;
 
 /// The section; empty without such impacts. `impacts` are those of the report with a section of their own.

@@ -7,10 +7,10 @@ use super::estimate_section;
 use super::facts::fact;
 use super::limits_section;
 use super::words::short;
+use crate::estimation::RecordedImpact;
 use crate::figures::units::significant;
 use crate::figures::{EstimateFigures, FigureError, TimedEstimate, estimate_svg};
 use crate::parameters::Parameters;
-use crate::senses::RecordedImpact;
 use crate::sensors::Sensor;
 
 /// A report about an impact that was estimated.

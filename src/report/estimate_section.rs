@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use super::verdict::{class_of, instruction};
 use super::words::capitalised;
 use crate::assessment::Action;
+use crate::estimation::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 use crate::figures::TimedEstimate;
 use crate::figures::units::{Unit, significant};
-use crate::senses::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 
 /// Probability below which a vehicle is not named.
 const LEAST_NAMED: f64 = 0.005;

@@ -12,12 +12,12 @@ use super::document::{Origin, ReportDocument};
 use super::reported_impact::ReportedImpact;
 use super::words;
 use crate::column::{Impact, ImpactSpecification, Model, Sample, State};
+use crate::estimation::EstimateRecord;
 use crate::evidence::{self, JournalEntry, Observed, Verification, VerifyError, sha256_of_file};
 use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
 use crate::parameters::Parameters;
 use crate::recording::{self, EventSummary, Reader, RecordingError, SealFinding};
-use crate::senses::EstimateRecord;
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
 use crate::twin::{

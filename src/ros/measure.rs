@@ -3,10 +3,10 @@
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use crate::estimation::Readings;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin_msgs::Measurement;
 use crate::messages::std_msgs::Header;
-use crate::senses::Readings;
 use crate::sensors::Sensor;
 
 use super::client_error::ClientError;

@@ -9,6 +9,7 @@ use futures::FutureExt;
 use futures::future::{LocalBoxFuture, join_all};
 use ros2_client::{MessageInfo, Subscription};
 
+use crate::estimation::{BatchRejection, Collector, Intake, SensorHealth};
 use crate::incoming::raw_batch;
 use crate::live::FleetMeasurements;
 use crate::messages::Message as _;
@@ -20,7 +21,6 @@ use crate::messages::sensor_msgs::Imu;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{SensorAxis, SensorMessage};
-use crate::senses::{BatchRejection, Collector, Intake, SensorHealth};
 use crate::time::Nanos;
 
 use super::counters::NodeCounters;

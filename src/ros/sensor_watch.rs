@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::estimation::{BatchRejection, SensorCondition, SensorCounts, SensorHealth, Strays};
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
-use crate::senses::{BatchRejection, SensorCondition, SensorCounts, SensorHealth, Strays};
 use crate::time::Nanos;
 
 use super::log_limit::LogLimit;

@@ -1,5 +1,5 @@
 //! A sensor as a thing on the column: what it measures, where, and how well. What its readings say is in
-//! [`senses`](crate::senses).
+//! [`estimation`](crate::estimation).
 //!
 //! `sensor.rs` is the sensor and the quantities that there are.
 

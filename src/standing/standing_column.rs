@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::impact_height::HEIGHT_TOLERANCE;
-#[cfg(feature = "study")]
 use super::impact_height::with_impact_height;
-#[cfg(feature = "study")]
 use crate::column::{ColumnProperties, carried_over, residual_state};
 use crate::column::{Displacement, Model, PerBar, PlasticFlow, State, WebState};
 use crate::parameters::Parameters;
@@ -75,14 +73,12 @@ impl StandingColumn {
     }
 
     /// The properties of the column with these parameters, with its hinges 1a and 1b where they are.
-    #[cfg(feature = "study")]
     pub(crate) fn properties(&self, parameters: &Parameters) -> ColumnProperties {
         with_impact_height(&parameters.column_properties(), self.impact_height)
     }
 
     /// The column at rest, as a model of it says. The model may differ in its yield strength, on which the equilibrium of a
     /// column that does not flow does not depend.
-    #[cfg(feature = "study")]
     pub(crate) fn state(&self, model: &Model) -> State {
         if self.damage.is_none() {
             return State::at_rest(model);

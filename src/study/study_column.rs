@@ -54,10 +54,6 @@ const BARELY_PLASTIC: f64 = 2e-5;
 
 /// What a column has that its parameters do not say, for the bands of boundaries.
 #[derive(Debug, Clone, PartialEq, Default)]
-#[cfg_attr(
-    not(feature = "study"),
-    allow(dead_code, reason = "only maps have boundaries")
-)]
 pub(super) enum Assumed {
     /// Nothing.
     #[default]

@@ -8,9 +8,9 @@ use super::damage_correction::{DamageCorrection, ResidualMeasurement};
 use super::rejection::Rejection;
 use crate::assessment::VerdictRange;
 use crate::column::ImpactSpecification;
+use crate::estimation::EstimateRecord;
 use crate::exact_number;
 use crate::parameters::Value;
-use crate::senses::EstimateRecord;
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
 

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::plant::Plant;
 use super::rejection::{Rejection, RejectionCode};
+use crate::estimation::Probe;
 use crate::exact_number;
-use crate::senses::Probe;
 use crate::sensors::Quantity;
 use crate::time::Nanos;
 

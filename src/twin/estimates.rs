@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::estimation::{CredibleInterval, EstimateRecord, FEWEST_RESPONSES};
 use crate::parameters::EstimationSettings;
-use crate::senses::{CredibleInterval, EstimateRecord, FEWEST_RESPONSES};
 use crate::time::{Nanos, seconds};
 
 /// Events whose instants of contact are remembered, because an estimate of the same impact may follow.

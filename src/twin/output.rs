@@ -15,8 +15,8 @@ use super::striking::Striking;
 use super::withdrawn_impact::WithdrawnImpact;
 use crate::assessment::{self, VerdictRange};
 use crate::column::{Report, Sample};
+use crate::estimation::{EstimateRecord, EventEvidence};
 use crate::parameters::Parameters;
-use crate::senses::{EstimateRecord, EventEvidence};
 use crate::time::Nanos;
 
 /// One thing that leaves the twin. All of them are about the twin's one column.

@@ -59,7 +59,7 @@ impl ColumnSnapshot {
     }
 
     /// The same column in another condition.
-    #[cfg(all(test, feature = "study"))]
+    #[cfg(test)]
     pub(crate) fn set_condition(&mut self, condition: Condition) {
         self.plant.condition = condition;
     }

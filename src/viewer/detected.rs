@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::timeline::nanos;
+use crate::estimation::{AVERAGED_OVER, Batch, EstimateRecord, predicted_means};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin_msgs::ImpactEstimate;
 use crate::parameters::Parameters;
-use crate::senses::{AVERAGED_OVER, Batch, EstimateRecord, predicted_means};
 use crate::standing::StandingColumn;
 use crate::time::Nanos;
 use crate::twin::EstimateOutput;

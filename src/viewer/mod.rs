@@ -77,7 +77,6 @@ mod frames;
 mod item;
 mod labels;
 mod live_viewer;
-#[cfg(feature = "study")]
 mod map_blueprint;
 mod panel;
 mod picture;

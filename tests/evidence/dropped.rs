@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use column_twin::endpoints::Endpoint;
+use column_twin::estimation::Intake;
 use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{
     LiveOptions, OutputQueue, OutputSource, QueueStats, RealTime, Receiver, WhenFull,
@@ -15,7 +16,6 @@ use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::parameters::{RecordMode, RecordSettings};
 use column_twin::recording::Reader;
 use column_twin::ros::{LiveColumns, Names, TwinNode, qos};
-use column_twin::senses::Intake;
 use column_twin::twin::{Command, Journal, Output, Rejection, RejectionCode};
 
 use super::domain::{Domain, PATIENCE};

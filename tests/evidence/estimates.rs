@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use column_twin::assessment::Action;
 use column_twin::column::Impact;
+use column_twin::estimation::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
 use column_twin::messages::column_twin_msgs::{ImpactEstimate as EstimateMessage, TwinStatus};
 use column_twin::messages::{Message, cdr, std_msgs};
 use column_twin::outgoing::Topic;
 use column_twin::parameters::Value;
-use column_twin::senses::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
 use column_twin::sensors::Quantity;
 use column_twin::time::Nanos;
 use column_twin::twin::{Command, EstimateDecision, Journal, ResidualMeasurement};

@@ -34,7 +34,7 @@ mod scenarios;
 mod scripted_fleet;
 mod sealed;
 #[allow(dead_code)] // the tests of the sensors use the rest
-#[path = "../senses/signals.rs"]
+#[path = "../estimation/signals.rs"]
 mod signals;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;

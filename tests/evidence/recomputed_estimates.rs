@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use column_twin::estimation::{EstimateRecord, EventEvidence, Readings, Sensing, Work};
 use column_twin::evidence::{JournalLine, Verification, verify};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
@@ -10,7 +11,6 @@ use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::report::ReportDocument;
-use column_twin::senses::{EstimateRecord, EventEvidence, Readings, Sensing, Work};
 use column_twin::standing::StandingColumn;
 use column_twin::time::Nanos;
 use column_twin::twin::Command;

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use column_twin::endpoints::{self, Endpoint};
+use column_twin::estimation::{Batch, Intake};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::incoming::{column_command, raw_batch};
 use column_twin::messages::builtin_interfaces::Time;
@@ -17,7 +18,6 @@ use column_twin::messages::{Message, cdr};
 use column_twin::outgoing::{Message as TwinMessage, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
-use column_twin::senses::{Batch, Intake};
 use column_twin::time::Nanos;
 use column_twin::twin::{Command, ImpactCommand, Output, ParametersChanged, RejectionCode, Twin};
 use tempfile::TempDir;

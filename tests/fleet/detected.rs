@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command as Process, Stdio};
 
 use column_twin::column::Impact;
+use column_twin::estimation::{Readings, simulate_sensors};
 use column_twin::evidence::{verify, verify_column};
 use column_twin::messages::column_twin_msgs::{
     CorrectDamageRequest, CorrectDamageResponse, FleetStatus, ImpactEstimate, ImpactReport,
@@ -15,7 +16,6 @@ use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
-use column_twin::senses::{Readings, simulate_sensors};
 use column_twin::twin::RejectionCode;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use column_twin::column::Impact;
+use column_twin::estimation::{Batch, EstimateRecord, Readings, Recomputation, simulate_sensors};
 use column_twin::fleet::make_twins;
 use column_twin::live::{
     Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SimClock,
 };
 use column_twin::parameters::{FleetColumn, Parameters, Value};
-use column_twin::senses::{Batch, EstimateRecord, Readings, Recomputation, simulate_sensors};
 use column_twin::time::Nanos;
 use column_twin::twin::{Decision, Notice, NoticeLevel, Output};
 use rand_chacha::ChaCha8Rng;

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use tempfile::TempDir;
 
 use column_twin::column::Impact;
-use column_twin::parameters::{Parameters, Value};
-use column_twin::senses::{
+use column_twin::estimation::{
     EstimateRecord, ImpactEstimate, RecordedImpact, estimate_recorded, simulate_sensors,
 };
+use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::{Command, EstimateDecision};
 
 use super::recorded_twin::{Finished, MS, RecordedTwin, parameters};

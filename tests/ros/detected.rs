@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use column_twin::column::Impact;
+use column_twin::estimation::{Readings, simulate_sensors};
 use column_twin::evidence::verify;
 use column_twin::messages::column_twin_msgs::{
     ConfirmEstimateRequest, ConfirmEstimateResponse, CredibleInterval, ImpactEstimate, ImpactEvent,
@@ -15,7 +16,6 @@ use column_twin::messages::column_twin_msgs::{
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::ros::Node;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::senses::{Readings, simulate_sensors};
 use column_twin::sensors::Sensor;
 use tempfile::TempDir;
 

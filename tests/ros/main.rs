@@ -23,7 +23,7 @@ mod real_time;
 mod restart;
 mod senders;
 #[allow(dead_code)] // the tests of the sensors use the rest
-#[path = "../senses/signals.rs"]
+#[path = "../estimation/signals.rs"]
 mod signals;
 mod simulation;
 mod stop;

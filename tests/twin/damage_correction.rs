@@ -1,8 +1,8 @@
 //! Corrections of the damage by what was measured on the column at rest.
 
 use column_twin::column::{Model, residual_state};
+use column_twin::estimation::Probe;
 use column_twin::parameters::Value;
-use column_twin::senses::Probe;
 use column_twin::sensors::Quantity;
 use column_twin::twin::{
     Accepted, CORRECTION_FACTORS, Command, DamageCorrection, Output, Rejection, RejectionCode,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use column_twin::assessment::Action;
 use column_twin::column::Impact;
+use column_twin::estimation::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
 use column_twin::parameters::Value;
-use column_twin::senses::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
 use column_twin::time::Nanos;
 use column_twin::twin::{
     Accepted, Command, Decision, EstimateDecision, EstimateOutput, ImpactCommand, Journal, Output,

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use column_twin::column::Impact;
-use column_twin::messages::column_twin_msgs::{ImpactEstimate, ImpactReport};
-use column_twin::parameters::Parameters;
-use column_twin::senses::{
+use column_twin::estimation::{
     Batch, EstimateRecord, RecordedImpact, estimate_recorded, simulate_sensors,
 };
+use column_twin::messages::column_twin_msgs::{ImpactEstimate, ImpactReport};
+use column_twin::parameters::Parameters;
 use column_twin::standing::StandingColumn;
 use column_twin::time::Nanos;
 use column_twin::twin::{Decision, EstimateOutput};
@@ -57,7 +57,7 @@ fn struck(parameters: &Parameters) -> (Vec<Batch>, RecordedImpact) {
 /// The outputs of a twin that receives the estimates; the best response is the impact itself.
 fn outputs(parameters: &Parameters, impact: &RecordedImpact) -> Vec<EstimateOutput> {
     let last = impact.estimates.len() - 1;
-    let output = |(update, estimate): (usize, &column_twin::senses::ImpactEstimate)| {
+    let output = |(update, estimate): (usize, &column_twin::estimation::ImpactEstimate)| {
         let record = EstimateRecord {
             event_id: "detected-1".into(),
             update: update as u32,

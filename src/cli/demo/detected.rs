@@ -10,10 +10,10 @@ use super::signal::{self, Truth};
 use super::stage::{ChildProcess, Stage};
 use super::texts::{TIMEOUT, action_text, outcome_text};
 use crate::cli::failure::{Exit, Failure, LinePrinter};
+use column_twin::estimation::Readings;
 use column_twin::messages::column_twin_msgs::{ImpactEstimate, ImpactReport, TwinStatus};
 use column_twin::parameters::Parameters;
 use column_twin::ros::{Seen, actions_in_words, decision_word, follow_sensors, in_unit};
-use column_twin::senses::Readings;
 use column_twin::sensors::Sensor;
 
 /// The parameter files of the demonstration, and what is in them.

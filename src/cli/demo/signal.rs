@@ -6,7 +6,7 @@ use flate2::read::GzDecoder;
 use serde_json::Value as Json;
 
 use crate::cli::failure::{Exit, Failure};
-use column_twin::senses::{Readings, with_sensor_errors};
+use column_twin::estimation::{Readings, with_sensor_errors};
 use column_twin::sensors::Sensor;
 
 /// Its name in the table of truths.

@@ -29,13 +29,11 @@
 
 mod background;
 mod by_key;
-#[cfg(feature = "study")]
 mod fleet_news;
 mod jobs;
 mod keeper;
 mod readers;
 mod schedule;
-#[cfg(feature = "study")]
 mod sensors;
 mod shared;
 mod sink;
@@ -56,9 +54,7 @@ use rustix::thread::sched_getaffinity;
 
 pub use background::BACKGROUND_THREAD;
 pub use keeper::STATE_WRITER_THREAD;
-#[cfg(feature = "study")]
 pub(super) use sensors::Sensors;
-#[cfg(feature = "study")]
 pub use sensors::{FleetMeasurements, SensingStatistics};
 pub(super) use shared::Upkeep;
 pub use worker::{MAX_CLOCK_STEP_BACK, MAX_FLEET_COMMANDS, MAX_THREADS, SOLVER_THREAD};
@@ -78,7 +74,6 @@ use background::Background;
 use keeper::Keeper;
 use readers::Readers;
 use schedule::Plan;
-#[cfg(feature = "study")]
 use sensors::FleetSensing;
 use shared::{Agreed, Counters, Shared, Slot};
 
@@ -140,7 +135,6 @@ impl LiveFleet {
         let receiver = Receiver::new(Arc::clone(&first));
         let further = options.further_outputs.iter();
         let further = further.map(|it| Arc::new(OutputQueues::new(it)));
-        #[cfg(feature = "study")]
         let sensors = {
             let is_sensed = |twin: &Twin| !twin.parameters().settings().sensors.names.is_empty();
             Sensors::of_fleet(twins.iter().map(is_sensed).collect())
@@ -154,7 +148,6 @@ impl LiveFleet {
             journals: usize::from(options.journals),
             upkeep: Upkeep::OnDemand,
             max_requests: MAX_FLEET_COMMANDS,
-            #[cfg(feature = "study")]
             sensors,
         };
         Ok((pool.start(twins, clock)?, receiver))
@@ -175,7 +168,6 @@ pub(super) struct Pool {
     pub journals: usize,
     pub upkeep: Upkeep,
     pub max_requests: usize,
-    #[cfg(feature = "study")]
     pub sensors: Option<Sensors>,
 }
 
@@ -203,7 +195,6 @@ impl Pool {
             receivers: Mutex::new(receivers),
             solvers: Vec::new(),
             keeping,
-            #[cfg(feature = "study")]
             sensing: None,
             real_time: RealTimeGrants::default(),
             is_stopped: false,
@@ -228,7 +219,6 @@ impl Pool {
             handle.solvers.push(solver);
         }
         handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
-        #[cfg(feature = "study")]
         if let Some(sensors) = self.sensors {
             let reserved = &self.real_time.processors;
             handle.sensing = Some(FleetSensing::start(sensors, &shared, reserved, processors)?);
@@ -272,7 +262,6 @@ impl Pool {
             upkeep: self.upkeep,
             max_requests: self.max_requests,
             background: Arc::new(Background::new(columns)),
-            #[cfg(feature = "study")]
             news: self.sensors.as_ref().map(Sensors::news),
             counters: Counters {
                 active: AtomicUsize::new(columns),
@@ -290,7 +279,6 @@ pub struct FleetHandle {
     solvers: Vec<JoinHandle<()>>,
     keeping: Option<JoinHandle<()>>,
     /// `None` without sensors.
-    #[cfg(feature = "study")]
     sensing: Option<FleetSensing>,
     real_time: RealTimeGrants,
     is_stopped: bool,
@@ -410,21 +398,18 @@ impl FleetHandle {
     }
 
     /// Where the measurements of the columns go; `None` without sensors.
-    #[cfg(feature = "study")]
     #[must_use]
     pub fn measurements(&self) -> Option<&FleetMeasurements> {
         self.sensing.as_ref().map(|it| &it.measurements)
     }
 
     /// What was counted of the sensing since the start; `None` without sensors.
-    #[cfg(feature = "study")]
     #[must_use]
     pub fn sensing_statistics(&self) -> Option<SensingStatistics> {
         self.sensing.as_ref().map(FleetSensing::statistics)
     }
 
     fn lost_estimates(&self) -> u64 {
-        #[cfg(feature = "study")]
         if let Some(sensing) = &self.sensing {
             return sensing.lost_estimates();
         }
@@ -446,7 +431,6 @@ impl FleetHandle {
         }];
         queues.extend(shared.outputs.stats());
         queues.extend(shared.keeper.as_ref().map(|it| it.stats()));
-        #[cfg(feature = "study")]
         queues.extend(
             self.measurements()
                 .into_iter()
@@ -511,10 +495,7 @@ impl FleetHandle {
             return Ok(());
         }
         // First, because its estimates are commands to the solvers.
-        #[cfg(feature = "study")]
         let sensing = self.sensing.as_mut().map_or(Ok(()), FleetSensing::stop);
-        #[cfg(not(feature = "study"))]
-        let sensing = Ok(());
         self.shared.stop.store(true, Ordering::SeqCst);
         self.shared.background.stop();
         self.shared.wake_all();

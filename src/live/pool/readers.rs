@@ -41,7 +41,6 @@ impl Readers {
     }
 
     /// The queues, for another thread that has something to say.
-    #[cfg(feature = "study")]
     pub fn queues(&self) -> Vec<Arc<OutputQueues>> {
         self.queues.to_vec()
     }

@@ -9,6 +9,7 @@ use rustix::thread::CpuSet;
 
 use super::fleet_news::FleetNews;
 use super::shared::Shared;
+use crate::estimation::Batch;
 use crate::live::inbox::{Reply, Request};
 use crate::live::libraries::{Libraries, LibraryStatistics};
 use crate::live::measurements::MeasurementQueue;
@@ -16,7 +17,6 @@ use crate::live::queue::QueueStats;
 use crate::live::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
 use crate::live::sensing_news::SensingNews;
 use crate::live::statistics::Panicked;
-use crate::senses::Batch;
 use crate::twin::Command;
 
 /// Most threads that detect impacts: each carries hundreds of columns on which nothing happens.

@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use crossbeam_queue::ArrayQueue;
 
 use super::background::{Background, Known, Wanted};
-#[cfg(feature = "study")]
 use super::fleet_news::FleetNews;
 use super::keeper::Keeper;
 use super::readers::Readers;
@@ -132,7 +131,6 @@ pub struct Shared {
     pub parameters: Box<[RwLock<Arc<Parameters>>]>,
     pub background: Arc<Background>,
     /// News for the threads that detect impacts; `None` without sensors.
-    #[cfg(feature = "study")]
     pub news: Option<FleetNews>,
     pub counters: Counters,
 }

@@ -35,7 +35,6 @@ impl Sink<'_> {
 
 impl Outputs for Sink<'_> {
     fn put(&mut self, output: Output) {
-        #[cfg(feature = "study")]
         if let Some(news) = &self.shared.news
             && let Some(lost) = news.of(self.column).take(self.column, &output)
         {

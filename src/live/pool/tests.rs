@@ -17,7 +17,6 @@ fn pool(clock: &Arc<SimClock>, queues: &[OutputQueue]) -> (Shared, Vec<Receiver>
         journals: queues.len(),
         upkeep: Upkeep::Constant,
         max_requests: MAX_COMMANDS,
-        #[cfg(feature = "study")]
         sensors: None,
     };
     let receivers = pool.outputs.iter().map(|it| Receiver::new(Arc::clone(it)));

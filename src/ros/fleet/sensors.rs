@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::estimation::{SensorCondition, SensorHealth};
 use crate::live::{LibraryStatistics, MAX_ESTIMATED_AT_ONCE, MAX_LIBRARIES, SensingStatistics};
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
-use crate::senses::{SensorCondition, SensorHealth};
 use crate::time::Nanos;
 
 use crate::ros::diagnostics::entry;

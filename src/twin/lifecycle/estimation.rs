@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Twin;
 use crate::column::Phase;
+use crate::estimation::{EstimateRecord, EventEvidence};
 use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
-use crate::senses::{EstimateRecord, EventEvidence};
 use crate::time::Nanos;
 use crate::twin::active_response::ActiveResponse;
 use crate::twin::command::{Accepted, EstimateDecision};

@@ -1,0 +1,9 @@
+//! Whether the readings show an impact.
+
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - detector.rs: Finds impacts in the readings of the sensors
+// - sensing.rs: From live measurements to estimates: learns, detects an impact, and estimates it while data arrive
+
+pub(super) mod detector;
+pub(super) mod sensing;

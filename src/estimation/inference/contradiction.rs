@@ -1,0 +1,111 @@
+//! Sensors that contradict each other.
+
+use crate::estimation::inference::member::{Fit, Member};
+use crate::estimation::inference::model_error::ModelError;
+use crate::estimation::inference::weighing::Observed;
+use crate::sensors::Sensor;
+
+/// Blocks that a sensor needs before it may contradict the others.
+const LEAST_BLOCKS: usize = 5;
+
+/// Logarithm of a ratio of likelihoods beyond which a response is not plausible any more.
+const PLAUSIBLE: f64 = 6.0;
+
+/// Mean square of a sensor's errors, in terms of the variances of noise and model, that no plausible response may exceed.
+const CONTRADICTION: f64 = 4.0;
+
+/// Whether a response that the data make likely explains what every sensor reads. If so, no sensor contradicts the others, and
+/// the closer look of [`contradictions`] is not necessary.
+pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &[Sensor]) -> bool {
+    let up_to_date = || members.iter().filter(|it| it.seen == observed.len());
+    let best = largest(up_to_date().map(Member::log_posterior));
+    let blocks: Vec<usize> = (0..sensors.len())
+        .map(|sensor| {
+            let means = observed.iter().map(|(_, means)| means[sensor]);
+            means.flatten().count()
+        })
+        .collect();
+    up_to_date()
+        .filter(|member| member.log_posterior() >= best - PLAUSIBLE)
+        .any(|member| {
+            let mut each = sensors.iter().zip(&blocks).enumerate();
+            each.all(|(index, (sensor, &blocks))| {
+                let error = ModelError::of(sensor.quantity);
+                Fit::new(member.sums(index), error).squares <= CONTRADICTION * blocks as f64
+            })
+        })
+}
+
+/// The sensors whose readings no response explains that the other sensors consider plausible, and those of them that
+/// do not count any more. The sensor without which the others are explained best is the one in doubt; where that holds for two
+/// alike, both are, and both count.
+pub(crate) fn contradictions(
+    members: &[Member],
+    observed: &[Observed],
+    sensors: &[Sensor],
+) -> [Vec<bool>; 2] {
+    let count = sensors.len();
+    let blocks: Vec<usize> = (0..count)
+        .map(|sensor| {
+            let means = observed.iter().map(|(_, means)| means[sensor]);
+            means.flatten().count()
+        })
+        .collect();
+    let mut active: Vec<usize> = (0..count)
+        .filter(|&sensor| blocks[sensor] >= LEAST_BLOCKS)
+        .collect();
+    let fits: Vec<Vec<Fit>> = members
+        .iter()
+        .map(|member| {
+            let each = sensors.iter().enumerate();
+            each.map(|(index, sensor)| {
+                Fit::new(member.sums(index), ModelError::of(sensor.quantity))
+            })
+            .collect()
+        })
+        .collect();
+    let mut found = [vec![false; count], vec![false; count]];
+    while active.len() >= 2 {
+        let excluded: Vec<(usize, f64)> = active
+            .iter()
+            .filter_map(|&sensor| {
+                let others = active.iter().copied().filter(|other| *other != sensor);
+                let likelihoods: Vec<f64> = members
+                    .iter()
+                    .zip(&fits)
+                    .map(|(member, fits)| {
+                        let each = others.clone().map(|other| fits[other].log_likelihood);
+                        member.log_prior + member.log_events + each.sum::<f64>()
+                    })
+                    .collect();
+                let best = largest(likelihoods.iter().copied());
+                let plausible = likelihoods.iter().zip(&fits);
+                let misfit = plausible
+                    .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
+                    .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
+                    .fold(f64::INFINITY, f64::min);
+                (misfit > CONTRADICTION).then_some((sensor, best))
+            })
+            .collect();
+        let best = largest(excluded.iter().map(|(_, best)| *best));
+        let suspects: Vec<usize> = excluded
+            .iter()
+            .filter(|(_, without)| *without >= best - PLAUSIBLE)
+            .map(|(sensor, _)| *sensor)
+            .collect();
+        for &sensor in &suspects {
+            found[0][sensor] = true;
+        }
+        let [culprit] = suspects.as_slice() else {
+            break;
+        };
+        found[1][*culprit] = true;
+        active.retain(|sensor| sensor != culprit);
+    }
+    found
+}
+
+/// The largest; minus infinity without any.
+pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::NEG_INFINITY, f64::max)
+}

@@ -1,0 +1,216 @@
+//! An estimate: what struck the column and how it ends, with its uncertainty.
+
+use serde::{Deserialize, Serialize};
+
+use crate::assessment::Action;
+use crate::exact_number;
+
+/// A quantity with its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CredibleInterval {
+    /// Its mean.
+    #[serde(with = "exact_number")]
+    pub mean: f64,
+    /// Lower end of the 90 % interval.
+    #[serde(with = "exact_number")]
+    pub low: f64,
+    /// Upper end of the 90 % interval.
+    #[serde(with = "exact_number")]
+    pub high: f64,
+}
+
+/// An estimate with a smaller effective sample size is unreliable.
+pub const FEWEST_RESPONSES: f64 = 20.0;
+
+/// Probability outside of an interval, on each side.
+const TAIL: f64 = 0.05;
+
+/// Standard deviations to either end of a 90 % interval of a normal distribution.
+const TAIL_DEVIATIONS: f64 = 1.645;
+
+/// Ten equal shares of the standard normal distribution. The outermost ones are the ends of its 90 % interval; the others are the
+/// quantiles at the middles of their shares, stretched so that all have its variance.
+const QUANTILES: [f64; 10] = [
+    -TAIL_DEVIATIONS,
+    -1.206_30,
+    -0.785_04,
+    -0.448_47,
+    -0.146_26,
+    0.146_26,
+    0.448_47,
+    0.785_04,
+    1.206_30,
+    TAIL_DEVIATIONS,
+];
+
+/// A weighted value with its own standard deviation.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spread {
+    pub mean: f64,
+    pub deviation: f64,
+    pub weight: f64,
+}
+
+impl CredibleInterval {
+    /// Of a normal distribution.
+    pub(crate) fn normal(mean: f64, deviation: f64) -> Self {
+        Self {
+            mean,
+            low: mean - TAIL_DEVIATIONS * deviation,
+            high: mean + TAIL_DEVIATIONS * deviation,
+        }
+    }
+
+    /// Of weighted values that are themselves uncertain, of which so many are effective; NaN without any. Values that are not
+    /// finite do not count.
+    ///
+    /// The fewer they are, the less they show how far apart the values are that were not computed: each of them stands for a
+    /// distribution about it that is wider by the variance of their mean.
+    pub(crate) fn of_spread(mut values: Vec<Spread>, effective: f64) -> Self {
+        values.retain(|it| it.mean.is_finite() && it.weight > 0.0);
+        let sum = |of: &dyn Fn(&Spread) -> f64| values.iter().fold(0.0, |sum, it| sum + of(it));
+        let total = sum(&|it| it.weight);
+        let mean = sum(&|it| it.weight * it.mean) / total;
+        let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
+        let others = effective - 1.0;
+        let of_few = if others > 0.0 { variance / others } else { 0.0 };
+        let each = values.iter().flat_map(|it| {
+            let deviation = (it.deviation * it.deviation + of_few).sqrt();
+            QUANTILES.map(|z| (it.mean + deviation * z, it.weight))
+        });
+        Self::of(each)
+    }
+
+    /// Of weighted values; NaN without any. Values that are not finite do not count.
+    pub(crate) fn of(values: impl Iterator<Item = (f64, f64)>) -> Self {
+        let mut values: Vec<(f64, f64)> = values
+            .filter(|(value, weight)| value.is_finite() && *weight > 0.0)
+            .collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total = values.iter().fold(0.0, |sum, (_, weight)| sum + weight);
+        let quantile = |share: f64| {
+            let mut sum = 0.0;
+            let found = values.iter().find(|(_, weight)| {
+                sum += weight / total;
+                sum >= share
+            });
+            found
+                .or(values.last())
+                .map_or(f64::NAN, |(value, _)| *value)
+        };
+        let (low, high) = (quantile(TAIL), quantile(1.0 - TAIL));
+        let mean = values
+            .iter()
+            .map(|(value, weight)| value * weight)
+            .sum::<f64>()
+            / total;
+        Self { mean, low, high }
+    }
+}
+
+/// What struck the column and how it ends, by the data up to an instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactEstimate {
+    /// Data up to this instant are used \[s\].
+    #[serde(with = "exact_number")]
+    pub data_until: f64,
+    /// Instant of contact \[s\].
+    pub contact_time: CredibleInterval,
+    /// Mass of the vehicle \[kg\].
+    pub mass: CredibleInterval,
+    /// Its speed \[m/s\].
+    pub velocity: CredibleInterval,
+    /// Its momentum \[N s\].
+    pub momentum: CredibleInterval,
+    /// Correlation of the logarithms of mass and speed.
+    #[serde(with = "exact_number")]
+    pub mass_velocity_correlation: f64,
+    /// Peak `v1`, past or still to come \[m\].
+    pub peak_v1: CredibleInterval,
+    /// `v1` that remains \[m\]; among the responses after which the column stands.
+    pub residual_v1: CredibleInterval,
+    /// Probability that the column has yielded.
+    #[serde(with = "exact_number")]
+    pub yielded: f64,
+    /// Probability that it collapses or is fractured.
+    #[serde(with = "exact_number")]
+    pub collapsed: f64,
+    /// Residual axial capacity over that of the undamaged column.
+    pub capacity_ratio: CredibleInterval,
+    /// Probability of each action, the least severe first.
+    #[serde(with = "exact_number::labelled")]
+    pub action: Vec<(Action, f64)>,
+    /// Probabilities of the hypotheses, the most probable first.
+    #[serde(with = "exact_number::labelled")]
+    pub vehicle_probabilities: Vec<(String, f64)>,
+    /// Effective number of responses behind the estimate; below [`FEWEST_RESPONSES`] the intervals are unreliable.
+    #[serde(with = "exact_number")]
+    pub effective_sample_size: f64,
+    /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
+    /// read. They do not count, unless several are equally suspicious.
+    pub doubtful_sensors: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spread(mean: f64, deviation: f64, weight: f64) -> Spread {
+        Spread {
+            mean,
+            deviation,
+            weight,
+        }
+    }
+
+    #[test]
+    fn the_interval_of_one_value_is_that_of_its_own_normal_law() {
+        let one = CredibleInterval::of_spread(vec![spread(2.0, 0.1, 1.0)], 1.0);
+        assert!((one.low - (2.0 - 0.1645)).abs() < 1e-9, "{one:?}");
+        assert!((one.high - (2.0 + 0.1645)).abs() < 1e-9, "{one:?}");
+        assert!((one.mean - 2.0).abs() < 1e-12, "{one:?}");
+    }
+
+    /// The interval of a normal law that is represented by the middles of equal shares of it.
+    #[test]
+    fn the_interval_of_many_values_is_that_of_their_law_with_their_own() {
+        let count = 400;
+        let each = |k: i32| {
+            let z = normal_quantile((f64::from(k) + 0.5) / f64::from(count));
+            spread(5.0 + 0.3 * z, 0.4, 1.0)
+        };
+        let many = CredibleInterval::of_spread((0..count).map(each).collect(), f64::from(count));
+        // sqrt(0.3^2 + 0.4^2) = 0.5; ten points for a normal law leave 1 or 2 %.
+        assert!((many.high - (5.0 + 0.5 * 1.645)).abs() < 0.02, "{many:?}");
+        assert!((many.low - (5.0 - 0.5 * 1.645)).abs() < 0.02, "{many:?}");
+    }
+
+    #[test]
+    fn a_dominating_value_does_not_hide_how_far_the_next_one_is() {
+        let values = vec![spread(1.0, 0.03, 0.98), spread(2.0, 0.03, 0.02)];
+        let effective = 1.0 / (0.98_f64.powi(2) + 0.02_f64.powi(2));
+        let of_two = CredibleInterval::of_spread(values, effective);
+        assert!(of_two.high > 1.5, "{of_two:?}");
+        // Values that are no numbers do not count.
+        let values = vec![spread(f64::NAN, 0.1, 0.5), spread(1.0, 0.1, 0.5)];
+        let one = CredibleInterval::of_spread(values, 1.0);
+        assert!((one.mean - 1.0).abs() < 1e-12);
+        assert!(CredibleInterval::of_spread(Vec::new(), 1.0).mean.is_nan());
+    }
+
+    /// Quantile of the standard normal distribution, by halving an interval of its distribution function.
+    fn normal_quantile(share: f64) -> f64 {
+        let below = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+        let (mut low, mut high) = (-8.0, 8.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match below(middle) < share {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
+    }
+}

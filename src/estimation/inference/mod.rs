@@ -1,0 +1,46 @@
+//! What the readings of an impact say about what struck the column and how it ends.
+
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
+// - comparison.rs: What each sensor has read, against what the weighted responses say that it reads
+// - contradiction.rs: Sensors that contradict each other
+// - estimate.rs: An estimate: what struck the column and how it ends, with its uncertainty
+// - estimate_record.rs: An estimate together with what made it so
+// - estimator.rs: From readings to estimates
+// - event_evidence.rs: What an event says about an impact that the sensors have detected: another witness, such as a camera or
+//   a person
+// - hypothesis.rs: What may have struck the column, before anything is measured
+// - lanes.rs: Numbers of several sensors side by side, with which the processor calculates at once
+// - library.rs: The responses to conceivable impacts that are prepared for one column at rest, and for all columns that are
+//   equal to it
+// - member.rs: One response among those that are weighed: its likelihood by the data
+// - model_error.rs: How far the model may be from the column: its own error, beside the noise of the sensors
+// - population.rs: Weighted responses: adaptive multiple importance sampling over what may have struck the column
+// - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
+// - recomputation.rs: Estimates computed again from recorded measurements
+// - recorded.rs: Estimates from recorded readings: the same detection and the same updates as with live ones
+// - undamaged_capacities.rs: Residual capacity of the undamaged column, for any yield strength near the given one
+// - update.rs: The work on an estimate in slices of a few milliseconds, so that a thread can take new data between them
+// - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
+//   blocks are in the predictions
+
+pub(super) mod blocks;
+pub(super) mod comparison;
+pub(super) mod contradiction;
+pub(super) mod estimate;
+pub(super) mod estimate_record;
+pub(super) mod estimator;
+pub(super) mod event_evidence;
+pub(super) mod hypothesis;
+pub(super) mod lanes;
+pub(super) mod library;
+pub(super) mod member;
+pub(super) mod model_error;
+pub(super) mod population;
+pub(super) mod prediction;
+pub(super) mod recomputation;
+pub(super) mod recorded;
+pub(super) mod undamaged_capacities;
+pub(super) mod update;
+pub(super) mod weighing;

@@ -1,0 +1,178 @@
+//! How far the model may be from the column: its own error, beside the noise of the sensors.
+//!
+//! Without it, intervals would be those of a perfect model. The numbers were chosen on five signals of a fibre-beam model
+//! of other authorship (`tests/data/signals/`) and are assumptions \[A\] of this project, rounded up.
+
+use crate::estimation::inference::blocks::{Block, BlockMean};
+use crate::sensors::Quantity;
+
+/// Times after contact within which flexural waves, which the model does not have, cross the column \[s\].
+const WAVES: f64 = 3e-3;
+
+/// The same for what moves \[s\]: a displacement is the acceleration integrated twice, in which waves of more than a
+/// kilohertz vanish. What remains is that the column's mass takes part little by little, and in the model at once.
+const WAVES_OF_MOTION: f64 = 1e-3;
+
+/// Time after contact over which the error of a motion grows to its full size \[s\], about two periods of a column of usual
+/// length. At first the impact point moves with the vehicle, and a wrong force only changes how fast that is slowed down.
+const GROWTH: f64 = 20e-3;
+
+/// Share of the full error of a motion that there is at contact already.
+const AT_CONTACT: f64 = 1.0 / 3.0;
+
+/// Model error of one quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ModelError {
+    /// Standard deviation of the factor between the column's and the model's readings, the same for a whole response.
+    pub scale: f64,
+    /// Standard deviation of the error of the shape, relative to the largest reading so far.
+    shape: f64,
+    /// The same at contact, in addition; it fades with the waves.
+    waves: f64,
+    /// Shortest time over which the error of the shape is correlated \[s\].
+    correlation: f64,
+    /// Whether the quantity is a motion, which has no jumps because the column has mass.
+    is_motion: bool,
+}
+
+/// Share of the time since contact over which the error of the shape is correlated: a residual that stays where it is
+/// tells its error only once.
+const CORRELATION_SHARE: f64 = 0.5;
+
+impl ModelError {
+    pub const fn of(quantity: Quantity) -> Self {
+        let [scale, shape, waves, correlation] = match quantity {
+            // A quarter of the period of a column of usual length.
+            Quantity::Displacement | Quantity::Rotation => [0.08, 0.06, 0.25, 2e-3],
+            Quantity::BendingStrain => [0.06, 0.06, 1.5, 4e-3],
+            Quantity::ContactForce => [0.1, 0.1, 1.0, 4e-3],
+            // Second-order quantities, and what waves dominate.
+            Quantity::AxialStrain => [0.5, 1.0, 1.0, 4e-3],
+            Quantity::Acceleration => [0.5, 1.0, 1.0, 2e-3],
+        };
+        Self {
+            scale,
+            shape,
+            waves,
+            correlation,
+            is_motion: matches!(quantity, Quantity::Displacement | Quantity::Rotation),
+        }
+    }
+
+    /// The error of the mean over a block, given that over the block before it: the share of the latter that is expected to
+    /// come again, and the variance of the rest, noise included.
+    ///
+    /// What is expected to come again tells nothing new about a response, but an error that changes faster than that of a
+    /// motion can contradicts it: this is what tells the sudden start of a rigid hit from the smooth one of a spring, and a
+    /// heavy vehicle from one that the column slows down.
+    pub fn given(
+        &self,
+        before: Option<&(Block, BlockMean)>,
+        now: &(Block, BlockMean),
+    ) -> (f64, f64) {
+        let own = self.variance(now);
+        let variance = own + now.1.variance;
+        let Some(before) = before.filter(|_| self.is_motion) else {
+            return (0.0, variance);
+        };
+        // Matern's correlation of a process that has a velocity, but no acceleration.
+        let distance = (middle(&now.0) - middle(&before.0)) / self.correlation;
+        let correlation = (1.0 + distance) * libm::exp(-distance);
+        let other = self.variance(before);
+        let covariance = correlation * (own * other).sqrt();
+        let carried = covariance / (other + before.1.variance).max(f64::MIN_POSITIVE);
+        (carried, variance - carried * covariance)
+    }
+
+    /// Variance of the mean over a block, without noise. It is larger by how long the error is correlated, as far as the
+    /// next blocks do not take that into account themselves, so that it counts once.
+    fn variance(&self, (block, mean): &(Block, BlockMean)) -> f64 {
+        let time = middle(block).max(0.0);
+        let deviation = self.deviation(time, mean.largest, mean.yielded);
+        let persistent = CORRELATION_SHARE * time;
+        let inflation = match self.is_motion {
+            true => persistent / block.length.max(self.correlation),
+            false => persistent.max(self.correlation) / block.length,
+        };
+        deviation * deviation * inflation.max(1.0)
+    }
+
+    /// Standard deviation of the error of the shape at a time after contact \[s\], where the largest reading so far is
+    /// `largest`. `yielded`: hinges have yielded, so that strains elsewhere depend on the details of the plastic zones.
+    pub fn deviation(&self, time: f64, largest: f64, yielded: bool) -> f64 {
+        let time = time.max(0.0);
+        let (grown, waves) = match self.is_motion {
+            true => (
+                1.0 - (1.0 - AT_CONTACT) * libm::exp(-time / GROWTH),
+                WAVES_OF_MOTION,
+            ),
+            false => (1.0, WAVES),
+        };
+        let mut share = self.shape * grown + self.waves * libm::exp(-time / waves);
+        if yielded {
+            share = share.max(YIELDED_STRAIN);
+        }
+        share * largest
+    }
+}
+
+/// Time from contact to the middle of a block \[s\]; negative before contact.
+fn middle(block: &Block) -> f64 {
+    block.start + 0.5 * block.length
+}
+
+/// Error of the shape of strains after a hinge has yielded, relative to the largest reading so far.
+const YIELDED_STRAIN: f64 = 0.25;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(start: f64, mean: f64, deviation: f64) -> (Block, BlockMean) {
+        let length = 1e-3;
+        let mean = BlockMean {
+            mean,
+            variance: deviation * deviation,
+            largest: mean,
+            yielded: false,
+        };
+        (Block { start, length }, mean)
+    }
+
+    /// The squared errors of two blocks, one given the other, add up to those with the inverse of their covariance.
+    #[test]
+    fn two_blocks_weigh_as_their_joint_normal_law() {
+        let error = ModelError::of(Quantity::Displacement);
+        let noise = 1e-4;
+        let (first, second) = (block(1e-3, 0.010, noise), block(2e-3, 0.013, noise));
+        let (none, v1) = error.given(None, &first);
+        let (carried, v2) = error.given(Some(&first), &second);
+        assert!(none.abs() < f64::EPSILON);
+        let (s1, s2) = (
+            error.deviation(1.5e-3, 0.010, false),
+            error.deviation(2.5e-3, 0.013, false),
+        );
+        let covariance = 1.5 * libm::exp(-0.5) * s1 * s2;
+        let [a, b] = [s1 * s1 + noise * noise, s2 * s2 + noise * noise];
+        for [e1, e2] in [[1e-3, 1e-3], [1e-3, -1e-3], [0.0, 5e-4]] {
+            let joint = (b * e1 * e1 - 2.0 * covariance * e1 * e2 + a * e2 * e2)
+                / (a * b - covariance * covariance);
+            let one_by_one = e1 * e1 / v1 + (e2 - carried * e1) * (e2 - carried * e1) / v2;
+            assert!(
+                (one_by_one / joint - 1.0).abs() < 1e-9,
+                "{one_by_one} {joint}"
+            );
+        }
+    }
+
+    #[test]
+    fn blocks_before_contact_without_noise_weigh_something_finite() {
+        let error = ModelError::of(Quantity::Rotation);
+        let (carried, variance) =
+            error.given(Some(&block(-2e-3, 1e-6, 0.0)), &block(-1e-3, 1e-6, 0.0));
+        assert!(
+            variance > 0.0 && (0.0..1.0).contains(&carried),
+            "{carried} {variance}"
+        );
+    }
+}

@@ -1,0 +1,630 @@
+//! Weighted responses: adaptive multiple importance sampling over what may have struck the column.
+//!
+//! Every member is one response, computed once. Its likelihood grows with the data; its weight is prior times likelihood
+//! over the density with which members of its hypothesis were drawn, the mixture of all distributions used so far (the
+//! balance heuristic, Cornuet et al. 2012). New members are drawn where the weights are.
+
+use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
+
+use crate::column::{ColumnProperties, Impact, ShearProperties};
+use crate::estimation::inference::blocks::{Block, BlockMean};
+use crate::estimation::inference::comparison::{Compared, SensorComparison};
+use crate::estimation::inference::contradiction::{contradictions, explains_all, largest};
+use crate::estimation::inference::event_evidence::EventEvidence;
+use crate::estimation::inference::hypothesis::{Hypothesis, UNKNOWNS};
+use crate::estimation::inference::lanes::lanes;
+use crate::estimation::inference::member::{Member, log_sum};
+use crate::estimation::inference::prediction::{Prediction, TimeGrid};
+use crate::estimation::inference::weighing::{Observed, Weighing};
+use crate::numerics::Random;
+use crate::numerics::cholesky;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
+
+/// Effective number of members to which weights are tempered before a distribution is fitted to them.
+const LEAST_EFFECTIVE: f64 = 12.0;
+
+/// Factor of the variances of a distribution from which new members are drawn: wider than what it was fitted to.
+const WIDENING: f64 = 1.4;
+
+/// Members about which half of the new members are drawn, chosen by their weights.
+const KERNELS: usize = 4;
+
+/// Width of the distribution about one of them, relative to that about all.
+const KERNEL_WIDTH: f64 = 0.35;
+
+/// Least standard deviation of such a distribution, relative to that of the hypothesis.
+const LEAST_WIDTH: f64 = 0.02;
+
+/// Power of the shares of the hypotheses by which new members are divided among them, so that one that seems unlikely
+/// because it was not searched closely is searched.
+pub(crate) const EXPLORATION: f64 = 0.1;
+
+/// Share of a hypothesis, after that power, below which it gets no new members.
+const LEAST_SHARE: f64 = 0.02;
+
+/// Logarithm of the ratio of weights or likelihoods beyond which a member is negligible: thousands of them change nothing that can be
+/// seen.
+const NEGLIGIBLE: f64 = 30.0;
+
+/// The last blocks of data, by which a member that was never weighed gives a first impression.
+const PREFILTERED_BLOCKS: usize = 4;
+
+/// Seconds of standard deviation of the instant of contact, at least: the half of a block.
+const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
+
+/// A normal distribution from which members of one hypothesis were drawn.
+#[derive(Debug, Clone)]
+struct Drawn {
+    hypothesis: usize,
+    count: f64,
+    mean: [f64; UNKNOWNS],
+    /// Lower triangular factor of the covariance.
+    factor: [[f64; UNKNOWNS]; UNKNOWNS],
+    /// Logarithms of the diagonal of the factor.
+    log_diagonal: [f64; UNKNOWNS],
+}
+
+/// New members that are to be computed, one after another.
+#[derive(Debug, Clone)]
+pub(crate) struct Round {
+    drawn: Vec<Drawn>,
+    /// The distribution of each candidate, and its unknowns.
+    candidates: Vec<(usize, [f64; UNKNOWNS])>,
+    computed: Vec<Member>,
+    /// Candidates that were computed, whether they led to members or not.
+    done: usize,
+    /// The random numbers before the candidates were drawn.
+    before: Random,
+}
+
+impl Round {
+    fn new(random: &Random) -> Self {
+        Self {
+            drawn: Vec::new(),
+            candidates: Vec::new(),
+            computed: Vec::new(),
+            done: 0,
+            before: random.clone(),
+        }
+    }
+
+    fn draw(&mut self, drawn: Drawn, random: &mut Random) {
+        let index = self.drawn.len();
+        for _ in 0..drawn.count as usize {
+            self.candidates.push((index, drawn.sample(random)));
+        }
+        self.drawn.push(drawn);
+    }
+
+    /// Mixes the order of the candidates, so that the first ones are of all distributions.
+    pub fn mix(&mut self) {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let mut order: Vec<(f64, (usize, [f64; UNKNOWNS]))> = (1..)
+            .zip(&self.candidates)
+            .map(|(k, candidate)| ((GOLDEN * f64::from(k)).fract(), *candidate))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.candidates = order.into_iter().map(|(_, candidate)| candidate).collect();
+    }
+
+    /// Whether all candidates were computed.
+    pub fn is_complete(&self) -> bool {
+        self.done == self.candidates.len()
+    }
+}
+
+/// All members.
+#[derive(Debug, Clone)]
+pub(crate) struct Population {
+    column: StandingColumn,
+    properties: ColumnProperties,
+    sensors: Vec<Sensor>,
+    grid: TimeGrid,
+    pub hypotheses: Vec<Hypothesis>,
+    pub members: Vec<Member>,
+    drawn: Vec<Drawn>,
+    random: Random,
+    contact_deviation: f64,
+    /// Data so far.
+    observed: Vec<Observed>,
+    /// What events say about the impact.
+    events: Vec<EventEvidence>,
+    /// Sensors that do not count.
+    ignored: Vec<bool>,
+    /// What the likelihoods need of the data; `None` if it is to be made of them.
+    weighing: Option<Weighing>,
+    /// Members, distributions and random numbers before an impact.
+    prepared: (usize, usize, Random),
+}
+
+impl Population {
+    /// For a column with these properties.
+    pub fn new(
+        column: StandingColumn,
+        properties: ColumnProperties,
+        sensors: Vec<Sensor>,
+        hypotheses: Vec<Hypothesis>,
+        seed: u64,
+    ) -> Self {
+        Self {
+            column,
+            properties,
+            ignored: vec![false; sensors.len()],
+            sensors,
+            grid: TimeGrid::new(),
+            hypotheses,
+            members: Vec::new(),
+            drawn: Vec::new(),
+            random: Random::new(seed),
+            contact_deviation: LEAST_CONTACT_DEVIATION,
+            observed: Vec::new(),
+            events: Vec::new(),
+            weighing: None,
+            prepared: (0, 0, Random::new(seed)),
+        }
+    }
+
+    /// The properties of the column.
+    pub fn properties(&self) -> &ColumnProperties {
+        &self.properties
+    }
+
+    /// Bytes that a member takes, about.
+    pub fn bytes_of_a_response(&self) -> usize {
+        Prediction::bytes(&self.grid, &self.sensors) + Member::bytes(&self.sensors)
+    }
+
+    /// Draws `count` members of a hypothesis from what is known before the impact.
+    pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
+        let Hypothesis {
+            mean, deviation, ..
+        } = self.hypotheses[hypothesis];
+        let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+        for (k, row) in factor.iter_mut().enumerate() {
+            row[k] = deviation[k];
+        }
+        let mut round = Round::new(&self.random);
+        round.draw(
+            Drawn::new(hypothesis, count, mean, factor),
+            &mut self.random,
+        );
+        round
+    }
+
+    /// The standard deviation of the detected instant of contact \[s\]. To be called before the first data.
+    pub fn set_contact_deviation(&mut self, deviation: f64) {
+        self.contact_deviation = deviation.max(LEAST_CONTACT_DEVIATION);
+        self.weighing = None;
+    }
+
+    /// Marks what was computed so far as what is known before an impact.
+    pub fn keep_prepared(&mut self) {
+        self.prepared = (self.members.len(), self.drawn.len(), self.random.clone());
+    }
+
+    /// Forgets an impact: what was computed for it, and its data.
+    pub fn rewind(&mut self) {
+        let (members, drawn, random) = &self.prepared;
+        self.random = random.clone();
+        self.ignored.fill(false);
+        self.weighing = None;
+        let is_prepared = self.members.len() == *members && self.drawn.len() == *drawn;
+        if is_prepared && self.observed.is_empty() && self.events.is_empty() {
+            return;
+        }
+        self.members.truncate(*members);
+        self.drawn.truncate(*drawn);
+        self.observed.clear();
+        self.events.clear();
+        let drawn = &self.drawn;
+        for member in &mut self.members {
+            member.forget();
+            follow(member, drawn);
+        }
+    }
+
+    /// Takes the data of a block, sensor by sensor. The members have to be weighed then.
+    pub fn observe(&mut self, block: Block, means: Vec<Option<BlockMean>>) {
+        self.observed.push((block, means));
+        self.weighing = None;
+    }
+
+    /// Takes what events say about the impact, instead of what they said before.
+    pub fn set_events(&mut self, events: &[EventEvidence]) {
+        if self.events == events {
+            return;
+        }
+        self.events = events.to_vec();
+        for member in &mut self.members {
+            member.log_events = log_events(&self.events, &member.unknowns);
+        }
+    }
+
+    /// About `count` new members where the weights are, which are to be computed. They are divided among the hypotheses by
+    /// this power of their shares.
+    pub fn plan(&mut self, count: usize, exploration: f64) -> Round {
+        let mut round = Round::new(&self.random);
+        let weights = self.weights();
+        let shares: Vec<f64> = (0..self.hypotheses.len())
+            .map(|hypothesis| {
+                self.of_hypothesis(hypothesis, &weights)
+                    .map(|(_, w)| w)
+                    .sum()
+            })
+            .map(|share: f64| libm::pow(share, exploration))
+            .collect();
+        let total: f64 = shares.iter().sum();
+        for (hypothesis, share) in shares.iter().enumerate() {
+            let share = share / total;
+            let wanted = (share * count as f64).round() as usize;
+            if share < LEAST_SHARE || wanted == 0 {
+                continue;
+            }
+            let kernels = wanted.min(KERNELS);
+            let fitted = self.fitted(hypothesis, &weights, wanted.div_ceil(2));
+            for kernel in self.kernels(&fitted, &weights, kernels, wanted / 2) {
+                round.draw(kernel, &mut self.random);
+            }
+            round.draw(fitted, &mut self.random);
+        }
+        round
+    }
+
+    /// Computes the next candidate of a round that is not complete.
+    pub fn compute_next(&self, round: &mut Round) {
+        let (drawn, unknowns) = round.candidates[round.done];
+        let hypothesis = round.drawn[drawn].hypothesis;
+        round.computed.extend(self.member(hypothesis, unknowns));
+        round.done += 1;
+    }
+
+    /// Computes all candidates of a round on all processors.
+    pub fn compute_all(&self, round: &mut Round) {
+        let candidates = &round.candidates[round.done..];
+        let computed: Vec<Member> = candidates
+            .par_iter()
+            .filter_map(|(drawn, unknowns)| self.member(round.drawn[*drawn].hypothesis, *unknowns))
+            .collect();
+        round.computed.extend(computed);
+        round.done = round.candidates.len();
+    }
+
+    fn member(&self, hypothesis: usize, unknowns: [f64; UNKNOWNS]) -> Option<Member> {
+        let log_prior = self.hypotheses[hypothesis].log_density(&unknowns);
+        if log_prior == f64::NEG_INFINITY {
+            return None;
+        }
+        let properties = with_yield_factor(&self.properties, libm::exp(unknowns[3]));
+        let impact = self.hypotheses[hypothesis].impact(&unknowns)?;
+        let (column, sensors) = (&self.column, &self.sensors);
+        let prediction = Prediction::compute(column, &properties, &impact, sensors, &self.grid)?;
+        let groups = lanes(sensors.len()).len();
+        let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, groups);
+        member.log_events = log_events(&self.events, &unknowns);
+        Some(member)
+    }
+
+    /// Adds the members of a round. If it is not complete, it has only the candidates that were computed.
+    pub fn add(&mut self, round: Round) {
+        let Round {
+            mut drawn,
+            candidates,
+            computed,
+            done,
+            before,
+        } = round;
+        if done == 0 {
+            self.random = before;
+            return;
+        }
+        if done < candidates.len() {
+            for (index, it) in drawn.iter_mut().enumerate() {
+                let own = candidates[..done].iter().filter(|(of, _)| *of == index);
+                it.count = own.count() as f64;
+            }
+            drawn.retain(|it| it.count > 0.0);
+        }
+        self.drawn.extend(drawn);
+        self.members.extend(computed);
+        let drawn = &self.drawn;
+        for member in &mut self.members {
+            follow(member, drawn);
+        }
+    }
+
+    /// Column and impact of a member.
+    pub fn case(&self, member: &Member) -> Option<(ColumnProperties, Impact)> {
+        let factor = libm::exp(member.unknowns[3]);
+        let impact = self.hypotheses[member.hypothesis].impact(&member.unknowns)?;
+        Some((
+            with_yield_factor(&self.properties, factor).before(&impact),
+            impact,
+        ))
+    }
+
+    /// Indices of `count` members, chosen by their weights at equal distances.
+    pub fn chosen(&self, weights: &[f64], count: usize) -> Vec<usize> {
+        let mut chosen = Vec::with_capacity(count);
+        let mut sum = 0.0;
+        for (index, weight) in weights.iter().enumerate() {
+            sum += weight * count as f64;
+            while (chosen.len() as f64) + 0.5 < sum && chosen.len() < count {
+                chosen.push(index);
+            }
+        }
+        chosen
+    }
+
+    /// The weights of the members, which add up to 1.
+    pub fn weights(&self) -> Vec<f64> {
+        let logs: Vec<f64> = self.members.iter().map(Member::log_weight).collect();
+        let largest = largest(logs.iter().copied());
+        let mut weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
+        let sum: f64 = weights.iter().sum();
+        for weight in &mut weights {
+            *weight /= sum;
+        }
+        weights
+    }
+
+    fn of_hypothesis<'a>(
+        &'a self,
+        hypothesis: usize,
+        weights: &'a [f64],
+    ) -> impl Iterator<Item = (&'a Member, f64)> {
+        let members = self.members.iter().zip(weights.iter().copied());
+        members.filter(move |(member, _)| member.hypothesis == hypothesis)
+    }
+
+    /// The distribution of the weighted members of a hypothesis.
+    fn fitted(&self, hypothesis: usize, weights: &[f64], count: usize) -> Drawn {
+        let own: Vec<_> = self.of_hypothesis(hypothesis, weights).collect();
+        let largest = own
+            .iter()
+            .map(|(_, weight)| *weight)
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let mut power = 1.0;
+        let tempered = loop {
+            let mut tempered: Vec<f64> = own
+                .iter()
+                .map(|(_, weight)| libm::pow(weight / largest, power))
+                .collect();
+            let sum: f64 = tempered.iter().sum();
+            let squares: f64 = tempered.iter().map(|weight| weight * weight).sum();
+            if sum * sum >= LEAST_EFFECTIVE * squares || power < 1e-3 {
+                for weight in &mut tempered {
+                    *weight /= sum;
+                }
+                break tempered;
+            }
+            power *= 0.7;
+        };
+        let each = || {
+            own.iter()
+                .zip(&tempered)
+                .map(|((member, _), w)| (&member.unknowns, *w))
+        };
+        let mean: [f64; UNKNOWNS] =
+            std::array::from_fn(|k| each().map(|(unknowns, weight)| weight * unknowns[k]).sum());
+        let mut covariance = [[0.0; UNKNOWNS]; UNKNOWNS];
+        for (unknowns, weight) in each() {
+            for (i, row) in covariance.iter_mut().enumerate() {
+                for (j, entry) in row.iter_mut().enumerate() {
+                    *entry += WIDENING * weight * (unknowns[i] - mean[i]) * (unknowns[j] - mean[j]);
+                }
+            }
+        }
+        for (k, deviation) in self.hypotheses[hypothesis].deviation.iter().enumerate() {
+            let least = LEAST_WIDTH * deviation;
+            covariance[k][k] += least * least;
+        }
+        Drawn::new(hypothesis, count, mean, cholesky(&covariance))
+    }
+
+    /// Narrower distributions about members that are chosen by their weights, for `count` members together.
+    fn kernels(
+        &mut self,
+        fitted: &Drawn,
+        weights: &[f64],
+        number: usize,
+        count: usize,
+    ) -> Vec<Drawn> {
+        let hypothesis = fitted.hypothesis;
+        let total: f64 = self
+            .of_hypothesis(hypothesis, weights)
+            .map(|(_, w)| w)
+            .sum();
+        let each = count / number.max(1);
+        if each == 0 || total <= 0.0 {
+            return Vec::new();
+        }
+        let offset = self.random.uniform();
+        let mut kernels = Vec::with_capacity(number);
+        let mut sum = 0.0;
+        for (member, weight) in self.of_hypothesis(hypothesis, weights) {
+            sum += weight / total;
+            // Systematic resampling: the same member may be chosen more than once.
+            while kernels.len() < number && sum * number as f64 > kernels.len() as f64 + offset {
+                let factor = fitted
+                    .factor
+                    .map(|row| row.map(|entry| KERNEL_WIDTH * entry));
+                kernels.push(Drawn::new(hypothesis, each, member.unknowns, factor));
+            }
+        }
+        kernels
+    }
+
+    /// Brings the likelihood of every member up to the data, on all processors.
+    pub fn weigh(&mut self) {
+        let weighing = self.take_weighing();
+        self.members
+            .par_iter_mut()
+            .for_each(|member| member.weigh(&weighing));
+        self.weighing = Some(weighing);
+    }
+
+    /// Brings the likelihoods of at most `count` members up to the data, in this thread; returns whether there are more.
+    ///
+    /// More data never make a likelihood larger: a member that the data so far have made negligible stays so, and is left
+    /// where it is.
+    pub fn weigh_some(&mut self, count: usize) -> bool {
+        let blocks = self.observed.len();
+        let up_to_date = || self.members.iter().filter(|member| member.seen == blocks);
+        let likely = largest(up_to_date().map(Member::log_posterior)) - NEGLIGIBLE;
+        let weighty = largest(up_to_date().map(Member::log_weight)) - NEGLIGIBLE;
+        let mut behind: Vec<(f64, usize)> = (0..)
+            .zip(&self.members)
+            .filter(|(_, it)| {
+                it.seen < blocks && (it.log_posterior() >= likely || it.log_weight() >= weighty)
+            })
+            .map(|(index, it)| (it.log_posterior(), index))
+            .collect();
+        let is_all = behind.len() <= count;
+        if !is_all {
+            // Those that may become the best ones first, because they show which others are negligible.
+            behind.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            behind.truncate(count);
+        }
+        let weighing = self.take_weighing();
+        for (_, index) in &behind {
+            self.members[*index].weigh(&weighing);
+        }
+        self.weighing = Some(weighing);
+        !is_all
+    }
+
+    /// Gives at most `count` members from `first` on that were never weighed a first impression by the newest data, in this
+    /// thread; returns whether there are more.
+    pub fn prefilter(&mut self, first: usize, count: usize) -> bool {
+        let weighing = self.take_weighing();
+        let some = self.members.iter_mut().skip(first).take(count);
+        some.filter(|it| it.seen == 0)
+            .for_each(|it| it.prefilter(&weighing, PREFILTERED_BLOCKS));
+        self.weighing = Some(weighing);
+        first + count < self.members.len()
+    }
+
+    /// Weighs at most `count` members from `first` on with all data, in this thread; returns whether there are more.
+    pub fn weigh_all(&mut self, first: usize, count: usize) -> bool {
+        let weighing = self.take_weighing();
+        let some = self.members.iter_mut().skip(first).take(count);
+        some.for_each(|it| it.weigh(&weighing));
+        self.weighing = Some(weighing);
+        first + count < self.members.len()
+    }
+
+    /// Whether a likely member explains what every sensor reads, so that none contradicts the others.
+    pub fn explains_all(&self) -> bool {
+        explains_all(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// See [`contradictions`]; all members have to be weighed with all data.
+    pub fn contradictions(&self) -> [Vec<bool>; 2] {
+        contradictions(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// What each sensor has read, against what the responses with these weights predict.
+    pub fn compare(&self, weights: &[f64]) -> Vec<SensorComparison> {
+        let compared = Compared {
+            members: &self.members,
+            weights,
+            observed: &self.observed,
+            sensors: &self.sensors,
+            ignored: &self.ignored,
+            grid: &self.grid,
+        };
+        compared.sensors()
+    }
+
+    /// Lets these sensors no longer count; whether that changes anything. The members have to be weighed then.
+    pub fn ignore(&mut self, ignored: Vec<bool>) -> bool {
+        let changes = self.ignored != ignored;
+        self.ignored = ignored;
+        self.weighing = None;
+        changes
+    }
+
+    fn take_weighing(&mut self) -> Weighing {
+        let (observed, sensors, grid) = (&self.observed, &self.sensors, &self.grid);
+        let made = || {
+            Weighing::new(
+                observed,
+                sensors,
+                &self.ignored,
+                grid,
+                self.contact_deviation,
+            )
+        };
+        self.weighing.take().unwrap_or_else(made)
+    }
+}
+
+impl Drawn {
+    fn new(
+        hypothesis: usize,
+        count: usize,
+        mean: [f64; UNKNOWNS],
+        factor: [[f64; UNKNOWNS]; UNKNOWNS],
+    ) -> Self {
+        Self {
+            hypothesis,
+            count: count as f64,
+            mean,
+            factor,
+            log_diagonal: std::array::from_fn(|k| libm::log(factor[k][k])),
+        }
+    }
+
+    fn sample(&self, random: &mut Random) -> [f64; UNKNOWNS] {
+        let z: [f64; UNKNOWNS] = std::array::from_fn(|_| random.normal());
+        std::array::from_fn(|i| {
+            let row = &self.factor[i];
+            self.mean[i] + (0..=i).map(|k| row[k] * z[k]).sum::<f64>()
+        })
+    }
+
+    /// Logarithm of the density, without the constant that all have.
+    fn log_density(&self, unknowns: &[f64; UNKNOWNS]) -> f64 {
+        let mut z = [0.0; UNKNOWNS];
+        let mut log = 0.0;
+        for i in 0..UNKNOWNS {
+            let known: f64 = (0..i).map(|k| self.factor[i][k] * z[k]).sum();
+            z[i] = (unknowns[i] - self.mean[i] - known) / self.factor[i][i];
+            log -= 0.5 * z[i] * z[i] + self.log_diagonal[i];
+        }
+        log
+    }
+}
+
+/// Logarithm of the likelihood of what events say, if these unknowns are true.
+fn log_events(events: &[EventEvidence], unknowns: &[f64; UNKNOWNS]) -> f64 {
+    let each = events
+        .iter()
+        .map(|it| it.log_likelihood(unknowns[0], unknowns[1]));
+    each.fold(0.0, |sum, it| sum + it)
+}
+
+/// The column with its yield strength times a factor.
+pub(crate) fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> ColumnProperties {
+    ColumnProperties {
+        resistance_moment: factor * properties.resistance_moment,
+        resistance_axial: factor * properties.resistance_axial,
+        shear: properties.shear.map(|shear| ShearProperties {
+            web_resistance: factor * shear.web_resistance,
+            flange_moment: factor * shear.flange_moment,
+            ..shear
+        }),
+        ..*properties
+    }
+}
+
+/// Takes the distributions into account that were added since the last time.
+fn follow(member: &mut Member, drawn: &[Drawn]) {
+    let new = drawn[member.known_drawn..].iter();
+    let densities = new
+        .filter(|it| it.hypothesis == member.hypothesis)
+        .map(|it| libm::log(it.count) + it.log_density(&member.unknowns));
+    member.log_drawn = log_sum(std::iter::once(member.log_drawn).chain(densities));
+    member.known_drawn = drawn.len();
+}

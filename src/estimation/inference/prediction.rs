@@ -1,0 +1,187 @@
+//! What one conceivable impact would have let the sensors read, and how it would have ended.
+
+use crate::column::{
+    ColumnProperties, End, Impact, Model, Progress, Report, Response, State,
+    residual_without_bumper,
+};
+use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
+use crate::estimation::simulation::probe::SteppedProbe;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
+
+/// Time after contact that a prediction covers \[s\].
+pub(crate) const HORIZON: f64 = 0.5;
+
+/// Shortest cell of a prediction, and longest time step \[ns\].
+const CELL_NANOS: u64 = 100_000;
+
+/// Cells grow with the time after contact, of which they are this share.
+const CELL_SHARE: f64 = 0.02;
+
+/// Shortest averaging that a prediction resolves \[s\].
+const LEAST_CELL: f64 = 0.5e-3;
+
+/// Times the recommended step by which a response may be stepped here: its error is small beside that of the model.
+const STEPS_OF_RECOMMENDED: u64 = 5;
+
+/// The instants after contact at which predictions are known \[s\], the same for all of them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TimeGrid {
+    edges: Vec<f64>,
+    nanos: Vec<u64>,
+}
+
+/// A place between two edges of a grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    index: usize,
+    share: f64,
+    /// Time after the last edge \[s\].
+    beyond: f64,
+}
+
+impl TimeGrid {
+    pub fn new() -> Self {
+        let mut nanos = vec![0];
+        let mut last = 0;
+        while (last as f64) < HORIZON * 1e9 {
+            let cell = (CELL_SHARE * last as f64).max(LEAST_CELL * 1e9);
+            last += (cell / CELL_NANOS as f64).round().max(1.0) as u64 * CELL_NANOS;
+            nanos.push(last);
+        }
+        let edges = nanos.iter().map(|&nanos| 1e-9 * nanos as f64).collect();
+        Self { edges, nanos }
+    }
+
+    /// The place of an instant \[s\]; those before contact are at contact.
+    pub fn place(&self, time: f64) -> Place {
+        let last = self.edges.len() - 1;
+        let time = time.max(0.0);
+        if time >= self.edges[last] {
+            return Place {
+                index: last - 1,
+                share: 1.0,
+                beyond: time - self.edges[last],
+            };
+        }
+        let index = self.edges.partition_point(|&edge| edge <= time) - 1;
+        Place {
+            index,
+            share: (time - self.edges[index]) / (self.edges[index + 1] - self.edges[index]),
+            beyond: 0.0,
+        }
+    }
+}
+
+/// What one impact lets the sensors read, and how it ends.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Prediction {
+    /// The integrals of the sensors' readings from contact to each edge of the grid, edge by edge.
+    integrals: Vec<Lanes>,
+    /// Readings of the sensors after the last edge.
+    at_end: Vec<Lanes>,
+    /// The column at rest afterwards; `None` if it does not stand, or has no equilibrium.
+    pub rest: Option<Box<State>>,
+    pub report: Report,
+}
+
+impl Prediction {
+    /// Follows an impact on the column, whose properties these are. `None` if they make no column or a step does not converge.
+    pub fn compute(
+        column: &StandingColumn,
+        properties: &ColumnProperties,
+        impact: &Impact,
+        sensors: &[Sensor],
+        grid: &TimeGrid,
+    ) -> Option<Self> {
+        let mut properties = properties.before(impact);
+        let recommended = Model::new(&ColumnProperties {
+            step_nanos: 0,
+            ..properties
+        })
+        .ok()?
+        .properties
+        .step_nanos;
+        let parts = CELL_NANOS.div_ceil(STEPS_OF_RECOMMENDED * recommended);
+        properties.step_nanos = CELL_NANOS / parts;
+        let model = Model::new(&properties).ok()?;
+        let secs = 1e-9 * properties.step_nanos as f64;
+        let mut state = column.state(&model);
+        let mut probes: Vec<_> = sensors
+            .iter()
+            .map(|sensor| SteppedProbe::new(&model, &state, sensor))
+            .collect();
+        let mut last = lanes(sensors.len());
+        let mut response = Response::begin(&model, &mut state, *impact, 2.0 * HORIZON).ok()?;
+        let mut integrals = Vec::with_capacity(grid.nanos.len() * last.len());
+        let mut end = None;
+        let mut sums = lanes(sensors.len());
+        integrals.extend_from_slice(&sums);
+        let mut last_nanos = 0;
+        for &edge in &grid.nanos[1..] {
+            for _ in 0..(edge - last_nanos) * parts / CELL_NANOS {
+                if end.is_none()
+                    && let Progress::Over(over) =
+                        response.advance(&model, &mut state, u64::MAX).ok()?
+                {
+                    end = Some(over);
+                }
+                let each = probes.iter_mut().zip(sensors);
+                let readings = last.as_flattened_mut().iter_mut();
+                for ((probe, sensor), reading) in each.zip(readings) {
+                    *reading = sensor.clipped(probe.read(&state, secs, end.is_some()));
+                }
+                for (sum, reading) in sums.iter_mut().zip(&last) {
+                    *sum = std::array::from_fn(|k| sum[k] + secs * reading[k]);
+                }
+            }
+            last_nanos = edge;
+            integrals.extend_from_slice(&sums);
+        }
+        let end = loop {
+            match end {
+                Some(end) => break end,
+                None => {
+                    if let Progress::Over(over) =
+                        response.advance(&model, &mut state, u64::MAX).ok()?
+                    {
+                        end = Some(over);
+                    }
+                }
+            }
+        };
+        let report = response.report(&model, &state, end);
+        let stands = !matches!(end, End::Collapsed | End::Fractured);
+        let whole = model.without_bumper();
+        let residual = || residual_without_bumper(&model, &state, &whole);
+        let rest = stands.then(residual).flatten();
+        Some(Self {
+            at_end: last,
+            integrals,
+            rest: rest.map(Box::new),
+            report,
+        })
+    }
+
+    /// Bytes that a prediction takes, about.
+    pub fn bytes(grid: &TimeGrid, sensors: &[Sensor]) -> usize {
+        let integrals = (grid.edges.len() + 1) * lanes(sensors.len()).len() * size_of::<Lanes>();
+        integrals + size_of::<Self>() + size_of::<State>()
+    }
+
+    /// Integrals of the readings from contact to a place \[s, times their units\], of the sensors of one group.
+    pub fn integrals(&self, group: usize, place: Place) -> Lanes {
+        let groups = self.at_end.len();
+        let at = place.index * groups + group;
+        let (Some(a), Some(b)) = (self.integrals.get(at), self.integrals.get(at + groups)) else {
+            return ZERO;
+        };
+        let end = &self.at_end[group];
+        std::array::from_fn(|k| a[k] + place.share * (b[k] - a[k]) + place.beyond * end[k])
+    }
+
+    /// Integral of a sensor's reading from contact to a place \[s, times its unit\].
+    pub fn integral(&self, sensor: usize, place: Place) -> f64 {
+        self.integrals(sensor / WIDTH, place)[sensor % WIDTH]
+    }
+}

@@ -1,0 +1,93 @@
+//! Estimates from recorded readings: the same detection and the same updates as with live ones.
+
+use crate::estimation::detection::detector::{Detection, Detector};
+use crate::estimation::inference::comparison::SensorComparison;
+use crate::estimation::inference::estimate::ImpactEstimate;
+use crate::estimation::inference::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+use crate::estimation::inference::hypothesis::hypotheses;
+use crate::estimation::inference::prediction::HORIZON;
+use crate::estimation::intake::readings::Readings;
+use crate::parameters::Parameters;
+use crate::sensors::Sensor;
+use crate::standing::StandingColumn;
+
+/// Rounds of refinement for each update of recorded readings, for which there is time.
+const ROUNDS: usize = 20;
+
+/// What recorded readings say about one impact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedImpact {
+    /// How it was detected.
+    pub detection: Detection,
+    /// One estimate for each instant of [`UPDATE_INSTANTS`] up to which there are data, and one for all data; at least one.
+    pub estimates: Vec<ImpactEstimate>,
+    /// For each sensor, what it has read against what the last estimate predicts.
+    pub comparisons: Vec<SensorComparison>,
+}
+
+/// Finds the first impact in recorded readings and estimates it; `None` without an impact. `progress` is called before each
+/// part of the work with the share that is done.
+///
+/// # Errors
+/// Sensors or parameters that cannot be used.
+pub fn estimate_recorded(
+    parameters: &Parameters,
+    sensors: &[Sensor],
+    readings: &Readings,
+    seed: u64,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Option<RecordedImpact>, EstimatorError> {
+    let hypotheses = hypotheses(parameters);
+    let preparations = hypotheses.len() as f64;
+    let column = StandingColumn::undamaged(parameters);
+    let mut estimator = Estimator::new(parameters, &column, sensors.to_vec(), hypotheses, seed)?;
+    let Some(detection) = detect(sensors, readings) else {
+        return Ok(None);
+    };
+    let mut prepared = 0.0;
+    loop {
+        progress(0.5 * prepared / preparations);
+        if estimator.prepare() {
+            break;
+        }
+        prepared += 1.0;
+    }
+    let contact = detection.contact.time;
+    estimator.begin(contact, detection.contact.deviation, &detection.zeros);
+    for (time, values) in readings.rows() {
+        for (sensor, &value) in values.iter().enumerate() {
+            estimator.push(sensor, time, value);
+        }
+    }
+    let last = readings.times.last().map_or(0.0, |last| last - contact);
+    let mut instants: Vec<f64> = UPDATE_INSTANTS
+        .into_iter()
+        .filter(|instant| *instant < last)
+        .collect();
+    instants.push(last.min(HORIZON));
+    let mut estimates = Vec::with_capacity(instants.len());
+    for instant in &instants {
+        progress(0.5 + 0.5 * estimates.len() as f64 / instants.len() as f64);
+        estimator.observe(contact + instant);
+        estimator.settle(ROUNDS);
+        estimates.push(estimator.estimate(contact + instant));
+    }
+    Ok(Some(RecordedImpact {
+        comparisons: estimator.comparisons(),
+        detection,
+        estimates,
+    }))
+}
+
+fn detect(sensors: &[Sensor], readings: &Readings) -> Option<Detection> {
+    let mut detector = Detector::new(sensors);
+    for (time, values) in readings.rows() {
+        for (sensor, &value) in values.iter().enumerate() {
+            let detection = detector.push(sensor, time, value);
+            if detection.is_some() {
+                return detection;
+            }
+        }
+    }
+    None
+}

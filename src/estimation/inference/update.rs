@@ -1,0 +1,216 @@
+//! The work on an estimate in slices of a few milliseconds, so that a thread can take new data between them.
+//!
+//! How many responses are drawn is all that depends on time; with the same numbers the result has the same bits.
+
+use crate::estimation::inference::estimate::ImpactEstimate;
+use crate::estimation::inference::estimator::{ASSESSED, Estimator};
+use crate::estimation::inference::population::Round;
+
+/// Responses weighed in one slice.
+const WEIGHED: usize = 64;
+
+/// Responses that are assessed for an estimate in haste, when new ones have been drawn: actions come in steps of 4 % then.
+const ASSESSED_IN_HASTE: usize = 24;
+
+/// Responses that get a first impression in one slice.
+const PREFILTERED: usize = 512;
+
+/// Responses of a round of refinement.
+const ROUND: usize = 20;
+
+/// New responses where the weights are, round by round.
+#[derive(Debug, Clone)]
+pub(crate) struct Refinement {
+    stage: Stage,
+    drawn: u32,
+    most: u32,
+    /// Whether it ends when the estimate rests on enough responses.
+    until_settled: bool,
+}
+
+#[derive(Debug, Clone)]
+enum Stage {
+    Plan,
+    Compute(Box<Round>),
+    Weigh,
+    Over,
+}
+
+impl Refinement {
+    /// Draws as many responses as are useful, at most `most`.
+    pub fn at_most(most: u32) -> Self {
+        Self::new(most, true)
+    }
+
+    /// Draws exactly as many responses as another one has drawn.
+    pub fn again(drawn: u32) -> Self {
+        Self::new(drawn, false)
+    }
+
+    fn new(most: u32, until_settled: bool) -> Self {
+        Self {
+            stage: Stage::Plan,
+            drawn: 0,
+            most,
+            until_settled,
+        }
+    }
+
+    /// Draws no more responses.
+    pub fn end_soon(&mut self) {
+        self.most = self.drawn;
+    }
+
+    /// Responses drawn so far.
+    pub fn drawn(&self) -> u32 {
+        self.drawn
+    }
+
+    pub fn is_over(&self) -> bool {
+        matches!(self.stage, Stage::Over)
+    }
+
+    /// The next slice, unless it is over.
+    pub fn step(&mut self, estimator: &mut Estimator) {
+        let may_draw = self.drawn < self.most;
+        self.stage = match std::mem::replace(&mut self.stage, Stage::Over) {
+            Stage::Plan if may_draw && !(self.until_settled && estimator.is_settled()) => {
+                let round = estimator.plan(ROUND);
+                if round.is_complete() {
+                    // There is nothing to draw from.
+                    Stage::Over
+                } else {
+                    Stage::Compute(Box::new(round))
+                }
+            }
+            Stage::Compute(mut round) if may_draw && !round.is_complete() => {
+                estimator.compute_next(&mut round);
+                self.drawn += 1;
+                Stage::Compute(round)
+            }
+            Stage::Compute(round) => {
+                estimator.add(*round);
+                Stage::Weigh
+            }
+            Stage::Weigh => match estimator.weigh_some(WEIGHED) {
+                true => Stage::Weigh,
+                false => Stage::Plan,
+            },
+            Stage::Plan | Stage::Over => Stage::Over,
+        };
+    }
+}
+
+/// Everything between new data and the next estimate.
+#[derive(Debug, Clone)]
+pub(crate) struct Update {
+    refinement: Refinement,
+    /// Whether sensors are looked for that contradict the others.
+    judges: bool,
+    until: f64,
+    /// Responses that are assessed.
+    assessed: usize,
+    task: Task,
+}
+
+#[derive(Debug, Clone)]
+enum Task {
+    Prefilter(usize),
+    Weigh,
+    Refine,
+    /// All responses are weighed with all data, because sensors may contradict each other.
+    WeighAll(usize),
+    JudgeSensors,
+    WeighAgain(usize),
+    Assess(Vec<usize>),
+    Over,
+}
+
+/// Responses that are assessed for the estimate with this number. Those that were prepared are assessed already, and for the final
+/// estimate there is time.
+pub(crate) fn assessed(estimator: &Estimator, number: u32, is_final: bool) -> usize {
+    match is_final || (number == 0 && estimator.is_prepared()) {
+        true => ASSESSED,
+        false => ASSESSED_IN_HASTE,
+    }
+}
+
+impl Update {
+    /// The estimate with this number and the data until `until` \[s\], the final one or not. The first one does not judge the sensors:
+    /// the responses that were prepared are too few to explain all of them.
+    pub fn new(
+        estimator: &mut Estimator,
+        until: f64,
+        number: u32,
+        is_final: bool,
+        refinement: Refinement,
+    ) -> Self {
+        estimator.note(until);
+        Self {
+            refinement,
+            judges: number > 0,
+            until,
+            assessed: assessed(estimator, number, is_final),
+            task: Task::Prefilter(0),
+        }
+    }
+
+    /// Draws no more responses.
+    pub fn end_soon(&mut self) {
+        self.refinement.end_soon();
+    }
+
+    /// Responses drawn so far.
+    pub fn drawn(&self) -> u32 {
+        self.refinement.drawn()
+    }
+
+    /// The estimate, once it is over.
+    pub fn estimate(&self, estimator: &mut Estimator) -> ImpactEstimate {
+        estimator.estimate_with(self.until, self.assessed)
+    }
+
+    pub fn is_over(&self) -> bool {
+        matches!(self.task, Task::Over)
+    }
+
+    /// The next slice, unless it is over.
+    pub fn step(&mut self, estimator: &mut Estimator) {
+        self.task = match std::mem::replace(&mut self.task, Task::Over) {
+            Task::Prefilter(first) => match estimator.prefilter(first, PREFILTERED) {
+                true => Task::Prefilter(first + PREFILTERED),
+                false => Task::Weigh,
+            },
+            Task::Weigh => match estimator.weigh_some(WEIGHED) {
+                true => Task::Weigh,
+                false => Task::Refine,
+            },
+            Task::Refine if !self.refinement.is_over() => {
+                self.refinement.step(estimator);
+                Task::Refine
+            }
+            Task::Refine if self.judges && estimator.has_doubts() => Task::WeighAll(0),
+            Task::Refine => Task::Assess(estimator.unassessed(self.assessed)),
+            Task::WeighAll(first) => match estimator.weigh_all(first, WEIGHED) {
+                true => Task::WeighAll(first + WEIGHED),
+                false => Task::JudgeSensors,
+            },
+            Task::JudgeSensors => match estimator.judge_sensors() {
+                true => Task::WeighAgain(0),
+                false => Task::Assess(estimator.unassessed(self.assessed)),
+            },
+            Task::WeighAgain(first) => match estimator.weigh_all(first, WEIGHED) {
+                true => Task::WeighAgain(first + WEIGHED),
+                false => Task::Assess(estimator.unassessed(self.assessed)),
+            },
+            Task::Assess(mut left) => match left.pop() {
+                Some(index) => {
+                    estimator.assess_one(index);
+                    Task::Assess(left)
+                }
+                None => Task::Over,
+            },
+            Task::Over => Task::Over,
+        };
+    }
+}

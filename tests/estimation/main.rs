@@ -1,0 +1,8 @@
+//! Sensors: what they read, detection, and estimates, against signals of a fibre-beam model of other authorship.
+
+mod detection;
+mod estimates;
+mod live;
+mod made_impacts;
+mod readings;
+mod signals;

@@ -1,8 +1,0 @@
-//! Sensors: what they read, detection, and estimates, against signals of a fibre-beam model of other authorship.
-
-mod detection;
-mod estimation;
-mod live;
-mod made_impacts;
-mod readings;
-mod signals;
