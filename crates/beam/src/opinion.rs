@@ -68,6 +68,8 @@ pub struct BeamOutcome {
     pub elements: usize,
     /// Steps of the response.
     pub steps: u64,
+    /// Evaluations of its equations, which cost nearly all of the time.
+    pub evaluations: u64,
     /// Change of the whole energy over the energy of the vehicle: what the solution of the equations has lost.
     pub energy_error: f64,
 }
@@ -218,6 +220,7 @@ impl BeamModel {
             error_estimate,
             elements,
             steps: course.steps,
+            evaluations: course.evaluations,
             energy_error: course.energy_error / course.energy_in,
         };
         Ok((outcome, damage))

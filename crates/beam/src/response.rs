@@ -39,6 +39,8 @@ pub(crate) struct Course {
     pub stuck: bool,
     pub base_shear: f64,
     pub steps: u64,
+    pub evaluations: u64,
+    pub halvings: u64,
     pub secs: f64,
     /// Energy of vehicle and column that the equations have lost \[J\], and energy put in.
     pub energy_error: f64,
@@ -117,6 +119,14 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 }
             }
         }
+        // What is held does not move: a node that turns about y and z would otherwise begin with a turn about x as well.
+        for (increment, held) in self.solver.increments.iter_mut().zip(&self.beam.held) {
+            for (value, held) in increment.iter_mut().zip(held) {
+                if *held {
+                    *value = 0.0;
+                }
+            }
+        }
         // The shear angle continues at its previous rate.
         for angle in &mut self.solver.shear {
             *angle *= secs / self.last_secs;
@@ -137,6 +147,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             self.record(secs);
             return true;
         }
+        self.course.halvings += 1;
         depth < MAX_HALVINGS
             && self.advance(0.5 * secs, depth + 1)
             && self.advance(0.5 * secs, depth + 1)
@@ -214,6 +225,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             }
         }
         self.course.yielded = self.state.yielded.iter().any(|yielded| *yielded);
+        self.course.evaluations = self.solver.evaluations;
         self.course.energy_error = self.energy() - before - self.striker.pushed;
         self.course.steps < MAX_STEPS
     }

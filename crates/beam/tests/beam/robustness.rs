@@ -78,6 +78,14 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
         whole += took;
         match result {
             Ok((found, damage)) => {
+                if std::env::var("COLUMN_TWIN_EXPLORE").is_ok() {
+                    println!(
+                        "{number} {name} deg {degrees:.0} {} P {:.2} ks {:.0e} b {:.0e} shear {} {:?} base {:?} bow {} bump {} v {:.1} m {mass:.0} | {took:.0} ms steps {} evals {} n {} ledger {:.1e} v1 {:.3}+{:.3} t {:.4} {:?}",
+                        hit.impact.vehicle.is_some(), it.top_load / squash, it.top_spring_stiffness, it.steel.hardening_ratio,
+                        it.shear, it.torsion, it.base, it.bow, it.bumper_height, hit.impact.velocity,
+                        found.steps, found.evaluations, found.elements, found.energy_error, found.max_displacement_m, found.max_sideways_m, found.max_displacement_time_s, found.outcome
+                    );
+                }
                 worst = worst.max(found.energy_error.abs());
                 if found.energy_error.abs() > 1e-8 {
                     println!(
