@@ -24,6 +24,9 @@ const DESCENDED: f64 = 0.25;
 /// Most steps of a response.
 pub(crate) const MAX_STEPS: u64 = 200_000;
 
+/// Energy that one step may lose over the energy put in: 1e-8 in ten thousand steps.
+const ENERGY_TOLERANCE: f64 = 1e-12;
+
 /// Share of the peak displacement by which the column comes back before a response ends.
 const BACK: f64 = 0.02;
 
@@ -75,7 +78,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         let mut solver = Solver::new(beam);
         let striker = Striker::new(impact, touches);
         let energy_in = 0.5 * impact.mass * impact.velocity * impact.velocity;
-        // The energy of a step errs by residual times movement; this keeps the sum below 1e-8 of the energy put in.
+        solver.energy_tolerance = ENERGY_TOLERANCE * energy_in;
         solver.tolerance = 3e-5 * energy_in / (0.001 + 0.01 * impact.velocity);
         let squash = beam.section.steel.yield_strength * beam.section.area;
         solver.tolerance = solver.tolerance.min(1e-5 * squash).max(1e-11 * squash);
