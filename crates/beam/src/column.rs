@@ -129,15 +129,25 @@ pub enum BeamError {
         /// When \[s\].
         time: f64,
     },
-    /// Damage of another column.
+    /// Damage of another section.
     #[error(
-        "no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh"
+        "no second opinion: the damage was stored for a section of {found} fibres; expected {expected}; keep section, beam.fibres, beam.shear and beam.residual_stress as they were"
     )]
     Damage {
-        /// How many sections it has.
+        /// How many fibres it has.
         found: usize,
-        /// How many the beam has.
+        /// How many the section has.
         expected: usize,
+    },
+    /// Damage of a column of another length.
+    #[error(
+        "no second opinion: the damage was stored for a column of {found} m; expected {expected} m, the length of this column"
+    )]
+    DamageLength {
+        /// Its length \[m\].
+        found: f64,
+        /// That of the column \[m\].
+        expected: f64,
     },
 }
 

@@ -72,6 +72,9 @@ pub(crate) struct Fibres {
 /// Sums are formed in so many lanes, which fixes their order whatever the processor can do at once.
 const LANES: usize = 4;
 
+/// Parts of half a flange with residual stresses in the plane of the web.
+const HALF_FLANGE: usize = 4;
+
 /// Iterations of the return of a fibre under normal and shear stress.
 const RETURNS: usize = 3;
 
@@ -110,7 +113,7 @@ pub(crate) type PointForces = [f64; 4];
 pub(crate) type PointStiffness = [[f64; 4]; 4];
 
 /// What the fibres at one section have been through.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct PointState {
     /// `(E + H) e_p - E e_r` of each fibre without shear \[Pa\]: the middle of its elastic range, a stress.
     pub plain: Vec<f64>,
@@ -219,13 +222,19 @@ impl Section {
             for layer in 0..division.layers {
                 let share = (layer as f64 + 0.5) / division.layers as f64;
                 let y = side * (0.5 * h - tf * share);
-                for part in 0..division.across {
-                    let z = b * ((part as f64 + 0.5) / division.across as f64 - 0.5);
-                    let residual = match division.across {
+                // In the plane of the web both halves of a flange are one.
+                let (count, from, width) = match division.across {
+                    1 if peak > 0.0 => (HALF_FLANGE, 0.0, 0.5 * b),
+                    1 => (1, -0.5 * b, b),
+                    across => (across, -0.5 * b, b),
+                };
+                for part in 0..count {
+                    let z = from + width * (part as f64 + 0.5) / count as f64;
+                    let residual = match count {
                         1 => 0.0,
                         _ => peak * (1.0 - 4.0 * z.abs() / b),
                     };
-                    let area = b * tf / (division.layers * division.across) as f64;
+                    let area = b * tf / (division.layers * count) as f64;
                     self.plain.push(y, z, area, residual);
                 }
             }
@@ -233,10 +242,10 @@ impl Section {
                 // Each fillet is a square less a quarter disc, with its centroid 0.2234 r from the corner.
                 let area = (1.0 - 0.25 * std::f64::consts::PI) * r * r;
                 let y = side * (0.5 * web_depth - 0.223_416 * r);
+                let z = 0.5 * tw + 0.223_416 * r;
                 if division.across == 1 {
-                    self.plain.push(y, 0.0, 2.0 * area, 0.0);
+                    self.plain.push(y, z, 2.0 * area, peak);
                 } else {
-                    let z = 0.5 * tw + 0.223_416 * r;
                     self.plain.push(y, -z, area, peak);
                     self.plain.push(y, z, area, peak);
                 }
@@ -257,6 +266,7 @@ impl Section {
                 fibres.push(y, 0.25 * tw, 0.5 * area, residual);
             }
         }
+        self.balance();
         if with_shear {
             self.shear_only_area = tw * tf;
             self.flanges = [b * tf * tf * tf / 6.0, 0.25 * b * tf * tf];
@@ -272,6 +282,22 @@ impl Section {
                 - 0.420 * tf * cube(tf),
             tf * cube(b) * (h - tf) * (h - tf) / 24.0,
         ];
+    }
+
+    /// Shifts the residual stresses so that they have no resultant, which the fillets, in tension, would leave.
+    fn balance(&mut self) {
+        let (mut force, mut area) = (0.0, 0.0);
+        for fibres in [&self.plain, &self.web] {
+            for (part, initial) in fibres.area.iter().zip(&fibres.initial) {
+                force += part * initial;
+                area += part;
+            }
+        }
+        for fibres in [&mut self.plain, &mut self.web] {
+            for initial in &mut fibres.initial {
+                *initial -= force / area;
+            }
+        }
     }
 
     fn divide_rectangular(
@@ -375,6 +401,56 @@ impl Section {
             }
         }
         state
+    }
+
+    /// Number of fibres without and with shear.
+    pub fn fibres(&self) -> [usize; 2] {
+        [self.plain.len(), self.web.len()]
+    }
+
+    /// Plastic strains of the fibres without shear.
+    pub fn plastic_strains(&self, point: &PointState) -> impl Iterator<Item = f64> {
+        let e = self.steel.young_modulus;
+        let per = 1.0 / (e + self.steel.plastic_modulus());
+        let fibres = point.plain.iter().zip(&self.plain.initial);
+        fibres.map(move |(middle, initial)| per * (middle + e * initial))
+    }
+
+    /// A section whose fibres have these plastic strains.
+    pub fn point(&self, plain: &[f64], web: Vec<[f64; 2]>) -> PointState {
+        let mut state = self.undamaged();
+        state.web = web;
+        let e = self.steel.young_modulus;
+        let f = &self.plain;
+        for (k, strain) in plain.iter().enumerate() {
+            state.plain[k] += (e + self.steel.plastic_modulus()) * strain;
+            let force = e * f.area[k] * strain;
+            for (sum, lever) in state.locked.iter_mut().zip([1.0, -f.y[k], f.z[k]]) {
+                *sum += lever * force;
+            }
+        }
+        state
+    }
+
+    /// For each fibre, without and with shear, the fibre of the section in the plane of the web at the same height and nearly
+    /// the same distance from the web.
+    pub fn counterparts(&self, plane: &Self) -> [Vec<usize>; 2] {
+        let find = |from: &Fibres, to: &Fibres| {
+            let nearest = |k: usize| {
+                let far = |other: usize| {
+                    let height = (from.y[other] - to.y[k]).abs();
+                    let distance = (from.z[other].abs() - to.z[k].abs()).abs();
+                    // Fibres at another height are far away.
+                    1e3 * height + distance
+                };
+                let filled = (0..from.len()).filter(|other| from.area[*other] > 0.0);
+                filled
+                    .min_by(|one, two| far(*one).total_cmp(&far(*two)))
+                    .unwrap_or(0)
+            };
+            (0..to.len()).map(nearest).collect()
+        };
+        [find(&plane.plain, &self.plain), find(&plane.web, &self.web)]
     }
 
     /// Whether a section that has never yielded stays elastic under this strain, by a bound from outside.
@@ -578,11 +654,7 @@ impl Section {
             if let Some(returned) = self.return_web(&trial, strength) {
                 flows = true;
                 for lane in 0..LANES {
-                    let (y, z, area) = (
-                        f.y[first + lane],
-                        f.z[first + lane],
-                        f.area[first + lane],
-                    );
+                    let (y, z, area) = (f.y[first + lane], f.z[first + lane], f.area[first + lane]);
                     trial[0][lane] -= e * returned.flow[0][lane];
                     trial[1][lane] -= g * returned.flow[1][lane];
                     let normal = area * e * e * returned.by_trial[0][lane];
@@ -678,8 +750,7 @@ fn return_to_surface(
         let (r, s, t) = (r[lane], s[lane], t[lane]);
         // d r / d trial from the consistency of the surface.
         let (sigma, tau) = (normal * s, shear * t);
-        let per =
-            1.0 / (sigma * sigma * moduli[0] * s + 3.0 * tau * tau * moduli[1] * t);
+        let per = 1.0 / (sigma * sigma * moduli[0] * s + 3.0 * tau * tau * moduli[1] * t);
         let by = [sigma * s * per, 3.0 * tau * t * per];
         // The plastic strains are (r sigma, 3 r tau), with s and t functions of r.
         let grown = [
@@ -705,7 +776,8 @@ mod tests {
         let (e, g, h, strength) = (210e9, 210e9 / 2.6, 2e9, 355e6);
         let moduli = [e + h, 3.0 * g + h];
         let back = |trial: [f64; 2]| {
-            let returned = return_to_surface(&[trial[0]; LANES], &[trial[1]; LANES], strength, moduli);
+            let returned =
+                return_to_surface(&[trial[0]; LANES], &[trial[1]; LANES], strength, moduli);
             [0, 1].map(|k| returned.flow[k][0])
         };
         for far in [1.0 + 1e-9, 1.01, 2.0, 50.0, 1e4] {
@@ -721,7 +793,10 @@ mod tests {
                     trial[1] - moduli[1] / 3.0 * flow[1],
                 ];
                 let size = (relative[0] * relative[0] + 3.0 * relative[1] * relative[1]).sqrt();
-                assert!((size / strength - 1.0).abs() < 1e-12 * far, "{far} {angle} {size}");
+                assert!(
+                    (size / strength - 1.0).abs() < 1e-12 * far,
+                    "{far} {angle} {size}"
+                );
                 let returned =
                     return_to_surface(&[trial[0]; LANES], &[trial[1]; LANES], strength, moduli);
                 let step = 1e-6 * far * strength;
@@ -731,11 +806,17 @@ mod tests {
                 let more = back([trial[0] + step, trial[1]]);
                 let less = back([trial[0] - step, trial[1]]);
                 let slope = (more[0] - less[0]) / (2.0 * step);
-                assert!((slope - returned.by_trial[0][0]).abs() < 1e-4 / e, "{far} {angle}");
+                assert!(
+                    (slope - returned.by_trial[0][0]).abs() < 1e-4 / e,
+                    "{far} {angle}"
+                );
                 let more = back([trial[0], trial[1] + step]);
                 let less = back([trial[0], trial[1] - step]);
                 let slope = (more[1] - less[1]) / (2.0 * step);
-                assert!((slope - returned.by_trial[2][0]).abs() < 1e-4 / g, "{far} {angle}");
+                assert!(
+                    (slope - returned.by_trial[2][0]).abs() < 1e-4 / g,
+                    "{far} {angle}"
+                );
             }
         }
     }
