@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::beam::Beam;
 use super::element::{Ends, UPRIGHT, deformations, length};
-use super::mesh;
+use super::mesh::{self, Density};
 use super::parts::{Element, RotationSpring, Slider};
 use super::rate::Rate;
 use super::section::{Division, Section, Shape, Steel};
@@ -259,11 +259,10 @@ impl BeamColumn {
         Ok(())
     }
 
-    /// Heights of the nodes for a vehicle that is deformable or not \[m\]; `elements` 0 for automatic.
-    pub(crate) fn heights(&self, elements: usize, deformable: bool) -> Vec<f64> {
+    /// Heights of the nodes \[m\]; `elements` 0 for automatic.
+    pub(crate) fn heights(&self, elements: usize, density: Density) -> Vec<f64> {
         let half = 0.5 * self.bumper_height;
         let (at, top) = (self.length_below, self.length());
-        let density = if deformable { mesh::FINE } else { mesh::COARSE };
         if half > 0.0 {
             let keys = [0.0, at - half, at, at + half, top];
             mesh::nodes(&keys, self.depth(), elements, density)

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError};
 use super::damage::Damage;
+use super::mesh;
 use super::newton::Solver;
 use super::response::{Course, MAX_STEPS, Run};
 use super::statics::{push_down, push_sideways, settle, settle_elastically};
@@ -127,7 +128,7 @@ impl BeamModel {
     #[must_use]
     pub fn lateral_resistance(&self, way: f64) -> Option<f64> {
         let column = &self.column;
-        let heights = column.heights(column.elements, true);
+        let heights = column.heights(column.elements, mesh::FINE);
         let beam: Beam<3, 3, 4> = column.beam(&heights, column.bows());
         let mut state = beam.undamaged();
         let mut solver = Solver::new(&beam);
@@ -249,8 +250,12 @@ impl BeamModel {
     }
 
     fn heights(&self, hit: &Hit, elements: usize, plane: bool) -> Vec<f64> {
-        let fine = plane && hit.impact.vehicle.is_some();
-        self.column.heights(elements, fine)
+        let density = match (plane, hit.impact.vehicle) {
+            (false, _) => mesh::COARSEST,
+            (true, None) => mesh::COARSE,
+            (true, Some(_)) => mesh::FINE,
+        };
+        self.column.heights(elements, density)
     }
 
     fn is_plane(hit: &Hit, damage: Option<&Damage>) -> bool {
@@ -385,7 +390,7 @@ impl BeamModel {
     ) -> f64 {
         let heights = match damage {
             Some(damage) => damage.heights().to_vec(),
-            None => self.column.heights(self.column.elements, true),
+            None => self.column.heights(self.column.elements, mesh::FINE),
         };
         let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
         let mut solver = Solver::new(&beam);
