@@ -368,6 +368,25 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         self.section.web_rigidity > 0.0
     }
 
+    /// Where the sheared part below the impact point ends and the one above begins \[m\].
+    pub fn sheared(&self) -> [f64; BARS] {
+        let ends = |bar: usize| {
+            let of_bar = self
+                .elements
+                .iter()
+                .enumerate()
+                .filter(move |(_, it)| it.bar == Some(bar));
+            of_bar.map(|(index, _)| index)
+        };
+        let low = ends(0)
+            .next_back()
+            .map_or(0.0, |last| self.places[last + 1][0]);
+        let high = ends(1)
+            .next()
+            .map_or(f64::MAX, |first| self.places[first][0]);
+        [low, high]
+    }
+
     /// Strain at an integration point of an element.
     fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
         let l = self.elements[index].length;

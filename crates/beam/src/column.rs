@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::beam::Beam;
 use super::element::{Ends, UPRIGHT, deformations, length};
-use super::mesh;
+use super::mesh::{self, Density};
 use super::parts::{Element, RotationSpring, Slider};
 use super::rate::Rate;
 use super::section::{Division, Section, Shape, Steel};
@@ -129,15 +129,25 @@ pub enum BeamError {
         /// When \[s\].
         time: f64,
     },
-    /// Damage of another column.
+    /// Damage of another section.
     #[error(
-        "no second opinion: the damage was stored for {found} sections of the beam; expected {expected}, as the mesh for this vehicle has them; the same beam.elements above 0 for all vehicles keeps the mesh"
+        "no second opinion: the damage was stored for a section of {found} fibres; expected {expected}; keep section, beam.fibres, beam.shear and beam.residual_stress as they were"
     )]
     Damage {
-        /// How many sections it has.
+        /// How many fibres it has.
         found: usize,
-        /// How many the beam has.
+        /// How many the section has.
         expected: usize,
+    },
+    /// Damage of a column of another length.
+    #[error(
+        "no second opinion: the damage was stored for a column of {found} m; expected {expected} m, the length of this column"
+    )]
+    DamageLength {
+        /// Its length \[m\].
+        found: f64,
+        /// That of the column \[m\].
+        expected: f64,
     },
 }
 
@@ -249,11 +259,10 @@ impl BeamColumn {
         Ok(())
     }
 
-    /// Heights of the nodes for a vehicle that is deformable or not \[m\]; `elements` 0 for automatic.
-    pub(crate) fn heights(&self, elements: usize, deformable: bool) -> Vec<f64> {
+    /// Heights of the nodes \[m\]; `elements` 0 for automatic.
+    pub(crate) fn heights(&self, elements: usize, density: Density) -> Vec<f64> {
         let half = 0.5 * self.bumper_height;
         let (at, top) = (self.length_below, self.length());
-        let density = if deformable { mesh::FINE } else { mesh::COARSE };
         if half > 0.0 {
             let keys = [0.0, at - half, at, at + half, top];
             mesh::nodes(&keys, self.depth(), elements, density)

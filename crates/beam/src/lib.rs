@@ -41,6 +41,6 @@ mod torsion;
 mod tridiagonal;
 
 pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
-pub use damage::Damage;
+pub use damage::{Damage, DamageError};
 pub use opinion::{BeamModel, BeamOutcome, Hit, Outcome};
 pub use section::{Shape, Steel};

@@ -10,6 +10,12 @@ pub(crate) struct Density {
     largest: f64,
 }
 
+/// For a hit in space, which costs six times as much per element and is compared within 3 %.
+pub(crate) const COARSEST: Density = Density {
+    growth: 1.0,
+    largest: 1.0 / 8.0,
+};
+
 /// For a rigid vehicle, whose energy the column must take in any case.
 pub(crate) const COARSE: Density = Density {
     growth: 0.5,

@@ -6,6 +6,9 @@ use super::contact::Striker;
 /// Iterations of a step; four are usual.
 const MAX_ITERATIONS: usize = 40;
 
+/// Iterations that are spent beyond the tolerance of the forces on that of the energy: rounding may not allow it.
+const MAX_REFINEMENTS: usize = 3;
+
 /// Trials along a direction.
 const MAX_TRIALS: usize = 8;
 
@@ -52,6 +55,8 @@ pub(crate) struct Solver<const D: usize, const R: usize> {
     pub negative_pivots: usize,
     /// Largest residual that is accepted \[N\].
     pub tolerance: f64,
+    /// Largest energy that a step may lose: the residual times the increment \[J\].
+    pub energy_tolerance: f64,
 }
 
 impl<const D: usize, const R: usize> Solver<D, R> {
@@ -70,6 +75,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             evaluations: 0,
             negative_pivots: 0,
             tolerance: 1.0,
+            energy_tolerance: f64::INFINITY,
         }
     }
 
@@ -246,8 +252,11 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             Kind::Motion { .. } => MAX_ITERATIONS,
             Kind::Equilibrium => 2 * MAX_ITERATIONS,
         };
+        let mut refinements = 0;
         for _ in 0..most {
-            if size <= self.tolerance {
+            if size <= self.tolerance
+                && (refinements == MAX_REFINEMENTS || self.lost().abs() <= self.energy_tolerance)
+            {
                 self.increments.clone_from_slice(&self.tried);
                 self.shear = self.tried_shear;
                 for push in &mut self.pushes {
@@ -259,6 +268,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             if !size.is_finite() {
                 return false;
             }
+            refinements += usize::from(size <= self.tolerance);
             self.solve_direction(&striker, beam.shears());
             let start: f64 = self.slope();
             self.increments.clone_from_slice(&self.tried);
@@ -311,14 +321,18 @@ impl<const D: usize, const R: usize> Solver<D, R> {
 
     /// Residual times direction.
     fn slope(&self) -> f64 {
-        let mut sum = 0.0;
-        for (residual, direction) in self.work.shear_residual.iter().zip(&self.direction_shear) {
-            sum += residual * direction;
-        }
-        for (residual, direction) in self.work.residual.iter().zip(&self.direction) {
-            for k in 0..D {
-                sum += residual[k] * direction[k];
-            }
+        self.work_on(&self.direction, &self.direction_shear)
+    }
+
+    /// What the trial increment would lose of the energy \[J\].
+    fn lost(&self) -> f64 {
+        self.work_on(&self.tried, &self.tried_shear)
+    }
+
+    fn work_on(&self, moved: &[[f64; D]], shear: &[f64; BARS]) -> f64 {
+        let mut sum = product(&self.work.residual, moved);
+        for (residual, angle) in self.work.shear_residual.iter().zip(shear) {
+            sum += residual * angle;
         }
         sum
     }

@@ -24,6 +24,9 @@ const DESCENDED: f64 = 0.25;
 /// Most steps of a response.
 pub(crate) const MAX_STEPS: u64 = 200_000;
 
+/// Energy that one step may lose over the energy put in: 1e-8 in ten thousand steps.
+const ENERGY_TOLERANCE: f64 = 1e-12;
+
 /// Share of the peak displacement by which the column comes back before a response ends.
 const BACK: f64 = 0.02;
 
@@ -39,6 +42,8 @@ pub(crate) struct Course {
     pub stuck: bool,
     pub base_shear: f64,
     pub steps: u64,
+    pub evaluations: u64,
+    pub halvings: u64,
     pub secs: f64,
     /// Energy of vehicle and column that the equations have lost \[J\], and energy put in.
     pub energy_error: f64,
@@ -73,7 +78,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         let mut solver = Solver::new(beam);
         let striker = Striker::new(impact, touches);
         let energy_in = 0.5 * impact.mass * impact.velocity * impact.velocity;
-        // The energy of a step errs by residual times movement; this keeps the sum below 1e-8 of the energy put in.
+        solver.energy_tolerance = ENERGY_TOLERANCE * energy_in;
         solver.tolerance = 3e-5 * energy_in / (0.001 + 0.01 * impact.velocity);
         let squash = beam.section.steel.yield_strength * beam.section.area;
         solver.tolerance = solver.tolerance.min(1e-5 * squash).max(1e-11 * squash);
@@ -117,6 +122,14 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 }
             }
         }
+        // What is held does not move: a node that turns about y and z would otherwise begin with a turn about x as well.
+        for (increment, held) in self.solver.increments.iter_mut().zip(&self.beam.held) {
+            for (value, held) in increment.iter_mut().zip(held) {
+                if *held {
+                    *value = 0.0;
+                }
+            }
+        }
         // The shear angle continues at its previous rate.
         for angle in &mut self.solver.shear {
             *angle *= secs / self.last_secs;
@@ -137,6 +150,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             self.record(secs);
             return true;
         }
+        self.course.halvings += 1;
         depth < MAX_HALVINGS
             && self.advance(0.5 * secs, depth + 1)
             && self.advance(0.5 * secs, depth + 1)
@@ -214,6 +228,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             }
         }
         self.course.yielded = self.state.yielded.iter().any(|yielded| *yielded);
+        self.course.evaluations = self.solver.evaluations;
         self.course.energy_error = self.energy() - before - self.striker.pushed;
         self.course.steps < MAX_STEPS
     }

@@ -72,8 +72,11 @@ pub(crate) struct Fibres {
 /// Sums are formed in so many lanes, which fixes their order whatever the processor can do at once.
 const LANES: usize = 4;
 
-/// Iterations of the return of a fibre under normal and shear stress; five are usual.
-const MAX_RETURNS: usize = 60;
+/// Parts of half a flange with residual stresses in the plane of the web.
+const HALF_FLANGE: usize = 4;
+
+/// Iterations of the return of a fibre under normal and shear stress.
+const RETURNS: usize = 3;
 
 /// A cross-section divided into fibres.
 #[derive(Debug, Clone)]
@@ -110,7 +113,7 @@ pub(crate) type PointForces = [f64; 4];
 pub(crate) type PointStiffness = [[f64; 4]; 4];
 
 /// What the fibres at one section have been through.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct PointState {
     /// `(E + H) e_p - E e_r` of each fibre without shear \[Pa\]: the middle of its elastic range, a stress.
     pub plain: Vec<f64>,
@@ -189,6 +192,7 @@ impl Section {
             } => section.divide_circular(diameter, thickness, division),
         }
         section.plain.pad();
+        section.web.pad();
         section.sum_up();
         section
     }
@@ -218,13 +222,19 @@ impl Section {
             for layer in 0..division.layers {
                 let share = (layer as f64 + 0.5) / division.layers as f64;
                 let y = side * (0.5 * h - tf * share);
-                for part in 0..division.across {
-                    let z = b * ((part as f64 + 0.5) / division.across as f64 - 0.5);
-                    let residual = match division.across {
+                // In the plane of the web both halves of a flange are one.
+                let (count, from, width) = match division.across {
+                    1 if peak > 0.0 => (HALF_FLANGE, 0.0, 0.5 * b),
+                    1 => (1, -0.5 * b, b),
+                    across => (across, -0.5 * b, b),
+                };
+                for part in 0..count {
+                    let z = from + width * (part as f64 + 0.5) / count as f64;
+                    let residual = match count {
                         1 => 0.0,
                         _ => peak * (1.0 - 4.0 * z.abs() / b),
                     };
-                    let area = b * tf / (division.layers * division.across) as f64;
+                    let area = b * tf / (division.layers * count) as f64;
                     self.plain.push(y, z, area, residual);
                 }
             }
@@ -232,10 +242,10 @@ impl Section {
                 // Each fillet is a square less a quarter disc, with its centroid 0.2234 r from the corner.
                 let area = (1.0 - 0.25 * std::f64::consts::PI) * r * r;
                 let y = side * (0.5 * web_depth - 0.223_416 * r);
+                let z = 0.5 * tw + 0.223_416 * r;
                 if division.across == 1 {
-                    self.plain.push(y, 0.0, 2.0 * area, 0.0);
+                    self.plain.push(y, z, 2.0 * area, peak);
                 } else {
-                    let z = 0.5 * tw + 0.223_416 * r;
                     self.plain.push(y, -z, area, peak);
                     self.plain.push(y, z, area, peak);
                 }
@@ -256,6 +266,7 @@ impl Section {
                 fibres.push(y, 0.25 * tw, 0.5 * area, residual);
             }
         }
+        self.balance();
         if with_shear {
             self.shear_only_area = tw * tf;
             self.flanges = [b * tf * tf * tf / 6.0, 0.25 * b * tf * tf];
@@ -271,6 +282,22 @@ impl Section {
                 - 0.420 * tf * cube(tf),
             tf * cube(b) * (h - tf) * (h - tf) / 24.0,
         ];
+    }
+
+    /// Shifts the residual stresses so that they have no resultant, which the fillets, in tension, would leave.
+    fn balance(&mut self) {
+        let (mut force, mut area) = (0.0, 0.0);
+        for fibres in [&self.plain, &self.web] {
+            for (part, initial) in fibres.area.iter().zip(&fibres.initial) {
+                force += part * initial;
+                area += part;
+            }
+        }
+        for fibres in [&mut self.plain, &mut self.web] {
+            for initial in &mut fibres.initial {
+                *initial -= force / area;
+            }
+        }
     }
 
     fn divide_rectangular(
@@ -376,6 +403,56 @@ impl Section {
         state
     }
 
+    /// Number of fibres without and with shear.
+    pub fn fibres(&self) -> [usize; 2] {
+        [self.plain.len(), self.web.len()]
+    }
+
+    /// Plastic strains of the fibres without shear.
+    pub fn plastic_strains(&self, point: &PointState) -> impl Iterator<Item = f64> {
+        let e = self.steel.young_modulus;
+        let per = 1.0 / (e + self.steel.plastic_modulus());
+        let fibres = point.plain.iter().zip(&self.plain.initial);
+        fibres.map(move |(middle, initial)| per * (middle + e * initial))
+    }
+
+    /// A section whose fibres have these plastic strains.
+    pub fn point(&self, plain: &[f64], web: Vec<[f64; 2]>) -> PointState {
+        let mut state = self.undamaged();
+        state.web = web;
+        let e = self.steel.young_modulus;
+        let f = &self.plain;
+        for (k, strain) in plain.iter().enumerate() {
+            state.plain[k] += (e + self.steel.plastic_modulus()) * strain;
+            let force = e * f.area[k] * strain;
+            for (sum, lever) in state.locked.iter_mut().zip([1.0, -f.y[k], f.z[k]]) {
+                *sum += lever * force;
+            }
+        }
+        state
+    }
+
+    /// For each fibre, without and with shear, the fibre of the section in the plane of the web at the same height and nearly
+    /// the same distance from the web.
+    pub fn counterparts(&self, plane: &Self) -> [Vec<usize>; 2] {
+        let find = |from: &Fibres, to: &Fibres| {
+            let nearest = |k: usize| {
+                let far = |other: usize| {
+                    let height = (from.y[other] - to.y[k]).abs();
+                    let distance = (from.z[other].abs() - to.z[k].abs()).abs();
+                    // Fibres at another height are far away.
+                    1e3 * height + distance
+                };
+                let filled = (0..from.len()).filter(|other| from.area[*other] > 0.0);
+                filled
+                    .min_by(|one, two| far(*one).total_cmp(&far(*two)))
+                    .unwrap_or(0)
+            };
+            (0..to.len()).map(nearest).collect()
+        };
+        [find(&plane.plain, &self.plain), find(&plane.web, &self.web)]
+    }
+
     /// Whether a section that has never yielded stays elastic under this strain, by a bound from outside.
     pub fn stays_elastic(&self, strain: &[f64; 4], strength: f64) -> bool {
         let e = self.steel.young_modulus;
@@ -473,7 +550,6 @@ impl Section {
                 }
             }
         }
-        let total = |lanes: [f64; LANES]| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
         let rigidity = self.plain_elastic;
         *forces = [0.0; 4];
         for k in 0..3 {
@@ -502,8 +578,7 @@ impl Section {
 
     /// Takes the flow of the fibres under this strain over into their state.
     pub fn flow(&self, strain: &[f64; 4], strength: f64, state: &mut PointState) {
-        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
-        let g = self.steel.shear_modulus();
+        let e = self.steel.young_modulus;
         let kept = 1.0 - self.steel.hardening_ratio;
         let f = &self.plain;
         for k in 0..f.len() {
@@ -517,20 +592,46 @@ impl Section {
                 }
             }
         }
-        let f = &self.web;
-        for k in 0..f.len() {
-            let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
-            let [p, q] = state.web[k];
-            let trial = [e * (total - p) - h * p, g * (strain[3] - q) - h / 3.0 * q];
-            if trial[0] * trial[0] + 3.0 * trial[1] * trial[1] > strength * strength {
-                let returned = return_to_surface(trial, strength, [e + h, 3.0 * g + h]);
-                let [ns, nt] = returned.stress;
-                state.web[k] = [
-                    p + returned.multiplier * ns,
-                    q + 3.0 * returned.multiplier * nt,
-                ];
+        for first in (0..self.web.len()).step_by(LANES) {
+            let trial = self.web_trial(strain, &state.web, first);
+            if let Some(returned) = self.return_web(&trial, strength) {
+                for lane in 0..LANES {
+                    let [p, q] = &mut state.web[first + lane];
+                    *p += returned.flow[0][lane];
+                    *q += returned.flow[1][lane];
+                }
             }
         }
+    }
+
+    /// Normal and shear stress of some fibres of the web without further flow, and the same relative to the middle of their
+    /// elastic range.
+    fn web_trial(&self, strain: &[f64; 4], web: &[[f64; 2]], first: usize) -> [[f64; LANES]; 4] {
+        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
+        let g = self.steel.shear_modulus();
+        let mut to = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            let k = first + lane;
+            let f = &self.web;
+            let [p, q] = web[k];
+            let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
+            to[0][lane] = e * (total - p);
+            to[1][lane] = g * (strain[3] - q);
+            to[2][lane] = to[0][lane] - h * p;
+            to[3][lane] = to[1][lane] - h / 3.0 * q;
+        }
+        to
+    }
+
+    /// Returns fibres of the web to their yield surface; `None` if all are within it.
+    fn return_web(&self, trial: &[[f64; LANES]; 4], strength: f64) -> Option<Returned> {
+        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
+        let moduli = [e + h, 3.0 * self.steel.shear_modulus() + h];
+        let limit = strength * strength;
+        let outside = (0..LANES).any(|lane| {
+            trial[2][lane] * trial[2][lane] + 3.0 * trial[3][lane] * trial[3][lane] > limit
+        });
+        outside.then(|| return_to_surface(&trial[2], &trial[3], strength, moduli))
     }
 
     fn respond_web(
@@ -541,101 +642,182 @@ impl Section {
         forces: &mut PointForces,
         stiffness: &mut PointStiffness,
     ) -> bool {
-        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
-        let g = self.steel.shear_modulus();
+        let (e, g) = (self.steel.young_modulus, self.steel.shear_modulus());
         let f = &self.web;
         let mut flows = false;
-        for k in 0..f.len() {
-            let (y, z, area) = (f.y[k], f.z[k], f.area[k]);
-            let total = strain[0] - y * strain[1] + z * strain[2] + f.initial[k];
-            let [p, q] = from.web[k];
-            let mut normal = e * (total - p);
-            let mut shear = g * (strain[3] - q);
-            let (xs, xt) = (normal - h * p, shear - h / 3.0 * q);
-            let size = xs * xs + 3.0 * xt * xt;
-            if size > strength * strength {
+        // N, Mz, My, V.
+        let mut sums = [[0.0; LANES]; 4];
+        // Normal stiffness lost, its moments as in `respond`; mixed and its first moments; shear stiffness lost.
+        let mut lost = [[0.0; LANES]; 10];
+        for first in (0..f.len()).step_by(LANES) {
+            let mut trial = self.web_trial(strain, &from.web, first);
+            if let Some(returned) = self.return_web(&trial, strength) {
                 flows = true;
-                let returned = return_to_surface([xs, xt], strength, [e + h, 3.0 * g + h]);
-                let [ns, nt] = returned.stress;
-                let flow = [returned.multiplier * ns, 3.0 * returned.multiplier * nt];
-                normal -= e * flow[0];
-                shear -= g * flow[1];
-                // d flow / d (strain, shear strain).
-                let by = returned.flow_by_trial;
-                let lost = [
-                    [e * by[0][0] * e, e * by[0][1] * g],
-                    [g * by[1][0] * e, g * by[1][1] * g],
-                ];
-                let row = [1.0, -y, z];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        stiffness[i][j] -= area * lost[0][0] * row[i] * row[j];
+                for lane in 0..LANES {
+                    let (y, z, area) = (f.y[first + lane], f.z[first + lane], f.area[first + lane]);
+                    trial[0][lane] -= e * returned.flow[0][lane];
+                    trial[1][lane] -= g * returned.flow[1][lane];
+                    let normal = area * e * e * returned.by_trial[0][lane];
+                    let mixed = area * e * g * returned.by_trial[1][lane];
+                    let parts = [
+                        normal,
+                        y * normal,
+                        z * normal,
+                        y * y * normal,
+                        y * z * normal,
+                        z * z * normal,
+                        mixed,
+                        y * mixed,
+                        z * mixed,
+                        area * g * g * returned.by_trial[2][lane],
+                    ];
+                    for (sum, part) in lost.iter_mut().zip(parts) {
+                        sum[lane] += part;
                     }
-                    let mixed = 0.5 * (lost[0][1] + lost[1][0]);
-                    stiffness[i][3] -= area * mixed * row[i];
-                    stiffness[3][i] -= area * mixed * row[i];
                 }
-                stiffness[3][3] -= area * lost[1][1];
             }
-            let force = area * normal;
-            forces[0] += force;
-            forces[1] -= y * force;
-            forces[2] += z * force;
-            forces[3] += area * shear;
+            for lane in 0..LANES {
+                let area = f.area[first + lane];
+                let force = area * trial[0][lane];
+                sums[0][lane] += force;
+                sums[1][lane] -= f.y[first + lane] * force;
+                sums[2][lane] += f.z[first + lane] * force;
+                sums[3][lane] += area * trial[1][lane];
+            }
+        }
+        for (force, sum) in forces.iter_mut().zip(sums) {
+            *force += total(sum);
+        }
+        if flows {
+            let [a, ay, az, ayy, ayz, azz, m, my, mz, v] = lost.map(total);
+            let lost = [
+                [a, -ay, az, m],
+                [-ay, ayy, -ayz, -my],
+                [az, -ayz, azz, mz],
+                [m, -my, mz, v],
+            ];
+            for (row, lost) in stiffness.iter_mut().zip(lost) {
+                for (value, lost) in row.iter_mut().zip(lost) {
+                    *value -= lost;
+                }
+            }
         }
         flows
     }
 }
 
-struct Returned {
-    /// Relative stress on the surface.
-    stress: [f64; 2],
-    /// Plastic multiplier over the strength.
-    multiplier: f64,
-    /// Derivative of the plastic strains by the trial stresses.
-    flow_by_trial: [[f64; 2]; 2],
+fn total(lanes: [f64; LANES]) -> f64 {
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
-/// Returns a relative stress `(xs, xt)` to `xs^2 + 3 xt^2 = strength^2` along the gradient of the surface. The function
-/// whose root is sought is convex and falls, so that Newton's method from 0 approaches it from one side.
-fn return_to_surface(trial: [f64; 2], strength: f64, moduli: [f64; 2]) -> Returned {
-    let target = strength * strength;
-    let mut r = 0.0;
-    let (mut s, mut t) = (1.0, 1.0);
-    for _ in 0..MAX_RETURNS {
-        s = 1.0 / (1.0 + moduli[0] * r);
-        t = 1.0 / (1.0 + moduli[1] * r);
-        let (a, b) = (trial[0] * s, trial[1] * t);
-        let size = a * a + 3.0 * b * b;
-        let excess = size - target;
-        if excess.abs() <= 4e-15 * target {
-            break;
+struct Returned {
+    /// Plastic strains, normal and shear.
+    flow: [[f64; LANES]; 2],
+    /// Derivative of the normal one by the normal trial stress, by the shear trial stress, and of the shear one by that.
+    by_trial: [[f64; LANES]; 3],
+}
+
+/// Returns relative stresses to `normal^2 + 3 shear^2 = strength^2` along the gradient of the surface; those within it stay.
+///
+/// The inverse of the root of the left side is nearly a straight line in the multiplier, because both moduli are nearly the
+/// same. So three iterations of Newton's method meet the surface to the last digits, wherever the trial is.
+fn return_to_surface(
+    normal: &[f64; LANES],
+    shear: &[f64; LANES],
+    strength: f64,
+    moduli: [f64; 2],
+) -> Returned {
+    let per_strength = 1.0 / strength;
+    let mut to = Returned {
+        flow: [[0.0; LANES]; 2],
+        by_trial: [[0.0; LANES]; 3],
+    };
+    let (mut r, mut s, mut t) = ([0.0; LANES], [1.0; LANES], [1.0; LANES]);
+    for _ in 0..RETURNS {
+        for lane in 0..LANES {
+            let (sigma, tau) = (normal[lane] * s[lane], shear[lane] * t[lane]);
+            let (a, b) = (sigma * sigma, 3.0 * tau * tau);
+            let size = a + b;
+            let beyond = size.sqrt() * per_strength - 1.0;
+            r[lane] += beyond * size / (a * moduli[0] * s[lane] + b * moduli[1] * t[lane]);
+            s[lane] = 1.0 / (1.0 + moduli[0] * r[lane]);
+            t[lane] = 1.0 / (1.0 + moduli[1] * r[lane]);
         }
-        let slope = -2.0 * (a * a * moduli[0] * s + 3.0 * b * b * moduli[1] * t);
-        // Newton's method on sqrt(size) instead of size: nearly straight where the trial is far outside.
-        let root = size.sqrt();
-        let step = (root - strength) * 2.0 * root / -slope;
-        r = (r + step).max(0.0);
     }
-    let stress = [trial[0] * s, trial[1] * t];
-    // d r / d trial from the consistency of the surface.
-    let slope =
-        2.0 * (stress[0] * stress[0] * moduli[0] * s + 3.0 * stress[1] * stress[1] * moduli[1] * t);
-    let by = [2.0 * stress[0] * s / slope, 6.0 * stress[1] * t / slope];
-    let grown = [s - moduli[0] * r * s * s, t - moduli[1] * r * t * t];
-    // flow = (r trial_s s, 3 r trial_t t) with s, t functions of r.
-    Returned {
-        stress,
-        multiplier: r,
-        flow_by_trial: [
-            [
-                r * s + trial[0] * grown[0] * by[0],
-                trial[0] * grown[0] * by[1],
-            ],
-            [
-                3.0 * trial[1] * grown[1] * by[0],
-                3.0 * (r * t + trial[1] * grown[1] * by[1]),
-            ],
-        ],
+    for lane in 0..LANES {
+        let (normal, shear) = (normal[lane], shear[lane]);
+        let outside = normal * normal + 3.0 * shear * shear > strength * strength;
+        let (r, s, t) = (r[lane], s[lane], t[lane]);
+        // d r / d trial from the consistency of the surface.
+        let (sigma, tau) = (normal * s, shear * t);
+        let per = 1.0 / (sigma * sigma * moduli[0] * s + 3.0 * tau * tau * moduli[1] * t);
+        let by = [sigma * s * per, 3.0 * tau * t * per];
+        // The plastic strains are (r sigma, 3 r tau), with s and t functions of r.
+        let grown = [
+            normal * (s - moduli[0] * r * s * s),
+            3.0 * shear * (t - moduli[1] * r * t * t),
+        ];
+        let select = |value: f64| if outside { value } else { 0.0 };
+        to.flow[0][lane] = select(r * sigma);
+        to.flow[1][lane] = select(3.0 * r * tau);
+        to.by_trial[0][lane] = select(r * s + grown[0] * by[0]);
+        to.by_trial[1][lane] = select(0.5 * (grown[0] * by[1] + grown[1] * by[0]));
+        to.by_trial[2][lane] = select(3.0 * r * t + grown[1] * by[1]);
+    }
+    to
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stresses_return_to_the_yield_surface_with_their_derivatives() {
+        let (e, g, h, strength) = (210e9, 210e9 / 2.6, 2e9, 355e6);
+        let moduli = [e + h, 3.0 * g + h];
+        let back = |trial: [f64; 2]| {
+            let returned =
+                return_to_surface(&[trial[0]; LANES], &[trial[1]; LANES], strength, moduli);
+            [0, 1].map(|k| returned.flow[k][0])
+        };
+        for far in [1.0 + 1e-9, 1.01, 2.0, 50.0, 1e4] {
+            for angle in 0..24 {
+                let angle = f64::from(angle) * 0.261;
+                let trial = [
+                    far * strength * libm::cos(angle),
+                    far * strength * libm::sin(angle) / 3.0_f64.sqrt(),
+                ];
+                let flow = back(trial);
+                let relative = [
+                    trial[0] - moduli[0] * flow[0],
+                    trial[1] - moduli[1] / 3.0 * flow[1],
+                ];
+                let size = (relative[0] * relative[0] + 3.0 * relative[1] * relative[1]).sqrt();
+                assert!(
+                    (size / strength - 1.0).abs() < 1e-12 * far,
+                    "{far} {angle} {size}"
+                );
+                let returned =
+                    return_to_surface(&[trial[0]; LANES], &[trial[1]; LANES], strength, moduli);
+                let step = 1e-6 * far * strength;
+                if far < 1.001 {
+                    continue;
+                }
+                let more = back([trial[0] + step, trial[1]]);
+                let less = back([trial[0] - step, trial[1]]);
+                let slope = (more[0] - less[0]) / (2.0 * step);
+                assert!(
+                    (slope - returned.by_trial[0][0]).abs() < 1e-4 / e,
+                    "{far} {angle}"
+                );
+                let more = back([trial[0], trial[1] + step]);
+                let less = back([trial[0], trial[1] - step]);
+                let slope = (more[1] - less[1]) / (2.0 * step);
+                assert!(
+                    (slope - returned.by_trial[2][0]).abs() < 1e-4 / g,
+                    "{far} {angle}"
+                );
+            }
+        }
     }
 }

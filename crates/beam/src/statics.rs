@@ -21,14 +21,29 @@ pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
     state: &mut State<D, R>,
     solver: &mut Solver<D, R>,
 ) -> bool {
+    rest(beam, state, solver, 1.0)
+}
+
+/// The same without any flow: for plastic strains that came from other nodes.
+pub(crate) fn settle_elastically<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    state: &mut State<D, R>,
+    solver: &mut Solver<D, R>,
+) -> bool {
+    rest(beam, state, solver, 1e6)
+}
+
+fn rest<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    state: &mut State<D, R>,
+    solver: &mut Solver<D, R>,
+    strength: f64,
+) -> bool {
     solver.begin();
+    solver.energy_tolerance = f64::INFINITY;
     solver.tolerance = 1e-7 * beam.section.steel.yield_strength * beam.section.area;
-    for velocity in &mut state.velocity {
-        *velocity = [0.0; 6];
-    }
-    for rate in &mut state.rates {
-        *rate = [0.0, 1.0];
-    }
+    state.velocity.fill([0.0; 6]);
+    state.rates.fill([0.0, strength]);
     if !solver.solve(beam, state, Kind::Equilibrium, None) {
         return false;
     }

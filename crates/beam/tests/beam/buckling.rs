@@ -35,13 +35,8 @@ fn capacities_lie_on_the_buckling_curves() {
                 let ratio = found / expected;
                 println!("{name} {length} m {axis:?} {ratio:.3}");
                 extremes = [extremes[0].min(ratio), extremes[1].max(ratio)];
-                // The target is 1.15. About the strong axis it is missed, up to 1.25, because the residual stresses of a plane
-                // run lie in the web alone and do not balance.
-                let most = match axis {
-                    BendingAxis::Strong => 1.26,
-                    BendingAxis::Weak => 1.15,
-                };
-                if !(0.95..=most).contains(&ratio) {
+                // The target is 1.15; three slender columns about the strong axis miss it, up to 1.156.
+                if !(0.95..=1.157).contains(&ratio) {
                     wrong.push(format!("{name} {length} m {axis:?} {ratio:.3}"));
                 }
             }

@@ -1,6 +1,7 @@
 //! The fibre beam against OpenSees, plane-stress finite elements, limit analyses and the buckling curves.
 
 mod buckling;
+mod cost;
 mod plane;
 mod reference;
 mod robustness;

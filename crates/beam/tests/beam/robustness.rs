@@ -71,6 +71,11 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
         let oblique = random.between(-179.0, 180.0);
         let degrees = random.one_of(&[0.0, oblique]);
         let hit = hit(mass, random.between(1.0, 20.0), spring, degrees);
+        if let Ok(only) = std::env::var("ONLY")
+            && !only.split(',').any(|n| n == number.to_string())
+        {
+            continue;
+        }
         let began = reference::cpu();
         let result = BeamModel::new(&it).and_then(|model| model.simulate(&hit, None));
         let took = reference::cpu() - began;
@@ -78,6 +83,29 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
         whole += took;
         match result {
             Ok((found, damage)) => {
+                if std::env::var("COLUMN_TWIN_EXPLORE").is_ok() {
+                    println!(
+                        "{number} {name} deg {degrees:.0} {} P {:.2} ks {:.0e} b {:.0e} shear {} {:?} base {:?} bow {} bump {} v {:.1} m {mass:.0} | {took:.0} ms steps {} evals {} n {} ledger {:.1e} v1 {:.3}+{:.3} t {:.4} {:?}",
+                        hit.impact.vehicle.is_some(),
+                        it.top_load / squash,
+                        it.top_spring_stiffness,
+                        it.steel.hardening_ratio,
+                        it.shear,
+                        it.torsion,
+                        it.base,
+                        it.bow,
+                        it.bumper_height,
+                        hit.impact.velocity,
+                        found.steps,
+                        found.evaluations,
+                        found.elements,
+                        found.energy_error,
+                        found.max_displacement_m,
+                        found.max_sideways_m,
+                        found.max_displacement_time_s,
+                        found.outcome
+                    );
+                }
                 worst = worst.max(found.energy_error.abs());
                 if found.energy_error.abs() > 1e-8 {
                     println!(
@@ -100,8 +128,7 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
         whole / f64::from(count)
     );
     assert!(failed.is_empty(), "{failed:#?}");
-    // The target is 1e-8, which the reference cases meet; in random columns Newton's tolerance leaves up to 9.4e-5.
-    assert!(worst <= 2e-4, "{worst:e}");
+    assert!(worst <= 1e-8, "{worst:e}");
 }
 
 #[test]
@@ -127,8 +154,8 @@ fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
         // The second hit bends the column further, and less capacity remains.
         assert!(again.residual_displacement_m > 0.3 * one.residual_displacement_m);
         assert!(again.residual_capacity_n[0] < one.residual_capacity_n[0]);
-        // The target is 20 kB.
-        assert!(damage.size() <= 22_000, "{}", damage.size());
+        // As text for a thousand columns.
+        assert!(text.len() <= 20_000, "{}", text.len());
     }
     // Damage in the plane of the web comes into space.
     let (_, damage) = model.simulate(&hit(1500.0, 6.0, None, 0.0), None).unwrap();
@@ -136,6 +163,85 @@ fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
         .simulate(&hit(1500.0, 6.0, None, 45.0), damage.as_ref())
         .unwrap();
     assert!(oblique.max_sideways_m > 0.0);
+}
+
+#[test]
+fn damage_comes_into_another_mesh_and_to_another_height_of_the_impact() {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    it.top_load = 0.5e6;
+    it.top_spring_stiffness = 1e7;
+    it.shear = true;
+    it.residual_stress = true;
+    it.bow = -1.0;
+    let model = BeamModel::new(&it).unwrap();
+    let first = hit(1500.0, 8.0, None, 0.0);
+    let (one, damage) = model.simulate(&first, None).unwrap();
+    let damage = damage.unwrap();
+    // A touch that bends nothing finds the column as it was left, whatever the mesh: in space, with another vehicle, or hit
+    // at another height.
+    let touch = hit(1500.0, 0.05, None, 0.0);
+    let lorry = Some(vehicle(1500.0, 1e5, None));
+    let soft = hit(1500.0, 0.05, lorry, 0.0);
+    let oblique = hit(1500.0, 0.05, None, 30.0);
+    let mut higher = it;
+    (higher.length_below, higher.length_above) = (1.3, 2.7);
+    let higher = BeamModel::new(&higher).unwrap();
+    // The web was sheared below 1 m; above 1.3 m it may not be, and between the angle is spread.
+    for (model, hit, allowed) in [
+        (&model, &touch, 0.001),
+        (&model, &soft, 0.001),
+        (&model, &oblique, 0.001),
+        (&higher, &touch, 0.07),
+    ] {
+        let (found, after) = model.simulate(hit, Some(&damage)).unwrap();
+        println!("{found:?}");
+        let kept = found.residual_capacity_n[0] / one.residual_capacity_n[0];
+        assert!((kept - 1.0).abs() < allowed, "{kept}");
+        assert!(found.residual_displacement_m.abs() < 2e-4, "{found:?}");
+        assert!(after.is_some());
+    }
+    let mut other = it;
+    other.length_above = 3.5;
+    let error = BeamModel::new(&other)
+        .unwrap()
+        .simulate(&touch, Some(&damage))
+        .unwrap_err();
+    assert!(
+        error.to_string().contains("column of 4 m; expected 4.5 m"),
+        "{error}"
+    );
+    let mut other = it;
+    other.residual_stress = false;
+    let error = BeamModel::new(&other)
+        .unwrap()
+        .simulate(&touch, Some(&damage))
+        .unwrap_err();
+    assert!(error.to_string().contains("fibres"), "{error}");
+}
+
+#[test]
+fn stored_damage_that_was_changed_is_rejected_and_never_panics() {
+    let it = column("HEB220", 355e6, 1e-3);
+    let model = BeamModel::new(&it).unwrap();
+    let first = hit(1500.0, 6.0, None, 20.0);
+    let damage = model.simulate(&first, None).unwrap().1.unwrap();
+    let bytes = damage.to_bytes();
+    assert_eq!(Damage::from_bytes(&bytes).unwrap(), damage);
+    for end in 0..bytes.len() {
+        assert!(Damage::from_bytes(&bytes[..end]).is_err(), "{end}");
+    }
+    for place in 0..bytes.len() {
+        for bit in 0..8 {
+            let mut changed = bytes.clone();
+            changed[place] ^= 1 << bit;
+            // Some changes are other numbers; those that are not must be found.
+            if let Ok(read) = Damage::from_bytes(&changed) {
+                assert_eq!(read.to_bytes().len(), bytes.len());
+            }
+        }
+    }
+    let error = serde_json::from_str::<Damage>("\"01xx\"").unwrap_err();
+    assert!(error.to_string().contains("hexadecimal"), "{error}");
 }
 
 #[test]
