@@ -637,7 +637,7 @@ fn the_document_lists_every_criterion() {
 /// No report names a check by an identifier.
 #[test]
 fn every_criterion_has_a_title_that_people_use() {
-    for (index, it) in DEFINITIONS.iter().enumerate() {
+    for it in DEFINITIONS {
         assert!(
             it.title.len() > 10 && !it.title.contains('_'),
             "{}",
