@@ -390,7 +390,10 @@ impl BeamModel {
     ) -> f64 {
         let heights = match damage {
             Some(damage) => damage.heights().to_vec(),
-            None => self.column.heights(self.column.elements, mesh::FINE),
+            None => {
+                let density = if D == 3 { mesh::FINE } else { mesh::COARSEST };
+                self.column.heights(self.column.elements, density)
+            }
         };
         let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
         let mut solver = Solver::new(&beam);
