@@ -315,50 +315,37 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             }
         }
         let mut k_all = [[0.0; Q]; Q];
-        for i in 0..R {
-            let mut row = [0.0; Q];
-            for j in 0..R {
-                let value = share * stiffness[i][j];
-                // In space most couplings are zero.
-                if R == 3 || value != 0.0 {
-                    for k in 0..Q {
-                        row[k] += value * rows[j][k];
-                    }
-                }
-            }
-            for a in 0..Q {
-                let left = rows[i][a];
-                if R == 3 || left != 0.0 {
-                    for k in 0..Q {
-                        k_all[a][k] += left * row[k];
-                    }
-                }
-            }
+        if R == 3 {
+            add_in_plane(&rows, &stiffness, share, &mut k_all);
+        } else {
+            add_in_space(&rows, &stiffness, share, &mut k_all);
         }
         geometric::<R, Q>(&chord, triads, &forces, share, &mut k_all);
-        let matrix = &mut work.matrix;
+        let (before, after) = work.matrix.diagonal.split_at_mut(index + 1);
+        let (one, two) = (&mut before[index], &mut after[0]);
+        let coupling = &mut work.matrix.coupling[index];
         for i in 0..dim {
             for j in 0..dim {
                 let value = k_all[i][j];
-                matrix.diagonal[index][i][j] += value;
-                matrix.diagonal[index + 1][i][j] += value;
-                matrix.coupling[index][i][j] -= value;
+                one[i][j] += value;
+                two[i][j] += value;
+                coupling[i][j] -= value;
             }
             for j in 0..D - dim {
-                let (one, two) = (k_all[i][first + j], k_all[i][second + j]);
-                matrix.diagonal[index][i][dim + j] -= one;
-                matrix.diagonal[index][dim + j][i] -= one;
-                matrix.coupling[index][dim + j][i] += one;
-                matrix.diagonal[index + 1][i][dim + j] += two;
-                matrix.diagonal[index + 1][dim + j][i] += two;
-                matrix.coupling[index][i][dim + j] -= two;
+                let (near, far) = (k_all[i][first + j], k_all[i][second + j]);
+                one[i][dim + j] -= near;
+                one[dim + j][i] -= near;
+                coupling[dim + j][i] += near;
+                two[i][dim + j] += far;
+                two[dim + j][i] += far;
+                coupling[i][dim + j] -= far;
             }
         }
         for i in 0..D - dim {
             for j in 0..D - dim {
-                matrix.diagonal[index][dim + i][dim + j] += k_all[first + i][first + j];
-                matrix.diagonal[index + 1][dim + i][dim + j] += k_all[second + i][second + j];
-                matrix.coupling[index][dim + i][dim + j] += k_all[first + i][second + j];
+                one[dim + i][dim + j] += k_all[first + i][first + j];
+                two[dim + i][dim + j] += k_all[second + i][second + j];
+                coupling[dim + i][dim + j] += k_all[first + i][second + j];
             }
         }
     }
@@ -701,6 +688,70 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             outside += 0.5 * spring.stiffness * (along[1] * along[1] + along[2] * along[2]);
         }
         [kinetic, stored, outside]
+    }
+}
+
+/// `rows' C rows` of an element in the plane.
+fn add_in_plane<const R: usize, const Q: usize>(
+    rows: &[[f64; Q]; R],
+    stiffness: &[[f64; R]; R],
+    share: f64,
+    into: &mut [[f64; Q]; Q],
+) {
+    for i in 0..R {
+        let mut row = [0.0; Q];
+        for j in 0..R {
+            let value = share * stiffness[i][j];
+            for k in 0..Q {
+                row[k] += value * rows[j][k];
+            }
+        }
+        for a in 0..Q {
+            for k in 0..Q {
+                into[a][k] += rows[i][a] * row[k];
+            }
+        }
+    }
+}
+
+/// The same in space, where the bending of an end depends on the chord and the rotation of that end, and the twist on both
+/// rotations; only the blocks on and above the diagonal.
+fn add_in_space<const R: usize, const Q: usize>(
+    rows: &[[f64; Q]; R],
+    stiffness: &[[f64; R]; R],
+    share: f64,
+    into: &mut [[f64; Q]; Q],
+) {
+    let mut products = [[0.0; Q]; 5];
+    for (i, product) in products.iter_mut().enumerate() {
+        let c: [f64; 5] = std::array::from_fn(|j| share * stiffness[i][j]);
+        for k in 0..3 {
+            product[k] = c[0] * rows[0][k]
+                + (c[1] * rows[1][k] + c[2] * rows[2][k])
+                + (c[3] * rows[3][k] + c[4] * rows[4][k]);
+            product[3 + k] = c[1] * rows[1][3 + k] + c[3] * rows[3][3 + k];
+            product[6 + k] = c[2] * rows[2][6 + k] + c[4] * rows[4][6 + k];
+        }
+    }
+    for a in 0..3 {
+        for (row, product) in rows.iter().zip(&products) {
+            for k in 0..Q {
+                into[a][k] += row[a] * product[k];
+            }
+        }
+        for k in 3..Q {
+            into[3 + a][k] += rows[1][3 + a] * products[1][k] + rows[3][3 + a] * products[3][k];
+        }
+        for k in 6..Q {
+            into[6 + a][k] += rows[2][6 + a] * products[2][k] + rows[4][6 + a] * products[4][k];
+        }
+    }
+    let twist = share * stiffness[R - 1][R - 1];
+    for a in 3..Q {
+        let part = twist * rows[R - 1][a];
+        for k in a - a % 3..Q {
+            into[a][k] += part * rows[R - 1][k];
+        }
     }
 }
 

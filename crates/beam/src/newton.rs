@@ -275,6 +275,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             self.shear = self.tried_shear;
             let (mut low, mut high) = ((0.0, start), None);
             let mut share = 1.0;
+            let before = size;
             for trial in 0..MAX_TRIALS {
                 for (to, (from, by)) in self
                     .tried
@@ -290,7 +291,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 }
                 let new = self.evaluate(beam, state, kind, &mut striker, true);
                 let slope = self.slope();
-                let enough = slope.abs() <= 0.6 * start.abs() || new <= 0.3 * size;
+                let enough = slope.abs() <= 0.6 * start.abs() || new <= 0.3 * before;
                 if (enough || trial + 1 == MAX_TRIALS || start >= 0.0) && new.is_finite() {
                     size = new;
                     break;

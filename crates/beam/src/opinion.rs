@@ -15,6 +15,9 @@ use super::statics::{push_down, push_sideways, settle, settle_elastically};
 /// twice the iterations.
 const RIGID_STEP: u64 = 40_000;
 
+/// The same for a hit in space, which costs more and is compared within 3 %.
+const RIGID_STEP_IN_SPACE: u64 = 50_000;
+
 /// Step with a vehicle that crushes \[ns\]: a fiftieth of the period of a column of 4 m. Half of it moves the peak by 0.1 %.
 const DEFORMABLE_STEP: u64 = 200_000;
 
@@ -167,7 +170,7 @@ impl BeamModel {
         if let Some(damage) = damage {
             self.check_damage(damage)?;
         }
-        let step = self.step(hit);
+        let step = self.step(hit, Self::is_plane(hit, damage));
         let Passed {
             course,
             residual,
@@ -224,7 +227,12 @@ impl BeamModel {
     /// # Errors
     /// As [`BeamModel::simulate`].
     pub fn respond(&self, hit: &Hit) -> Result<[f64; 3], BeamError> {
-        let passed = self.pass(hit, None, self.column.elements, self.step(hit));
+        let passed = self.pass(
+            hit,
+            None,
+            self.column.elements,
+            self.step(hit, Self::is_plane(hit, None)),
+        );
         let passed = passed.map_err(|stopped| self.error(&stopped))?;
         let residual = passed.residual.map_or(f64::NAN, |(remains, _)| remains[0]);
         Ok([passed.course.largest[0], residual, passed.course.time])
@@ -240,10 +248,11 @@ impl BeamModel {
         }
     }
 
-    fn step(&self, hit: &Hit) -> f64 {
+    fn step(&self, hit: &Hit, plane: bool) -> f64 {
         let nanos = match (self.column.step_nanos, hit.impact.vehicle) {
             (0, Some(_)) => DEFORMABLE_STEP,
-            (0, None) => RIGID_STEP,
+            (0, None) if plane => RIGID_STEP,
+            (0, None) => RIGID_STEP_IN_SPACE,
             (given, _) => given,
         };
         nanos as f64 * 1e-9
@@ -390,7 +399,10 @@ impl BeamModel {
     ) -> f64 {
         let heights = match damage {
             Some(damage) => damage.heights().to_vec(),
-            None => self.column.heights(self.column.elements, mesh::FINE),
+            None => {
+                let density = if D == 3 { mesh::FINE } else { mesh::COARSEST };
+                self.column.heights(self.column.elements, density)
+            }
         };
         let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
         let mut solver = Solver::new(&beam);

@@ -2,7 +2,7 @@
 
 use column_mechanics::Impact;
 
-use super::beam::{Beam, Kind, State};
+use super::beam::{BARS, Beam, Kind, State};
 use super::contact::Striker;
 use super::newton::Solver;
 
@@ -62,6 +62,9 @@ pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
     pub node: usize,
     pub course: Course,
     internal: f64,
+    /// The last increment and its time \[s\].
+    last: Vec<[f64; D]>,
+    last_shear: [f64; BARS],
     last_secs: f64,
     window: [f64; 2],
 }
@@ -76,6 +79,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         node: usize,
     ) -> Self {
         let mut solver = Solver::new(beam);
+        let last = solver.increments.clone();
         let striker = Striker::new(impact, touches);
         let energy_in = 0.5 * impact.mass * impact.velocity * impact.velocity;
         solver.energy_tolerance = ENERGY_TOLERANCE * energy_in;
@@ -94,6 +98,8 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 ..Course::default()
             },
             internal: 0.0,
+            last,
+            last_shear: [0.0; BARS],
             last_secs: 1.0,
             window: [0.0; 2],
         }
@@ -102,25 +108,11 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
     /// One step, in halves where it does not converge; whether it succeeded.
     fn advance(&mut self, secs: f64, depth: u32) -> bool {
         let kind = Kind::Motion { secs };
-        for (increment, (velocity, triad)) in self
-            .solver
-            .increments
-            .iter_mut()
-            .zip(self.state.velocity.iter().zip(&self.state.triads))
-        {
-            if D == 3 {
-                increment[0] = secs * velocity[0];
-                increment[1] = secs * velocity[1];
-                increment[2] = secs * velocity[5];
-            } else {
-                for k in 0..3 {
-                    increment[k] = secs * velocity[k];
-                    increment[3 + k] = secs
-                        * (triad[0][k] * velocity[3]
-                            + triad[1][k] * velocity[4]
-                            + triad[2][k] * velocity[5]);
-                }
-            }
+        // The last movement continues. The velocity at its end would lead further away where the column rings faster than the
+        // steps can follow.
+        let ratio = secs / self.last_secs;
+        for (increment, last) in self.solver.increments.iter_mut().zip(&self.last) {
+            *increment = last.map(|value| ratio * value);
         }
         // What is held does not move: a node that turns about y and z would otherwise begin with a turn about x as well.
         for (increment, held) in self.solver.increments.iter_mut().zip(&self.beam.held) {
@@ -130,11 +122,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 }
             }
         }
-        // The shear angle continues at its previous rate.
-        for angle in &mut self.solver.shear {
-            *angle *= secs / self.last_secs;
-        }
-        self.last_secs = secs;
+        self.solver.shear = self.last_shear.map(|angle| ratio * angle);
         self.striker.begin(secs);
         let contact = Some((&mut self.striker, self.normal));
         if self.solver.solve(self.beam, &self.state, kind, contact) {
@@ -144,6 +132,9 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 kind,
                 &self.solver.work,
             );
+            self.last.copy_from_slice(&self.solver.increments);
+            self.last_shear = self.solver.shear;
+            self.last_secs = secs;
             self.striker.commit(secs);
             self.course.impulse += secs * self.striker.force();
             self.course.secs += secs;
