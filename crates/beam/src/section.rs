@@ -59,6 +59,22 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// An I or H section welded from plates, without fillets; dimensions in \[m\].
+    ///
+    /// Where residual stresses are asked for, it has those of rolling.
+    #[must_use]
+    pub const fn plates(depth: f64, width: f64, web: f64, flange: f64) -> Self {
+        Self::Rolled(RolledSection {
+            depth,
+            width,
+            web_thickness: web,
+            flange_thickness: flange,
+            root_radius: 0.0,
+        })
+    }
+}
+
 /// Fibres whose stress is normal only; the arrays are padded with fibres without area to a multiple of [`LANES`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Fibres {
