@@ -1,7 +1,8 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Triad, UPRIGHT, deformations, geometric, gradient, turned, turned_in_plane,
+    Chord, Ends, Triad, UPRIGHT, add_in_plane, add_in_space, deformations, geometric, gradient,
+    turned, turned_in_plane,
 };
 use super::parts::{Element, RotationSpring};
 use super::section::{PointState, Section};
@@ -375,7 +376,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     }
 
     /// Strain at an integration point of an element.
-    fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
+    pub fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
         let l = self.elements[index].length;
         let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
         let weak = if R == 6 {
@@ -648,109 +649,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                     secs,
                 );
             }
-        }
-    }
-
-    /// Kinetic energy, energy stored in the fibres (elastic and hardening, without torsion), energy of springs and load.
-    pub fn energies(&self, state: &State<D, R>) -> [f64; 3] {
-        let mut kinetic = 0.0;
-        for (inertia, velocity) in self.inertia.iter().zip(&state.velocity) {
-            for k in 0..3 {
-                kinetic += 0.5 * inertia[0] * velocity[k] * velocity[k];
-                kinetic += 0.5 * inertia[1 + k] * velocity[3 + k] * velocity[3 + k];
-            }
-        }
-        let mut stored = 0.0;
-        for (index, element) in self.elements.iter().enumerate() {
-            let l = element.length;
-            let d: [f64; R] =
-                std::array::from_fn(|k| state.deformation[index][k] - element.initial[k]);
-            let gamma = element.bar.map_or(0.0, |bar| state.shear[bar]);
-            for point in 0..POINTS {
-                let strain = self.strain(index, point, &d, gamma);
-                let place = POINTS * index + point;
-                stored += 0.5 * l * self.section.stored_energy(&strain, &state.points[place]);
-            }
-            if R == 6 {
-                stored += 0.5 * self.torsional_rigidity / l * d[R - 1] * d[R - 1];
-            }
-            for (slider, plastic) in element.sliders.iter().zip(state.sliders[index]) {
-                let elastic = gamma - plastic;
-                stored += 0.5
-                    * l
-                    * (slider.rigidity * elastic * elastic + slider.hardening * plastic * plastic);
-            }
-        }
-        let top = state.moved[self.places.len() - 1][0];
-        let mut outside = 0.5 * self.top_spring * top * top + self.top_load * top;
-        for spring in &self.rotation_springs {
-            let along = &state.triads[spring.node][0];
-            outside += 0.5 * spring.stiffness * (along[1] * along[1] + along[2] * along[2]);
-        }
-        [kinetic, stored, outside]
-    }
-}
-
-/// `rows' C rows` of an element in the plane.
-fn add_in_plane<const R: usize, const Q: usize>(
-    rows: &[[f64; Q]; R],
-    stiffness: &[[f64; R]; R],
-    share: f64,
-    into: &mut [[f64; Q]; Q],
-) {
-    for i in 0..R {
-        let mut row = [0.0; Q];
-        for j in 0..R {
-            let value = share * stiffness[i][j];
-            for k in 0..Q {
-                row[k] += value * rows[j][k];
-            }
-        }
-        for a in 0..Q {
-            for k in 0..Q {
-                into[a][k] += rows[i][a] * row[k];
-            }
-        }
-    }
-}
-
-/// The same in space, where the bending of an end depends on the chord and the rotation of that end, and the twist on both
-/// rotations; only the blocks on and above the diagonal.
-fn add_in_space<const R: usize, const Q: usize>(
-    rows: &[[f64; Q]; R],
-    stiffness: &[[f64; R]; R],
-    share: f64,
-    into: &mut [[f64; Q]; Q],
-) {
-    let mut products = [[0.0; Q]; 5];
-    for (i, product) in products.iter_mut().enumerate() {
-        let c: [f64; 5] = std::array::from_fn(|j| share * stiffness[i][j]);
-        for k in 0..3 {
-            product[k] = c[0] * rows[0][k]
-                + (c[1] * rows[1][k] + c[2] * rows[2][k])
-                + (c[3] * rows[3][k] + c[4] * rows[4][k]);
-            product[3 + k] = c[1] * rows[1][3 + k] + c[3] * rows[3][3 + k];
-            product[6 + k] = c[2] * rows[2][6 + k] + c[4] * rows[4][6 + k];
-        }
-    }
-    for a in 0..3 {
-        for (row, product) in rows.iter().zip(&products) {
-            for k in 0..Q {
-                into[a][k] += row[a] * product[k];
-            }
-        }
-        for k in 3..Q {
-            into[3 + a][k] += rows[1][3 + a] * products[1][k] + rows[3][3 + a] * products[3][k];
-        }
-        for k in 6..Q {
-            into[6 + a][k] += rows[2][6 + a] * products[2][k] + rows[4][6 + a] * products[4][k];
-        }
-    }
-    let twist = share * stiffness[R - 1][R - 1];
-    for a in 3..Q {
-        let part = twist * rows[R - 1][a];
-        for k in a - a % 3..Q {
-            into[a][k] += part * rows[R - 1][k];
         }
     }
 }

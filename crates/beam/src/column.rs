@@ -1,6 +1,6 @@
 //! A column as an engineer gives it, and the beam that is built from it.
 
-use column_mechanics::{RateProperties, Support};
+use column_mechanics::{BaseResistance, RateProperties, Support};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -151,7 +151,28 @@ pub enum BeamError {
     },
 }
 
+/// Most elements along the column, and most fibres across a flange or the web: more take longer than an opinion may.
+const MOST_ELEMENTS: usize = 400;
+const MOST_FIBRES: usize = 100;
+
+/// Stiffness of a semi-rigid support \[N m/rad\].
+fn stiffness(support: Support) -> f64 {
+    match support {
+        Support::SemiRigid { stiffness } => stiffness,
+        Support::BuiltIn | Support::Pinned | Support::Free => 1.0,
+    }
+}
+
 impl BeamColumn {
+    /// The column on a base connection: its rotational stiffness about both axes, without the limit of its moment.
+    #[must_use]
+    pub fn on_base(mut self, base: &BaseResistance) -> Self {
+        self.base = Support::SemiRigid {
+            stiffness: base.stiffness,
+        };
+        self
+    }
+
     /// Whole length \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {
@@ -188,27 +209,45 @@ impl BeamColumn {
     pub fn check(&self) -> Result<(), BeamError> {
         let positive = "a finite number > 0";
         let not_negative = "a finite number >= 0";
-        let [first, second, third] = match self.shape {
-            Shape::Rolled(rolled) => [rolled.depth, rolled.width, rolled.web_thickness],
+        let [first, second, third, fourth] = match self.shape {
+            Shape::Rolled(rolled) => [
+                rolled.depth,
+                rolled.width,
+                rolled.web_thickness,
+                rolled.flange_thickness,
+            ],
             Shape::Rectangular {
                 depth,
                 width,
                 thickness,
-            } => [depth, width, thickness],
+            } => [depth, width, thickness, thickness],
             Shape::Circular {
                 diameter,
                 thickness,
-            } => [diameter, diameter, thickness],
+            } => [diameter, diameter, thickness, thickness],
         };
         let above_zero = [
             ("depth of the section [m]", first),
             ("width of the section [m]", second),
-            ("thickness of the plates [m]", third),
+            ("thickness of the web or wall [m]", third),
+            ("thickness of the flanges or wall [m]", fourth),
             ("height of the impact point [m]", self.length_below),
             ("length above the impact point [m]", self.length_above),
             ("Young's modulus [Pa]", self.steel.young_modulus),
             ("yield strength [Pa]", self.steel.yield_strength),
             ("density [kg/m3]", self.steel.density),
+            (
+                "torsion constant [m4]",
+                self.torsion_constant.unwrap_or(1.0),
+            ),
+            (
+                "rotational stiffness of the base [N m/rad]",
+                stiffness(self.base),
+            ),
+            (
+                "rotational stiffness of the top [N m/rad]",
+                stiffness(self.top),
+            ),
         ];
         for (name, found) in above_zero {
             if !(found.is_finite() && found > 0.0) {
@@ -219,11 +258,16 @@ impl BeamColumn {
                 });
             }
         }
+        let radius = match self.shape {
+            Shape::Rolled(rolled) => rolled.root_radius,
+            _ => 0.0,
+        };
         let others = [
             ("spring at the top [N/m]", self.top_spring_stiffness),
             ("mass at the top [kg]", self.top_mass),
             ("load on the top [N]", self.top_load),
             ("height of the bumper [m]", self.bumper_height),
+            ("radius of the fillets [m]", radius),
         ];
         for (name, found) in others {
             if !(found.is_finite() && found >= 0.0) {
@@ -233,6 +277,43 @@ impl BeamColumn {
                     expected: not_negative,
                 });
             }
+        }
+        // What the walls leave free of the section.
+        let (wall, free) = match self.shape {
+            Shape::Rolled(rolled) => (
+                rolled.flange_thickness + radius,
+                (rolled.depth - 2.0 * (rolled.flange_thickness + radius))
+                    .min(rolled.width - rolled.web_thickness - 2.0 * radius),
+            ),
+            _ => (third, first.min(second) - 2.0 * third),
+        };
+        if free <= 0.0 {
+            return Err(BeamError::Column {
+                name: "thickness of the walls with their fillets [m]",
+                found: wall,
+                expected: "less than what the depth and the width of the section leave",
+            });
+        }
+        let counts = [
+            ("number of elements", self.elements, MOST_ELEMENTS),
+            ("number of fibres", self.fibres, MOST_FIBRES),
+        ];
+        for (name, found, most) in counts {
+            if found > most {
+                return Err(BeamError::Column {
+                    name,
+                    found: found as f64,
+                    expected: "0 for automatic, at most 400 elements and at most 100 fibres",
+                });
+            }
+        }
+        let nu = self.steel.poisson_ratio;
+        if !(0.0..0.5).contains(&nu) {
+            return Err(BeamError::Column {
+                name: "Poisson's ratio",
+                found: nu,
+                expected: "a number from 0 to below 0.5",
+            });
         }
         let b = self.steel.hardening_ratio;
         if !(1e-5..=0.1).contains(&b) {

@@ -244,3 +244,67 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
         }
     }
 }
+
+/// `rows' C rows` of an element in the plane.
+pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
+    rows: &[[f64; Q]; R],
+    stiffness: &[[f64; R]; R],
+    share: f64,
+    into: &mut [[f64; Q]; Q],
+) {
+    for i in 0..R {
+        let mut row = [0.0; Q];
+        for j in 0..R {
+            let value = share * stiffness[i][j];
+            for k in 0..Q {
+                row[k] += value * rows[j][k];
+            }
+        }
+        for a in 0..Q {
+            for k in 0..Q {
+                into[a][k] += rows[i][a] * row[k];
+            }
+        }
+    }
+}
+
+/// The same in space, where the bending of an end depends on the chord and the rotation of that end, and the twist on both
+/// rotations; only the blocks on and above the diagonal.
+pub(crate) fn add_in_space<const R: usize, const Q: usize>(
+    rows: &[[f64; Q]; R],
+    stiffness: &[[f64; R]; R],
+    share: f64,
+    into: &mut [[f64; Q]; Q],
+) {
+    let mut products = [[0.0; Q]; 5];
+    for (i, product) in products.iter_mut().enumerate() {
+        let c: [f64; 5] = std::array::from_fn(|j| share * stiffness[i][j]);
+        for k in 0..3 {
+            product[k] = c[0] * rows[0][k]
+                + (c[1] * rows[1][k] + c[2] * rows[2][k])
+                + (c[3] * rows[3][k] + c[4] * rows[4][k]);
+            product[3 + k] = c[1] * rows[1][3 + k] + c[3] * rows[3][3 + k];
+            product[6 + k] = c[2] * rows[2][6 + k] + c[4] * rows[4][6 + k];
+        }
+    }
+    for a in 0..3 {
+        for (row, product) in rows.iter().zip(&products) {
+            for k in 0..Q {
+                into[a][k] += row[a] * product[k];
+            }
+        }
+        for k in 3..Q {
+            into[3 + a][k] += rows[1][3 + a] * products[1][k] + rows[3][3 + a] * products[3][k];
+        }
+        for k in 6..Q {
+            into[6 + a][k] += rows[2][6 + a] * products[2][k] + rows[4][6 + a] * products[4][k];
+        }
+    }
+    let twist = share * stiffness[R - 1][R - 1];
+    for a in 3..Q {
+        let part = twist * rows[R - 1][a];
+        for k in a - a % 3..Q {
+            into[a][k] += part * rows[R - 1][k];
+        }
+    }
+}

@@ -29,6 +29,7 @@ mod column;
 mod contact;
 mod damage;
 mod element;
+mod energy;
 mod mesh;
 mod newton;
 mod opinion;
@@ -39,6 +40,7 @@ mod section;
 mod statics;
 mod torsion;
 mod tridiagonal;
+mod web;
 
 pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
 pub use damage::{Damage, DamageError};

@@ -2,7 +2,7 @@
 
 use crate::reference;
 use crate::reference::{column, hit, vehicle};
-use column_beam::{BeamError, BeamModel, Damage, Outcome, Torsion};
+use column_beam::{BeamColumn, BeamError, BeamModel, Damage, Outcome, Shape, Torsion};
 use column_mechanics::Support;
 
 /// Random numbers after Steele et al. (SplitMix64).
@@ -285,4 +285,47 @@ fn bad_input_is_rejected_with_the_reason() {
         matches!(error, Err(BeamError::Unstable { .. })),
         "{error:?}"
     );
+}
+
+#[test]
+fn sections_without_room_between_their_walls_and_numbers_that_are_none_are_rejected() {
+    let good = column("HEB220", 355e6, 1e-3);
+    let mut plates = good;
+    plates.shape = Shape::plates(0.22, 0.22, 0.0095, 0.016);
+    plates.shear = true;
+    // Without fillets, HEB220 has 2 % less area and bears less.
+    let ratio = BeamModel::new(&plates).unwrap().undamaged_capacity()[0]
+        / BeamModel::new(&good).unwrap().undamaged_capacity()[0];
+    assert!((0.96..0.99).contains(&ratio), "{ratio}");
+    let mut bad = Vec::new();
+    for shape in [
+        Shape::plates(0.22, 0.22, 0.0095, 0.11),
+        Shape::plates(0.22, 0.22, 0.22, 0.016),
+        Shape::plates(0.22, f64::NAN, 0.0095, 0.016),
+        Shape::plates(0.22, 0.22, 0.0095, 0.0),
+        Shape::Rectangular {
+            depth: 0.2,
+            width: 0.1,
+            thickness: 0.05,
+        },
+        Shape::Circular {
+            diameter: 0.2,
+            thickness: -0.01,
+        },
+    ] {
+        bad.push(BeamColumn { shape, ..good });
+    }
+    for elements in [401, usize::MAX] {
+        bad.push(BeamColumn { elements, ..good });
+    }
+    let fibres = 101;
+    bad.push(BeamColumn { fibres, ..good });
+    for stiffness in [0.0, f64::INFINITY] {
+        let base = Support::SemiRigid { stiffness };
+        bad.push(BeamColumn { base, ..good });
+    }
+    for column in bad {
+        let found = BeamModel::new(&column);
+        assert!(matches!(found, Err(BeamError::Column { .. })), "{found:?}");
+    }
 }
