@@ -85,6 +85,26 @@ pub fn package_and_type(type_name: &str) -> (&str, &str) {
     (package, name)
 }
 
+/// Most messages that the history of a fleet holds: as many as RustDDS allows to be unacknowledged.
+pub const MAX_DEPTH_OF_A_FLEET: usize = 8192;
+
+impl Endpoint {
+    /// The depth with which a reader of a topic that the columns of a fleet share loses nothing when all of them are hit at once, while
+    /// it takes nothing until all responses are over: for each column its forecasts (the first one, with its error, with its range, and
+    /// their withdrawal), its reports (the first one, and with the range), or each status between two states of rest. A report takes
+    /// 6 kB. States come by the thousands and are not among them.
+    #[must_use]
+    pub fn depth_of_a_fleet(&self, columns: usize) -> usize {
+        let of_each = match self.name {
+            "impact_forecast" => 4,
+            "impact_report" => 2,
+            "twin_status" => 10,
+            _ => 0,
+        };
+        (of_each * columns).clamp(self.qos.depth, MAX_DEPTH_OF_A_FLEET)
+    }
+}
+
 macro_rules! endpoints {
     ($($(#[$doc:meta])* $constant:ident = $name:literal $type_name:literal $direction:ident $qos:expr;)*) => {
         $($(#[$doc])* pub const $constant: Endpoint = Endpoint::new($name, $type_name, Direction::$direction, $qos);)*
@@ -102,8 +122,9 @@ pub const SENSOR_DATA: Qos = Qos {
     ..Qos::reliable(1000)
 };
 
-/// The default of rcl for services.
-const SERVICE: Qos = Qos::reliable(10);
+/// Reliable and volatile, as the services of rcl. Their depth of 10 would let RustDDS keep 64 requests that wait for an answer and
+/// drop the others of a burst without a word.
+const SERVICE: Qos = Qos::reliable(2000);
 
 endpoints! {
     /// Impact events.

@@ -30,6 +30,12 @@ pub trait Clock: Send + Sync {
     /// Passes the notifier of a thread that uses this clock, before its first wait.
     fn serve(&self, _notifier: &Arc<Notifier>) {}
 
+    /// The instant by which a thread that sees `now` could have acted at the latest, to judge its lateness: a clock that goes in steps
+    /// shows a deadline that lies between two of them only at the second.
+    fn could_act_at(&self, now: Nanos) -> Nanos {
+        now
+    }
+
     /// Called while no response is running: a clock that has been set may jump now. Returns whether it has.
     fn resynchronise(&self) -> bool {
         false
@@ -130,6 +136,8 @@ fn read(clock: ClockId) -> i64 {
 #[derive(Debug, Default)]
 pub struct SimClock {
     now: AtomicI64,
+    /// What it showed before it was set last.
+    before: AtomicI64,
     /// Of the threads that use it.
     notifiers: RwLock<Vec<Arc<Notifier>>>,
 }
@@ -140,13 +148,15 @@ impl SimClock {
     pub fn new(now: Nanos) -> Self {
         Self {
             now: AtomicI64::new(now),
+            before: AtomicI64::new(now),
             notifiers: RwLock::default(),
         }
     }
 
     /// Sets the time, forward or backward.
     pub fn set(&self, now: Nanos) {
-        self.now.store(now, Ordering::SeqCst);
+        let before = self.now.swap(now, Ordering::SeqCst);
+        self.before.store(before, Ordering::SeqCst);
         let notifiers = self.notifiers.read();
         let notifiers = notifiers.unwrap_or_else(PoisonError::into_inner);
         notifiers.iter().for_each(|it| it.notify());
@@ -162,6 +172,10 @@ impl Clock for SimClock {
         if self.now() < deadline {
             notifier.wait(Duration::MAX);
         }
+    }
+
+    fn could_act_at(&self, now: Nanos) -> Nanos {
+        self.before.load(Ordering::SeqCst).min(now)
     }
 
     fn serve(&self, notifier: &Arc<Notifier>) {
@@ -188,6 +202,10 @@ impl<C: Clock + ?Sized> Clock for Arc<C> {
 
     fn serve(&self, notifier: &Arc<Notifier>) {
         (**self).serve(notifier);
+    }
+
+    fn could_act_at(&self, now: Nanos) -> Nanos {
+        (**self).could_act_at(now)
     }
 
     fn resynchronise(&self) -> bool {

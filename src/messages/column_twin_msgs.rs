@@ -669,10 +669,16 @@ impl TwinStatus {
     pub const ACTION_UNKNOWN: u8 = 255;
 }
 
+/// Whether no response is running in this phase of a status.
+pub(super) fn is_at_rest(phase: u8) -> bool {
+    use TwinStatus as It;
+    !matches!(phase, It::APPROACH | It::CONTACT | It::FREE)
+}
+
 impl TwinStatus {
     /// Whether no response is running.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        !matches!(self.phase, Self::APPROACH | Self::CONTACT | Self::FREE)
+        is_at_rest(self.phase)
     }
 }

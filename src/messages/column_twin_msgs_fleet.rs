@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::column_twin_msgs::TwinStatus;
+use super::column_twin_msgs::{TwinStatus, is_at_rest};
 use super::std_msgs::Header;
 
 /// A vehicle hits several columns of a fleet one after another.
@@ -98,6 +98,12 @@ impl From<&TwinStatus> for ColumnStatus {
 }
 
 impl ColumnStatus {
+    /// Whether no response is running.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        is_at_rest(self.phase)
+    }
+
     /// Whether the column takes no impact before it is reset: it has collapsed, is fractured, or cannot be computed.
     #[must_use]
     pub fn is_out_of_service(&self) -> bool {

@@ -966,7 +966,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "chosen from the column's own period",
         },
         applies: Applies::AfterResponse,
-        meaning: "time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the peak displacement below about 3.5e-4",
+        meaning: "time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the peak displacement below 2e-4 for 99 of 100 columns, with the largest seen at 2e-3",
     },
     Parameter {
         name: "damping.ratio",

@@ -8,11 +8,13 @@ use super::value::{Kind, Value};
 use super::yaml::{self, YamlContent};
 
 impl Parameter {
-    /// The value that a sender meant who reads YAML 1.1: numbers in the place of texts where this parameter holds numbers, and
-    /// an array in the place of its text. Every other value is returned unchanged, for [`check`](Self::check) to judge.
+    /// The value that a sender meant who reads YAML 1.1: numbers in the place of texts where this parameter holds numbers, an array in
+    /// the place of its text, and for a switch `true` and `false` also as texts or as 1 and 0. Every other value is returned unchanged, for [`check`](Self::check) to judge.
     #[must_use]
     pub fn meant_in_yaml_1_1(&self, value: Value) -> Value {
         let meant = match (self.kind(), &value) {
+            (Kind::Bool, Value::String(text)) => text.trim().parse().ok().map(Value::Bool),
+            (Kind::Bool, Value::Integer(number @ (0 | 1))) => Some(Value::Bool(*number == 1)),
             (Kind::Double, Value::String(text)) => number(text).map(Value::Double),
             (Kind::DoubleArray, Value::StringArray(texts)) => numbers(texts),
             (Kind::DoubleArray, Value::String(text)) => {
@@ -79,6 +81,22 @@ mod tests {
         // Where a text, a whole number or a switch is expected, nothing is read into a text.
         for name in ["column_id", "viewer.port", "use_sim_time", "section.name"] {
             assert_eq!(meant(name, "4.0e5"), Value::from("4.0e5"), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_switch_is_set_by_1_or_by_the_text_true() {
+        let meant = |value| meant("use_sim_time", value);
+        for (given, switch) in [
+            (Value::from("true"), true),
+            (Value::from("false"), false),
+            (Value::Integer(1), true),
+            (Value::Integer(0), false),
+        ] {
+            assert_eq!(meant(given), Value::Bool(switch));
+        }
+        for other in [Value::Integer(2), Value::Double(1.0), Value::from("1")] {
+            assert_eq!(meant(other.clone()), other);
         }
     }
 

@@ -348,6 +348,65 @@ mod tests {
         }
     }
 
+    /// What launch files and people write, and what they mistype.
+    #[test]
+    fn forty_two_sets_of_ros_args_are_read_or_refused_as_in_rcl() {
+        let read = [
+            "",
+            "--ros-args",
+            "--ros-args --",
+            "--ros-args -- --ros-args",
+            "--ros-args -r a:=b",
+            "--ros-args --remap a:=b",
+            "--ros-args -r /a:=/b",
+            "--ros-args -r ~/a:=~/b",
+            "--ros-args -r __node:=n",
+            "--ros-args -r __name:=n",
+            "--ros-args -r __ns:=/n",
+            "--ros-args -r x:__ns:=/n",
+            "--ros-args -r rostopic://a:=b -r rosservice://a:=c",
+            "--ros-args -p a:=1",
+            "--ros-args --param a:=1",
+            "--ros-args -p a:=",
+            "--ros-args -p x:a:=1.5",
+            "--ros-args -p a:=[1.0,2.0] -p b:='text'",
+            "--ros-args --params-file a.yaml",
+            "--ros-args --params-file a.yaml --params-file b.yaml -p c:=true",
+            "--ros-args --log-level debug",
+            "--ros-args --log-level DEBUG",
+            "--ros-args --log-level a:=warn --log-level b.c:=fatal",
+            "--ros-args -e /one",
+            "--ros-args --enclave /",
+            "--ros-args --disable-rosout-logs",
+            "--ros-args --enable-rosout-logs",
+            "--ros-args --disable-stdout-logs --disable-external-lib-logs",
+            "--ros-args --log-file-name x",
+            "run --config c.yaml --ros-args -p a:=1 -- --record",
+        ];
+        let refused = [
+            "--ros-args -r",
+            "--ros-args -r a",
+            "--ros-args -r a:=",
+            "--ros-args -r :=b",
+            "--ros-args -p",
+            "--ros-args -r x::=b",
+            "--ros-args --params-file",
+            "--ros-args --log-level",
+            "--ros-args --log-level loud",
+            "--ros-args -e twin",
+            "--ros-args --no-such-argument",
+            "--ros-args stray",
+        ];
+        assert_eq!(read.len() + refused.len(), 42);
+        for line in read {
+            let read = split(line);
+            assert!(read.is_ok(), "{line}: {read:?}");
+        }
+        for line in refused {
+            assert!(split(line).is_err(), "{line}");
+        }
+    }
+
     #[test]
     fn arguments_without_effect_are_kept() {
         let (_, ros) =

@@ -35,6 +35,8 @@ pub(super) struct Observed<'a> {
     pub sensors: Option<DiagnosticStatus>,
     /// The columns of a fleet that need somebody.
     pub of_columns: Vec<DiagnosticStatus>,
+    /// Whether a column responds to an impact.
+    pub is_responding: bool,
     pub counters: &'a NodeCounters,
 }
 
@@ -49,6 +51,7 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
         security,
         sensors,
         of_columns,
+        is_responding,
         counters,
     } = observed;
     let mut status = vec![
@@ -61,7 +64,8 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
-    status.extend(counters.clock.as_ref().map(clock_status));
+    let clock = counters.clock.as_ref();
+    status.extend(clock.map(|it| clock_status(it, is_responding)));
     status.extend(sensors);
     for one in &mut status {
         hardware_id.clone_into(&mut one.hardware_id);
@@ -327,9 +331,12 @@ pub(super) fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
     entry("sensors", level, message, values)
 }
 
-fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
+fn clock_status(clock: &ClockWatch, is_responding: bool) -> DiagnosticStatus {
     let count = ("messages on /clock".to_owned(), clock.count().to_string());
-    let (level, message) = match (clock.problem(Instant::now()), clock.count()) {
+    let (level, message) = match (
+        clock.problem(Instant::now(), || is_responding),
+        clock.count(),
+    ) {
         (Some(problem), _) => (DiagnosticStatus::WARN, problem),
         (None, 0) => (DiagnosticStatus::OK, "waiting for /clock".to_owned()),
         (None, _) => (DiagnosticStatus::OK, "simulated time".to_owned()),
@@ -391,6 +398,7 @@ mod tests {
             security: None,
             sensors: None,
             of_columns: Vec::new(),
+            is_responding: !twin.is_at_rest(),
             counters,
         };
         diagnostics(Header::default(), "column_twin", observed)
@@ -412,7 +420,7 @@ mod tests {
             let started = Instant::now()
                 .checked_sub(waited)
                 .expect("later than the boot");
-            clock_status(&ClockWatch::new(started)).level
+            clock_status(&ClockWatch::new(started), false).level
         };
         assert_eq!(of(Duration::ZERO), DiagnosticStatus::OK);
         assert_eq!(of(CLOCK_TIMEOUT), DiagnosticStatus::WARN);

@@ -1,6 +1,8 @@
 //! The inputs over DDS: impact events, parameters, the clock, and service requests.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use futures::{StreamExt, join};
 use ros2_client::rcl_interfaces as rcl;
@@ -25,6 +27,7 @@ use super::fleet::RowImpacts;
 use super::guid_prefix::GuidPrefix;
 use super::live_columns::LiveColumns;
 use super::measurements::{MeasurementSubscriptions, SensedColumns};
+use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
@@ -85,7 +88,7 @@ impl Subscriptions {
             |message: Clock, _| match message.clock.to_nanos() {
                 Some(now) => {
                     if let Some(clock) = &counters.clock {
-                        clock.received();
+                        clock.received(Instant::now());
                     }
                     columns.set_clock(now);
                 }
@@ -384,9 +387,20 @@ async fn answer_from<Request, Response>(
 {
     let Some(server) = server else { return };
     let mut requests = server.receive_request_stream();
+    let mut missed = Missed::default();
     while let Some(request) = requests.next().await {
         match request {
             Ok((id, request)) => {
+                // Clients number their requests, as writers their messages.
+                let lost = missed.before_number(id.writer_gid, id.sequence_number);
+                if lost > 0 {
+                    counters.missed.fetch_add(lost, Ordering::Relaxed);
+                    tracing::error!(
+                        "{lost} requests to {} were lost and are not answered: they arrived faster than they could be handled, were \
+                         too long, or were sent while the network was interrupted",
+                        endpoint.name
+                    );
+                }
                 tracing::debug!(
                     "received a request to {} of {}",
                     endpoint.name,
@@ -401,6 +415,7 @@ async fn answer_from<Request, Response>(
                 }
             }
             Err(error) => {
+                missed.unreadable();
                 NodeCounters::count(&counters.unreadable);
                 tracing::warn!(
                     "a request to {} cannot be read: {error}; check the service type of its sender",

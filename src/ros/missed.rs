@@ -37,7 +37,8 @@ impl Missed {
         self.unreadable += 1;
     }
 
-    fn before_number(&mut self, writer: Gid, number: i64) -> u64 {
+    /// As [`before`](Self::before), of the message with this number of a writer.
+    pub fn before_number(&mut self, writer: Gid, number: i64) -> u64 {
         if self.last.len() >= MAX_WRITERS && !self.last.contains_key(&writer) {
             self.last.clear();
         }

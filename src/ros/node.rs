@@ -399,7 +399,9 @@ fn context(environment: &Environment, protection: &Protection) -> Result<Context
         DiscoveryRange::Localhost => builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]),
         DiscoveryRange::Subnet => builder,
     };
-    let builder = protected(builder, protection);
+    // Where the programs of ROS 2 look for the enclave of a node.
+    let user_data = format!("enclave={};", environment.security.enclave);
+    let builder = protected(builder.user_data(user_data), protection);
     let participant = builder.build().map_err(|error| NodeError::Participant {
         domain_id: environment.domain_id,
         reason: format!("{error:?}"),

@@ -184,16 +184,21 @@ impl Publishing {
     }
 
     fn warn_of_a_missing_clock(&mut self) {
-        let clock = self.sending.counters.clock.as_ref();
-        let Some(clock) = clock.filter(|it| it.count() == 0) else {
+        let Some(clock) = &self.sending.counters.clock else {
             return;
         };
         let now = Instant::now();
-        if let Some(problem) = clock.problem(now)
+        if let Some(problem) = clock.problem(now, || self.is_responding())
             && self.clock_warning.is_due(now)
         {
             tracing::warn!("{problem}");
         }
+    }
+
+    /// Whether a column responds to an impact.
+    fn is_responding(&self) -> bool {
+        let fleet = self.fleet.as_ref();
+        fleet.map_or(!self.status.is_at_rest(), FleetPublishing::is_responding)
     }
 
     fn wait(&self) -> Duration {
@@ -389,6 +394,7 @@ impl Publishing {
                 security: self.protection.health(&self.peers),
                 sensors,
                 of_columns,
+                is_responding: self.is_responding(),
                 counters,
             },
         );

@@ -1,8 +1,10 @@
 //! Converts the quality of service of every endpoint for ros2-client. The table is in [`crate::endpoints`].
 
+use std::collections::HashMap;
+
 use ros2_client::qos::{Durability, History, Liveliness, QosProfile, Reliability, WhenFull};
 
-use super::names::NameKind;
+use super::names::{NameError, NameKind, Names};
 
 pub use crate::endpoints::*;
 
@@ -44,10 +46,73 @@ impl Endpoint {
     }
 }
 
+/// Checks that no topic and no service of a node has two types: rcl refuses that, and here each peer would match only one of them.
+///
+/// # Errors
+/// Rules of remapping give two of them one name.
+pub(super) fn check_types(names: &Names) -> Result<(), NameError> {
+    let mut known: HashMap<_, &Endpoint> = HashMap::new();
+    for endpoint in ENDPOINTS {
+        let name = names.resolve(endpoint.kind(), endpoint.name)?;
+        let first = *known
+            .entry((endpoint.kind() == NameKind::Topic, name.clone()))
+            .or_insert(endpoint);
+        if first.type_name != endpoint.type_name {
+            let (what, reason) = match endpoint.kind() {
+                NameKind::Topic => (
+                    "topic",
+                    "two topics of the node with different types are remapped to it; give each a name of its own",
+                ),
+                NameKind::Service => (
+                    "service",
+                    "two services of the node with different types are remapped to it; give each a name of its own",
+                ),
+            };
+            return Err(NameError { name, what, reason });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::messages;
+    use crate::ros::names::{RemapRule, RemapTarget};
+
+    /// The node started, and its peers found one of the two types.
+    #[test]
+    fn two_types_on_one_remapped_topic_are_refused() {
+        let onto = |rules: &[(&str, &str)]| {
+            let rules: Vec<_> = rules
+                .iter()
+                .map(|(from, to)| RemapRule {
+                    node: None,
+                    target: RemapTarget::TopicOrService,
+                    from: (*from).to_owned(),
+                    to: (*to).to_owned(),
+                })
+                .collect();
+            check_types(&Names::new("/", "column_twin", &rules).expect("names"))
+        };
+        assert_eq!(onto(&[]), Ok(()));
+        // Of one type.
+        assert_eq!(
+            onto(&[("impact_forecast", "/x"), ("impact_report", "/x")]),
+            Ok(())
+        );
+        let fault =
+            onto(&[("impact_event", "/x"), ("impact_report", "/x")]).expect_err("two types");
+        assert_eq!(
+            fault.to_string(),
+            "`/x` is not a valid topic: two topics of the node with different types are remapped to it; give each a name of its own"
+        );
+        let fault = onto(&[("column_state", "twin_status")]).expect_err("two types");
+        assert_eq!(fault.name, "/twin_status");
+        assert!(onto(&[("~/predict", "~/reset")]).is_err());
+        // A topic and a service may have one name.
+        assert_eq!(onto(&[("~/predict", "/x"), ("impact_event", "/x")]), Ok(()));
+    }
 
     /// The table of the interface specification, with the quality of service where it is specified.
     const CONTRACT: &str = "

@@ -23,6 +23,7 @@ use super::environment::{DiscoveryRange, Environment};
 use super::live_columns::{LiveColumns, StartError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
+use super::qos::check_types;
 use super::rosout::start_logging;
 use super::security::{SecurityError, protection};
 use super::signals::StopSignals;
@@ -147,6 +148,7 @@ fn run_loaded(
     } = options;
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
+    check_types(&names)?;
     let (loaded, warnings) = load(&names.for_parameters())?;
     // Before anything starts or is written.
     check_address_space()?;

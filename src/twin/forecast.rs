@@ -102,8 +102,19 @@ impl Forecast {
         self.predicted.take()
     }
 
-    /// Carries it on by at most `budget` steps, which are taken from it, and gives out what is found: the forecast when the
-    /// response and the residual capacity are known, and again when the error of the time step is known. Returns at the first.
+    /// Gives it out, now that the response and the residual capacity are known.
+    pub fn give_out(&mut self, impact: &BegunImpact, now: Nanos, out: &mut impl Outputs) {
+        let Some(predicted) = &self.predicted else {
+            return;
+        };
+        put_forecast(impact, predicted, self.is_superseded, out);
+        let assessed = predicted.assessed.as_deref();
+        out.verdict("forecast", &impact.event_id, assessed, now);
+        self.was_given_out = true;
+    }
+
+    /// Carries it on by at most `budget` steps, which are taken from it. Returns when the response and the residual capacity are known,
+    /// for the caller to [give it out](Self::give_out); it is given out again when the error of the time step is known.
     pub fn advance(
         &mut self,
         impact: &BegunImpact,
@@ -142,11 +153,7 @@ impl Forecast {
                         error_estimate: None,
                         compute_nanos,
                     };
-                    put_forecast(impact, &predicted, self.is_superseded, out);
-                    let assessed = predicted.assessed.as_deref();
-                    out.verdict("forecast", &impact.event_id, assessed, now);
                     self.predicted = Some(predicted);
-                    self.was_given_out = true;
                     return Some(Completed {
                         last_step,
                         at_rest,
@@ -157,12 +164,22 @@ impl Forecast {
                 }
                 Outlook::Refined(estimate) => {
                     self.ahead = None;
-                    self.error_estimate = estimate;
+                    self.error_estimate = estimate.as_ref().ok().copied();
                     if let Some(predicted) = &mut self.predicted {
-                        predicted.error_estimate = estimate;
+                        predicted.error_estimate = self.error_estimate;
                         predicted.compute_nanos = compute_nanos;
-                        if estimate.is_some() {
+                    }
+                    match (estimate, &self.predicted) {
+                        (Ok(_), Some(predicted)) => {
                             put_forecast(impact, predicted, self.is_superseded, out);
+                        }
+                        (Ok(_), None) => {}
+                        (Err(reason), _) => {
+                            let id = &impact.event_id;
+                            let text = format!(
+                                "the forecast of impact \"{id}\" has no error estimate: {reason}"
+                            );
+                            out.notice(NoticeLevel::Info, now, text);
                         }
                     }
                 }
@@ -318,7 +335,9 @@ impl SupersededForecasts {
             while forecast
                 .advance(impact, undamaged, budget, stopwatch, now, out)
                 .is_some()
-            {}
+            {
+                forecast.give_out(impact, now, out);
+            }
             if forecast.is_running() {
                 return;
             }

@@ -15,6 +15,9 @@ use crate::parameters::Parameters;
 /// Maximum size of a state file that is read \[B\]; written files are much smaller.
 pub const MAX_STATE_FILE_BYTES: u64 = 4 << 20;
 
+/// Appended to the name of a state file that is being written.
+const NEW: &str = ".new";
+
 /// Maximum number of rejected files that are kept.
 const MAX_REJECTED: u32 = 100;
 
@@ -223,9 +226,15 @@ fn restrict(file: &File) {
 
 /// Reads the state file for the column with these parameters. A file that cannot be used is kept under another name.
 ///
+/// A program that was killed may have written the newest damage completely, and not yet renamed its file: then it is renamed now.
+///
 /// # Errors
 /// The file exists but cannot be read, or cannot be renamed.
 pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileError> {
+    complete_write(path, parameters).map_err(|source| StateFileError::Unreadable {
+        path: path.to_owned(),
+        source,
+    })?;
     let text = match read_text_at_most(path, MAX_STATE_FILE_BYTES) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Loaded::Absent),
@@ -246,6 +255,20 @@ pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileErr
         Ok(saved) => Ok(Loaded::Damage(Box::new(saved))),
         Err(error) => reject(path, error.to_string()),
     }
+}
+
+/// Completes a write that was interrupted, unless the state file has been replaced since.
+fn complete_write(path: &Path, parameters: &Parameters) -> io::Result<()> {
+    let new = with_suffix(path, NEW);
+    let Ok(text) = read_text_at_most(&new, MAX_STATE_FILE_BYTES) else {
+        return Ok(());
+    };
+    let modified = |path: &Path| fs::metadata(path).and_then(|it| it.modified()).ok();
+    let is_newer = modified(&new) >= modified(path);
+    if is_newer && SavedState::from_json(&text, parameters).is_ok() {
+        fs::rename(&new, path)?;
+    }
+    Ok(())
 }
 
 fn reject(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
@@ -277,7 +300,7 @@ pub fn store(path: &Path, saved: &SavedState) -> Result<(), StateFileError> {
 fn replace(path: &Path, saved: &SavedState) -> io::Result<()> {
     let directory = folder(path);
     fs::create_dir_all(directory)?;
-    let new = with_suffix(path, ".new");
+    let new = with_suffix(path, NEW);
     let mut file = File::create(&new)?;
     file.write_all(saved.to_json()?.as_bytes())?;
     file.sync_all()?;

@@ -116,7 +116,7 @@ impl ColumnSnapshot {
             }
         };
         let error_estimate = match ahead.run(&mut budget, stopwatch) {
-            Outlook::Refined(estimate) => estimate,
+            Outlook::Refined(estimate) => estimate.ok(),
             _ => None,
         };
         let last = LastImpact::new(

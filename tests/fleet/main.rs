@@ -3,6 +3,7 @@
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+mod all_at_once;
 mod column_topics;
 mod detected;
 #[path = "../ros/domain.rs"]

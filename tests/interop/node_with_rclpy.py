@@ -149,6 +149,8 @@ class Peer:
 def graph(peer):
     node = peer.node
     peer.until("the node's name", lambda: (NODE, "/") in node.get_node_names_and_namespaces())
+    # It was empty.
+    peer.until("the node's enclave", lambda: (NODE, "/", "/") in node.get_node_names_and_namespaces_with_enclaves())
     topics = lambda: {name: types for name, types in node.get_publisher_names_and_types_by_node(NODE, "/")
                       + node.get_subscriber_names_and_types_by_node(NODE, "/")}
     peer.until("all topics", lambda: TOPICS.keys() <= topics().keys())

@@ -320,3 +320,66 @@ fn an_event_that_is_longer_than_a_message_may_be_is_given_up_and_the_next_one_ar
     drop((statuses, diagnostics, events));
     twin.stop();
 }
+
+/// Events that come faster than they can be taken, for half a minute.
+#[test]
+#[ignore = "slow: half a minute of flood"]
+fn a_flood_of_130_000_events_leaves_the_memory_flat() {
+    const FLOOD: u32 = 130_000;
+    const BATCH: u32 = 50;
+    /// More than the queues and the histories of the endpoints hold.
+    const MAX_GROWTH: f64 = 32.0;
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let quiet = "-p real_time.priority:=0 -p real_time.lock_memory:=false -p state.directory:=''";
+    let arguments: Vec<_> = quiet.split(' ').collect();
+    let program = Program::ready(&domain, folder.path(), &arguments);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let mut settled = 0.0;
+    for batch in 0..FLOOD / BATCH {
+        for number in 0..BATCH {
+            let id = format!("flood-{}", batch * BATCH + number);
+            // A full history rejects it, which is counted by the sender.
+            let _ = events.publish(event(&id, now(), 1500.0, 1.0));
+        }
+        std::thread::sleep(Duration::from_millis(10));
+        if batch == FLOOD / BATCH / 4 {
+            settled = program.megabytes();
+        }
+    }
+    let grown = program.megabytes() - settled;
+    println!("{settled} MB after a quarter, {grown} MB more at the end");
+    assert!(grown < MAX_GROWTH, "{grown} MB");
+    drop(events);
+    let outcome = impact(&domain, 1500.0, PATIENCE);
+    assert!(outcome.is_ok(), "{outcome:?}");
+    assert!(program.terminate().0.success());
+}
+
+/// Events with identifiers that nobody expects: rejected, each with the reason, and the node goes on.
+#[test]
+fn event_ids_of_100_000_or_control_characters_are_rejected() {
+    let domain = Domain::fresh();
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut node = reader(&domain);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let cases = [
+        ("x".repeat(100_000), "too long"),
+        ("a\u{1b}[31mb".to_owned(), "control characters"),
+        ("a\nb".to_owned(), "control characters"),
+    ];
+    for (rejected, (id, reason)) in (1..).zip(cases) {
+        assert!(events.publish(event(&id, now(), 1500.0, 1.0)));
+        let status = statuses.find(reason, |it| it.events_rejected == rejected);
+        let found = &status.last_rejection_reason;
+        assert!(found.contains(reason), "{found}");
+        let named = &status.last_rejection_event_id;
+        assert!(
+            named.len() < 1000 && !named.contains(char::is_control),
+            "{named:?}"
+        );
+    }
+    drop((statuses, events));
+    twin.stop();
+}

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod bad_input;
+mod departure;
 #[cfg(feature = "record")]
 mod detected;
 mod domain;
@@ -22,6 +23,7 @@ mod real_peers;
 mod real_time;
 mod restart;
 mod senders;
+mod service_bursts;
 #[allow(dead_code)] // the tests of the sensors use the rest
 #[path = "../estimation/signals.rs"]
 mod signals;

@@ -43,7 +43,7 @@ impl<M: Serialize> Sender<M> {
     }
 
     /// Waits until so many readers are matched.
-    fn wait_for_readers(&self, count: usize) {
+    pub fn wait_for_readers(&self, count: usize) {
         let deadline = Instant::now() + PATIENCE;
         let matches = self.node.matches();
         assert!(matches.wait_for(self.publisher.guid(), count, deadline));

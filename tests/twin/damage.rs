@@ -5,7 +5,7 @@ use std::path::Path;
 use column_twin::column::{ImpactSpecification, Outcome};
 use column_twin::parameters::Value;
 use column_twin::twin::state_file::{self, Loaded};
-use column_twin::twin::{ImpactCommand, SavedState, TwinPhase};
+use column_twin::twin::{ImpactCommand, Output, SavedState, TwinPhase};
 
 use crate::{Bench, MS, START, event, fatal, light, parameters};
 
@@ -261,6 +261,50 @@ fn a_state_file_of_another_column_is_rejected_and_kept() {
             state_file::load(&path, &other_load),
             Ok(Loaded::Damage(_))
         ));
+    });
+}
+
+/// Of 30 programs that were killed, one had lost the impact whose forecast it had just given out: the forecast came before the damage
+/// was written, and a file that was complete, but not renamed yet, was not read.
+#[test]
+fn damage_is_saved_before_its_forecast_and_survives_a_kill_before_the_rename() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+    let place = |is_it: fn(&Output) -> bool| bench.out.iter().position(is_it).expect("given out");
+    let saved = place(|it| matches!(it, Output::Save(_)));
+    assert!(saved < place(|it| matches!(it, Output::Forecast(_))));
+    in_folder(|folder| {
+        let (path, new) = (folder.join("column.json"), folder.join("column.json.new"));
+        let before = Bench::new(&[]).twin.saved_state(START);
+        let saved = damaged();
+        let load = || state_file::load(&path, &parameters(&[])).expect("read");
+        state_file::store(&path, &before).expect("written");
+        let text = saved.to_json().expect("text");
+        // It was killed while it wrote.
+        std::fs::write(&new, &text[..text.len() / 2]).expect("written");
+        assert_eq!(load(), Loaded::Damage(Box::new(before)));
+        // It was killed before it renamed the file.
+        std::fs::write(&new, &text).expect("written");
+        assert_eq!(load(), Loaded::Damage(Box::new(saved.clone())));
+        assert!(!new.exists());
+        // What was put into the place of the file since counts more than what was interrupted before.
+        let older = std::time::SystemTime::now() - std::time::Duration::from_secs(60);
+        std::fs::write(
+            &new,
+            Bench::new(&[])
+                .twin
+                .saved_state(START)
+                .to_json()
+                .expect("text"),
+        )
+        .expect("written");
+        let file = std::fs::File::options()
+            .write(true)
+            .open(&new)
+            .expect("a file");
+        file.set_modified(older).expect("ours");
+        assert_eq!(load(), Loaded::Damage(Box::new(saved)));
     });
 }
 

@@ -145,7 +145,7 @@ mod webs_of_state;
 mod yield_surface;
 mod yielding;
 
-pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
+pub use accuracy::{COMMON_ERROR, ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use backbone::HingeFactors;
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use base_plate::{Anchors, BaseFactors, BasePlate, BasePlateError, stress_area};

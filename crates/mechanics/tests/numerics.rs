@@ -274,43 +274,97 @@ fn chosen_step(mut column: ColumnProperties) -> Option<u64> {
         .map(|model| model.properties.step_nanos)
 }
 
+/// What the chosen step does to so many random columns.
+struct Errors {
+    errors: Vec<f64>,
+    estimates: Vec<f64>,
+}
+
+impl Errors {
+    /// Against runs with 1/16 of the step, which make no more than a fraction of the error.
+    fn of(count: usize, seed: u64, change: impl Fn(&mut ColumnProperties)) -> Self {
+        const DURATION: f64 = 0.05;
+        let mut random = Random(seed);
+        let (mut errors, mut estimates) = (Vec::new(), Vec::new());
+        while errors.len() < count {
+            let (mut column, impact) = proportioned(&mut random);
+            change(&mut column);
+            let Some(step_nanos) = chosen_step(column) else {
+                continue;
+            };
+            let run = |step_nanos: u64| {
+                let column = ColumnProperties {
+                    step_nanos,
+                    ..column
+                };
+                let report = respond(&column, &impact, DURATION).ok()?;
+                (report.outcome != Outcome::Collapsed).then_some(report)
+            };
+            let runs = [1, 2, 16].map(|part| run(step_nanos / part));
+            let [Some(whole), Some(half), Some(fine)] = runs else {
+                continue;
+            };
+            errors.push((whole.max_v1 / fine.max_v1 - 1.0).abs());
+            estimates.push(error_estimate(&whole, &half).unwrap_or(f64::INFINITY));
+        }
+        Self { errors, estimates }
+    }
+
+    fn worst(&self) -> f64 {
+        self.errors.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Responses whose error is larger than announced.
+    fn uncovered(&self) -> usize {
+        let pairs = self.errors.iter().zip(&self.estimates);
+        pairs.filter(|(error, estimate)| error > estimate).count()
+    }
+
+    /// The announced errors relative to the real ones, on the average.
+    fn caution(&self) -> f64 {
+        self.estimates.iter().sum::<f64>() / self.errors.iter().sum::<f64>()
+    }
+}
+
 /// With steps of 20 microseconds the error reached 19 % for bars of 0.1 to 0.3 m, without a word.
 #[test]
-fn the_recommended_step_keeps_the_error_below_3_5e_4_for_short_bars_too() {
-    const DURATION: f64 = 0.05;
-    let mut random = Random(12);
-    let (mut errors, mut estimates) = (Vec::new(), Vec::new());
-    while errors.len() < 60 {
-        let (column, impact) = proportioned(&mut random);
-        let Some(step_nanos) = chosen_step(column) else {
-            continue;
-        };
-        let run = |step_nanos: u64| {
-            let column = ColumnProperties {
-                step_nanos,
-                ..column
-            };
-            let report = respond(&column, &impact, DURATION).expect("a response");
-            (report.outcome != Outcome::Collapsed).then_some(report)
-        };
-        let runs = [1, 2, 16].map(|part| run(step_nanos / part));
-        let [Some(whole), Some(half), Some(fine)] = runs else {
-            continue;
-        };
-        errors.push((whole.max_v1 / fine.max_v1 - 1.0).abs());
-        estimates.push(error_estimate(&whole, &half).unwrap_or(f64::INFINITY));
+fn the_recommended_step_keeps_the_error_below_1e_3_for_short_bars_too() {
+    let of_sixty = Errors::of(60, 12, |_| {});
+    let worst = of_sixty.worst();
+    assert!(worst < 1e-3, "{worst:e}");
+    assert_eq!(of_sixty.uncovered(), 0);
+    let caution = of_sixty.caution();
+    assert!(caution < 10.0, "{caution}");
+}
+
+/// It covered 94 %. `COLUMN_TWIN_EXPLORE` draws that many new columns; without it, they are the same in every run.
+#[test]
+#[ignore = "takes minutes"]
+fn the_announced_error_covers_99_of_100_random_columns_with_either_scheme() {
+    let explored = std::env::var("COLUMN_TWIN_EXPLORE").ok();
+    let explored = explored.map(|it| it.parse().expect("a number of columns"));
+    let seed = match explored {
+        Some(_) => std::time::SystemTime::now()
+            .duration_since(std::time::UNIX_EPOCH)
+            .expect("a clock after 1970")
+            .as_secs(),
+        None => 1,
+    };
+    let count = explored.unwrap_or(420);
+    for scheme in [Scheme::ConservingMidpoint, Scheme::Midpoint] {
+        let found = Errors::of(count, seed, |column| column.scheme = scheme);
+        let mut sorted = found.errors.clone();
+        sorted.sort_by(f64::total_cmp);
+        println!(
+            "{scheme:?}, seed {seed}: median {:e}, 99th percentile {:e}, at most {:e}, {} of {count} not covered",
+            sorted[count / 2],
+            sorted[count * 99 / 100],
+            found.worst(),
+            found.uncovered(),
+        );
+        assert!(found.uncovered() * 100 <= count, "{}", found.uncovered());
+        assert!(found.caution() < 10.0, "{}", found.caution());
     }
-    let worst = errors.iter().copied().fold(0.0, f64::max);
-    assert!(worst < 3.5e-4, "{worst:e}");
-    // The estimate covers the error in nine of ten cases, and is not ten times too large.
-    let covered = errors
-        .iter()
-        .zip(&estimates)
-        .filter(|(error, estimate)| **error <= **estimate + 1e-7)
-        .count();
-    assert!(covered >= 54, "{covered} of 60");
-    let sum = |of: &[f64]| of.iter().sum::<f64>();
-    assert!(sum(&estimates) < 10.0 * sum(&errors));
 }
 
 /// Slower would not be real time, and longer would be less exact than the example has always been.

@@ -194,7 +194,7 @@ impl Shared {
         if !slot.is_on_time || !slot.twin.is_responding() || deadline == Nanos::MIN {
             return;
         }
-        let late = lateness(deadline, slot.twin.period(), now);
+        let late = lateness(deadline, slot.twin.period(), self.clock.could_act_at(now));
         let counters = &self.counters;
         late.count(
             &counters.worst_lateness,

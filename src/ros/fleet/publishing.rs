@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use ros2_client::Publisher;
 
-use crate::endpoints::Endpoint;
+use crate::endpoints::{Endpoint, MAX_DEPTH_OF_A_FLEET};
 use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
@@ -39,13 +39,6 @@ const MAX_WAIT: Duration = Duration::from_millis(250);
 
 /// Minimum time between two rounds of all columns that new readers cause.
 const READER_PERIOD: Duration = Duration::from_secs(1);
-
-/// Messages that are kept for late joiners, for each column: a forecast, and the same with the error of its time step. A report takes
-/// 6 kB; with ten of each column, a thousand columns took 200 MB more once all of them had been hit.
-const KEPT_OF_A_COLUMN: usize = 2;
-
-/// Most messages that a writer keeps: as many as RustDDS allows to be unacknowledged.
-const MAX_KEPT: usize = 8192;
 
 /// The last messages of a column that late joiners get.
 #[derive(Default)]
@@ -192,6 +185,11 @@ impl FleetPublishing {
         let mut of_columns = column_statuses(self.board.columns());
         of_columns.extend(sensors.into_iter().flat_map(FleetSensors::worst));
         (first, of_sensors, of_columns)
+    }
+
+    /// Whether a column responds to an impact.
+    pub fn is_responding(&self) -> bool {
+        self.board.columns().iter().any(|it| !it.is_at_rest())
     }
 
     /// The status of the topics of single columns.
@@ -401,8 +399,11 @@ impl FleetPublishing {
 fn kept_of_all(endpoint: &Endpoint, columns: usize) -> Endpoint {
     let mut endpoint = *endpoint;
     if endpoint.qos.transient_local {
-        let of_each = endpoint.qos.depth.min(KEPT_OF_A_COLUMN);
-        endpoint.qos.depth = (of_each * columns).clamp(endpoint.qos.depth, MAX_KEPT);
+        endpoint.qos.depth = match endpoint.qos.depth {
+            // A late joiner gets the newest message of each column.
+            1 => columns.clamp(1, MAX_DEPTH_OF_A_FLEET),
+            _ => endpoint.depth_of_a_fleet(columns),
+        };
     }
     endpoint
 }

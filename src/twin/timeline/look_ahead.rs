@@ -57,8 +57,8 @@ pub enum Outlook {
         /// For the next forecast of the same column.
         undamaged: Option<UndamagedCapacity>,
     },
-    /// The error that the time step makes is known; nothing remains to be computed.
-    Refined(Option<f64>),
+    /// The error that the time step makes is known, or why it is not; nothing remains to be computed.
+    Refined(Result<f64, String>),
     /// It cannot be completed, for this reason.
     Failed(String),
     /// Nothing remains to be computed.
@@ -172,18 +172,31 @@ impl LookAhead {
 
     /// A step of the response with half the step. `Some` once the error is known, or known to be unknown: the response cannot
     /// be computed with half the step, or takes too long.
-    fn refine(&mut self, report: &Report) -> Option<Option<f64>> {
+    fn refine(&mut self, report: &Report) -> Option<Result<f64, String>> {
         let Some(refined) = &mut self.refined else {
-            return Some(None);
+            return Some(Err("the time step cannot be halved".to_owned()));
         };
         if self.advances == MAX_LOOK_AHEAD_STEPS {
-            return Some(None);
+            return Some(Err(format!(
+                "both responses together take more than {MAX_LOOK_AHEAD_STEPS} steps"
+            )));
         }
         self.advances += 1;
         match refined.advance(u64::MAX) {
             Ok(Progress::Running) => None,
-            Ok(Progress::Over(end)) => Some(error_estimate(report, &refined.report(end))),
-            Err(_) => Some(None),
+            Ok(Progress::Over(end)) => {
+                let finer = refined.report(end);
+                let ends_otherwise = || {
+                    format!(
+                        "the response with half the time step ends otherwise ({:?} instead of {:?}), or without a displacement",
+                        finer.outcome, report.outcome
+                    )
+                };
+                Some(error_estimate(report, &finer).ok_or_else(ends_otherwise))
+            }
+            Err(error) => Some(Err(format!(
+                "the response with half the time step cannot be computed: {error}"
+            ))),
         }
     }
 }

@@ -81,6 +81,8 @@ pub struct DomainParticipantBuilder {
   socket_receive_buffer_size: usize,
   socket_send_buffer_size: usize,
 
+  user_data: Vec<u8>,
+
   #[cfg(feature = "security")]
   security_plugins: Option<SecurityPlugins>,
   #[cfg(feature = "security")]
@@ -95,6 +97,7 @@ impl DomainParticipantBuilder {
       same_host_loopback: true,
       socket_receive_buffer_size: Self::DEFAULT_SOCKET_RECEIVE_BUFFER_SIZE,
       socket_send_buffer_size: Self::DEFAULT_SOCKET_SEND_BUFFER_SIZE,
+      user_data: Vec::new(),
       #[cfg(feature = "security")]
       security_plugins: None,
       #[cfg(feature = "security")]
@@ -112,6 +115,13 @@ impl DomainParticipantBuilder {
   /// wildcard addresses for the selected ports.
   pub fn with_only_networks(mut self, addrs: impl IntoIterator<Item = impl Into<IpAddr>>) -> Self {
     self.only_networks = Some(addrs.into_iter().map(Into::into).collect());
+    self
+  }
+
+  /// The USER_DATA policy of the participant, which discovery tells to others (default:
+  /// empty, and not sent).
+  pub fn user_data(mut self, user_data: impl Into<Vec<u8>>) -> Self {
+    self.user_data = user_data.into();
     self
   }
 
@@ -341,7 +351,7 @@ impl DomainParticipantBuilder {
     let security_plugins_handle = self.security_plugins.map(SecurityPluginsHandle::new);
 
     // intermediate DP wrapper
-    let dp = DomainParticipantDisc::new(
+    let mut dp = DomainParticipantDisc::new(
       self.domain_id,
       participant_guid,
       participant_qos,
@@ -359,6 +369,7 @@ impl DomainParticipantBuilder {
       dp_waker,
       discovery_sample_sender,
     )?;
+    dp.user_data = self.user_data;
 
     // outer DP wrapper
     let dp = DomainParticipant {
@@ -658,6 +669,10 @@ impl DomainParticipant {
 
   pub(crate) fn new_entity_id(&self, entity_kind: EntityKind) -> EntityId {
     self.dpi.lock().unwrap().new_entity_id(entity_kind)
+  }
+
+  pub(crate) fn user_data(&self) -> Vec<u8> {
+    self.dpi.lock().unwrap().user_data.clone()
   }
 
   pub(crate) fn self_locators(&self) -> HashMap<mio1::Token, Vec<Locator>> {
@@ -966,6 +981,7 @@ impl RTPSEntity for DomainParticipantWeak {
 // should be dropped
 pub(crate) struct DomainParticipantDisc {
   dpi: DomainParticipantInner,
+  user_data: Vec<u8>,
   // Discovery control
   discovery_command_sender: WakeSender<DiscoveryCommand>,
   discovery_join_handle: std::sync::mpsc::Receiver<JoinHandle<()>>,
@@ -1013,6 +1029,7 @@ impl DomainParticipantDisc {
 
     Ok(Self {
       dpi,
+      user_data: Vec::new(),
       discovery_command_sender,
       discovery_join_handle,
       entity_id_generator: atomic::AtomicU32::new(0),

@@ -28,7 +28,7 @@ use crate::{
       DiscoveredReaderData, DiscoveredTopicData, DiscoveredWriterData, Endpoint_GUID,
       ParticipantMessageData, ParticipantMessageDataKind,
     },
-    spdp_participant_data::{Participant_GUID, SpdpDiscoveredParticipantData},
+    spdp_participant_data::{LocalParticipant, Participant_GUID, SpdpDiscoveredParticipantData},
   },
   polling::{
     new_shared_timer, poll_uninterrupted, timeout_until, LoopWaker, ReadyReceiver, SharedTimer, WakeReceiver,
@@ -43,8 +43,9 @@ use crate::{
     time::Timestamp,
   },
   with_key::{DataReader, DataWriter, Sample},
-  DomainParticipant,
 };
+#[cfg(test)]
+use crate::DomainParticipant;
 // This module implements the control logic of the Discovery process.
 //
 // The built-in discovery consists of
@@ -211,6 +212,7 @@ pub(crate) enum NormalDiscoveryPermission {
 pub(crate) struct Discovery {
   poll: Poll,
   domain_participant: DomainParticipantWeak,
+  local_participant: LocalParticipant,
   discovery_db: Arc<RwLock<DiscoveryDB>>,
 
   // Discovery started sender confirms to application thread that we are running
@@ -356,6 +358,17 @@ impl Discovery {
         }
       };
     }
+
+    // The application waits for us, and holds the participant meanwhile.
+    let local_participant = try_construct!(
+      domain_participant
+        .clone()
+        .upgrade()
+        .as_ref()
+        .map(LocalParticipant::from)
+        .ok_or("DomainParticipant is gone"),
+      "Cannot get actual DomainParticipant."
+    );
 
     let poll = try_construct!(Poll::new(), "Failed to allocate discovery poll.");
     let discovery_subscriber_qos = Self::builtin_subscriber_qos();
@@ -675,6 +688,7 @@ impl Discovery {
     Ok(Self {
       poll,
       domain_participant,
+      local_participant,
       discovery_db,
       discovery_started_sender,
       discovery_updated_sender,
@@ -869,12 +883,8 @@ impl Discovery {
             for timer_event in expired {
               match timer_event {
                 DiscoveryTimerEvent::SendParticipantInfo { reschedule } => {
-                  if let Some(dp) = self.domain_participant.clone().upgrade() {
-                    self.spdp_publish(&dp);
-                  } else {
-                    error!("DomainParticipant doesn't exist anymore, exiting Discovery.");
-                    return;
-                  };
+                  // If the participant is being dropped, StopDiscovery follows.
+                  self.spdp_publish();
                   // Only the periodic announce reschedules itself; the one-shot
                   // quick response does not.
                   if !reschedule {
@@ -974,15 +984,8 @@ impl Discovery {
   // If we did not do this, the Readers and Writers in this participant could not
   // find each other.
   fn initialize_participant(&self) {
-    let dp = if let Some(dp) = self.domain_participant.clone().upgrade() {
-      dp
-    } else {
-      error!("Cannot get actual DomainParticipant in initialize_participant! Giving up.");
-      return;
-    };
-
     let participant_data = SpdpDiscoveredParticipantData::from_local_participant(
-      &dp,
+      &self.local_participant,
       &self.security_opt,
       Duration::INFINITE,
     );
@@ -994,7 +997,7 @@ impl Discovery {
     // This will read the participant from Discovery DB and construct
     // ReaderProxy and WriterProxy objects for built-in Readers and Writers
     self.send_discovery_notification(DiscoveryNotificationType::ParticipantUpdated {
-      guid_prefix: dp.guid().prefix,
+      guid_prefix: self.domain_participant.guid().prefix,
     });
   }
 
@@ -1519,9 +1522,9 @@ impl Discovery {
     }
   }
 
-  fn spdp_publish(&self, local_dp: &DomainParticipant) {
+  fn spdp_publish(&self) {
     let data = SpdpDiscoveredParticipantData::from_local_participant(
-      local_dp,
+      &self.local_participant,
       &self.security_opt,
       Duration::from(Self::PARTICIPANT_LEASE_DURATION),
     );

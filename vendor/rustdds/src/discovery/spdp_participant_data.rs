@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use serde::{Deserialize, Serialize};
 #[allow(unused_imports)]
 use log::{debug, error, info, trace, warn};
@@ -41,6 +43,28 @@ use super::secure_discovery::SecureDiscovery;
 #[cfg(not(feature = "security"))]
 use crate::no_security::SecureDiscovery;
 
+// What the local participant tells of itself. It does not change.
+//
+// Discovery must not hold the DomainParticipant even for a moment: if the application
+// dropped its last handle meanwhile, the participant would be dropped by the thread of
+// Discovery, which cannot wait for its own end, and peers would not be told.
+#[derive(Debug)]
+pub(crate) struct LocalParticipant {
+  guid: GUID,
+  locators: HashMap<mio1::Token, Vec<Locator>>,
+  user_data: Vec<u8>,
+}
+
+impl From<&DomainParticipant> for LocalParticipant {
+  fn from(participant: &DomainParticipant) -> Self {
+    Self {
+      guid: participant.guid(),
+      locators: participant.self_locators(),
+      user_data: participant.user_data(),
+    }
+  }
+}
+
 // This type is used by Discovery to communicate the presence and properties
 // of DomainParticipants. It is sent over topic "DCPSParticipant".
 // The type is called "ParticipantBuiltinTopicData" in DDS-Security Spec, e.g.
@@ -65,6 +89,7 @@ pub struct SpdpDiscoveredParticipantData {
   pub manual_liveliness_count: i32,        // PartProxy
   pub builtin_endpoint_qos: Option<BuiltinEndpointQos>, // PartProxy
   pub entity_name: Option<String>,         // where does this come from??
+  pub user_data: Option<Vec<u8>>,          // only sent: nobody here asks for that of others
 
   // security
   #[cfg(feature = "security")]
@@ -132,11 +157,11 @@ impl SpdpDiscoveredParticipantData {
   }
 
   pub(crate) fn from_local_participant(
-    participant: &DomainParticipant,
+    participant: &LocalParticipant,
     _secure_discovery_opt: &Option<SecureDiscovery>, // If present, security is enabled
     lease_duration: Duration,
   ) -> Self {
-    let dp_locators = participant.self_locators();
+    let dp_locators = &participant.locators;
     let metatraffic_multicast_locators = dp_locators
       .get(&DISCOVERY_MUL_LISTENER_TOKEN)
       .cloned()
@@ -211,7 +236,7 @@ impl SpdpDiscoveredParticipantData {
       protocol_version: ProtocolVersion::PROTOCOLVERSION_2_3,
       vendor_id: VendorId::THIS_IMPLEMENTATION,
       expects_inline_qos: false,
-      participant_guid: participant.guid(),
+      participant_guid: participant.guid,
       metatraffic_unicast_locators,
       metatraffic_multicast_locators,
       default_unicast_locators,
@@ -221,6 +246,7 @@ impl SpdpDiscoveredParticipantData {
       manual_liveliness_count: 0,
       builtin_endpoint_qos: None,
       entity_name: None,
+      user_data: Some(participant.user_data.clone()).filter(|it| !it.is_empty()),
 
       // DDS Security
       #[cfg(feature = "security")]
@@ -358,6 +384,7 @@ impl PlCdrDeserialize for SpdpDiscoveredParticipantData {
       manual_liveliness_count,
       builtin_endpoint_qos,
       entity_name,
+      user_data: None,
       #[cfg(feature = "security")]
       identity_token,
       #[cfg(feature = "security")]
@@ -404,6 +431,7 @@ impl ParameterListable for SpdpDiscoveredParticipantData {
       manual_liveliness_count,
       builtin_endpoint_qos,
       entity_name,
+      user_data,
 
       // DDS security
       #[cfg(feature = "security")]
@@ -488,6 +516,7 @@ impl ParameterListable for SpdpDiscoveredParticipantData {
     // and does not follow CDR encoding.
     let entity_name_n: Option<StringWithNul> = entity_name.clone().map(|e| e.into());
     emit_option!(PID_ENTITY_NAME, &entity_name_n, StringWithNul);
+    emit_option!(PID_USER_DATA, user_data, Vec<u8>);
 
     #[cfg(feature = "security")] // DDS security
     {

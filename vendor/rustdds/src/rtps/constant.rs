@@ -83,6 +83,10 @@ pub const MAX_TRACKED_CHANGES_PER_WRITER: usize = DEFAULT_WRITER_MAX_SAMPLES;
 pub const MAX_WITHHELD_BYTES_PER_TOPIC: usize = 4 * 1024 * 1024;
 pub const WITHHELD_BYTES_PER_SAMPLE: usize = 512;
 
+// Most payload bytes that a TopicCache retains, whatever its History allows: beyond
+// this the oldest samples are removed, as if the History were full.
+pub const MAX_BYTES_PER_TOPIC: usize = 64 * 1024 * 1024;
+
 // Most bytes of one sample of the discovery topics (SPDP, SEDP). Larger ones are
 // dropped, because what they announce is kept for as long as the sender wishes.
 pub const MAX_DISCOVERY_SAMPLE_SIZE: usize = 16 * 1024;

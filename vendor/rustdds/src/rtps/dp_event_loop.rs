@@ -386,6 +386,7 @@ impl DPEventLoop {
         &mut writers_to_remove,
         &mut preparing_to_stop,
       ) {
+        ev_wrapper.service_outbound();
         return;
       }
       // Removals wait until commands queued in this same wake have run.
@@ -410,6 +411,7 @@ impl DPEventLoop {
     preparing_to_stop: &mut bool,
   ) -> bool {
     use std::sync::mpsc::TryRecvError;
+    let mut stopping = false;
     loop {
       match self.stop_poll_receiver.try_recv() {
         Ok(EventLoopCommand::PrepareStop) => {
@@ -417,8 +419,11 @@ impl DPEventLoop {
           *preparing_to_stop = true;
         }
         Ok(EventLoopCommand::Stop) => {
+          // What Discovery has written last says that this participant leaves. It may
+          // have been written in this same wake, and is sent below.
           info!("Stopping dp_event_loop");
-          return true;
+          stopping = true;
+          break;
         }
         Err(TryRecvError::Empty) => break,
         Err(TryRecvError::Disconnected) => {
@@ -486,7 +491,7 @@ impl DPEventLoop {
       }
       self.message_receiver.notify_data_to_readers(local_readers);
     }
-    false
+    stopping
   }
 
   fn drain_timers(&mut self, preparing_to_stop: bool) {

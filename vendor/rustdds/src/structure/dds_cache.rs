@@ -19,7 +19,9 @@ use crate::{
     typedesc::TypeDesc,
     CreateError, CreateResult,
   },
-  rtps::constant::{MAX_WITHHELD_BYTES_PER_TOPIC, WITHHELD_BYTES_PER_SAMPLE},
+  rtps::constant::{
+    MAX_BYTES_PER_TOPIC, MAX_WITHHELD_BYTES_PER_TOPIC, WITHHELD_BYTES_PER_SAMPLE,
+  },
   structure::{sequence_number::SequenceNumber, time::Timestamp},
   GUID,
 };
@@ -483,6 +485,22 @@ impl TopicCache {
     }
   }
 
+  // How many of the oldest changes do not fit into MAX_BYTES_PER_TOPIC together
+  // with all newer ones.
+  fn count_over_byte_limit(&self) -> usize {
+    let mut bytes = 0;
+    let fitting = self
+      .changes
+      .values()
+      .rev()
+      .take_while(|cc| {
+        bytes += cc.data_value.payload_size();
+        bytes <= MAX_BYTES_PER_TOPIC
+      })
+      .count();
+    self.changes.len() - fitting
+  }
+
   /// Garbarge collection:
   ///
   /// Remove changes before given Timestamp, but keep at least
@@ -500,7 +518,10 @@ impl TopicCache {
 
     // We must remove at least enough to stay within max limit,
     // must_remove_count = sample_count - max_keep_samples
-    let must_remove_count = sample_count.saturating_sub(self.max_keep_samples as usize);
+    let must_remove_count = max(
+      sample_count.saturating_sub(self.max_keep_samples as usize),
+      self.count_over_byte_limit(),
+    );
     // Saturating sub takes care that this does not underflow below zero.
 
     let may_remove_count = match self.min_keep_samples {
