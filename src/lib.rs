@@ -45,6 +45,7 @@ pub mod report;
 pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
+pub mod second_opinion;
 pub mod senses;
 pub mod sensors;
 pub mod shape;

@@ -164,6 +164,7 @@ fn follow(
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             match_timeout: TIMEOUT,
             answer_timeout: TIMEOUT,
