@@ -316,6 +316,7 @@ fn impact(column: usize, id: &str, stamp: i64) -> Command {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     })
 }

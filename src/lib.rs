@@ -87,6 +87,7 @@ pub mod report;
 pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
+pub mod second_opinion;
 pub mod sensors;
 pub mod shape;
 pub mod standing;

@@ -52,6 +52,7 @@ fn event(id: &str, stamp: Nanos) -> ImpactCommand {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     }
 }
@@ -344,6 +345,7 @@ fn commands_and_predictions_are_answered() {
         gap: None,
         restitution: None,
         height: None,
+        direction: None,
     };
     let prediction = live.predict("", "", &impact).expect("a prediction");
     assert_eq!(

@@ -52,6 +52,7 @@ fn impact(column: u32, id: &str, stamp: Nanos, velocity: f64) -> ImpactCommand {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     }
 }

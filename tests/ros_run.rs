@@ -57,6 +57,7 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             match_timeout: PATIENCE,
             answer_timeout: PATIENCE,

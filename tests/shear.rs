@@ -360,6 +360,7 @@ fn damage_is_carried_from_one_bumper_to_another() {
         gap: None,
         restitution: None,
         height: None,
+        direction: None,
     };
     let impact = specification
         .complete(&parameters.impact(), None, 0.2)

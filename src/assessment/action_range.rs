@@ -34,6 +34,8 @@ pub enum Assumption {
     TopSpring,
     /// That the base holds the column as its support does, where no connection is given.
     BasePlate,
+    /// The model of the column: two bars, or a fibre beam.
+    Model,
 }
 
 /// The impact with one assumption changed.
@@ -95,6 +97,7 @@ impl Assumption {
             Self::YieldStrength => "yield strength",
             Self::TopSpring => "top spring",
             Self::BasePlate => "base plate",
+            Self::Model => "model",
         }
     }
 
@@ -111,6 +114,7 @@ impl Assumption {
             Self::YieldStrength => "the yield strength",
             Self::TopSpring => "the spring at the top",
             Self::BasePlate => "the plate of the base",
+            Self::Model => "the model of the column",
         }
     }
 }
@@ -209,6 +213,20 @@ impl ActionRange {
                 range.decided_by.push(variation.assumption);
             }
         }
+    }
+
+    /// Includes the verdict of another model, which is more severe than the one of which this is the range.
+    pub(crate) fn with_another_model(&mut self, verdict: &Assessment) {
+        let range = &mut self.ends;
+        if verdict.action < range.most {
+            return;
+        }
+        if verdict.action > range.most {
+            range.decided_by.clear();
+        }
+        range.most = verdict.action;
+        range.at_least = verdict.at_least && range.most < Action::Evacuate;
+        range.decided_by.push(Assumption::Model);
     }
 
     /// The variations of one assumption.

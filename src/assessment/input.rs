@@ -25,6 +25,14 @@ pub struct AssessedImpact {
     /// Height of its bumper \[m\].
     #[serde(default)]
     pub bumper_height: f64,
+    /// Its direction of travel \[rad\], of which the model sees the component in its plane only.
+    #[serde(default, skip_serializing_if = "is_in_plane")]
+    pub direction: f64,
+}
+
+/// For what is left out where the vehicle travels in the plane of the model.
+fn is_in_plane(direction: &f64) -> bool {
+    *direction == 0.0
 }
 
 /// Shear of the webs of both bars.
@@ -48,6 +56,23 @@ pub struct VerdictLoad {
     pub basis: LoadBasis,
     /// Where the proof is found that the structure above takes a part of it; empty where none counts.
     pub redistribution_proof: String,
+}
+
+/// What another model of the same column and impact has found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OtherModel {
+    /// Whether the column gives way under its load.
+    pub collapsed: bool,
+    /// Whether the steel yields anywhere.
+    pub yielded: bool,
+    /// Residual displacement of the impact point, whatever its direction \[m\]; `None` after a collapse.
+    pub residual: Option<f64>,
+    /// Peak displacement of the impact point \[m\].
+    pub peak: f64,
+    /// Axial capacity of the undamaged column and of the column that the impact leaves \[N\].
+    pub capacity: [f64; 2],
+    /// Largest shear of the base, as a mean over 1 ms \[N\].
+    pub base_shear: f64,
 }
 
 /// All that an assessment depends on.
@@ -114,6 +139,7 @@ impl From<&Impact> for AssessedImpact {
             velocity: impact.velocity,
             front_force,
             bumper_height: impact.bumper_height,
+            direction: 0.0,
         }
     }
 }
@@ -209,7 +235,10 @@ impl AssessmentInput {
             residual_v1: report.residual_v1,
             utilisation: Some(Utilisation::of_report(report)),
             max_v1: report.max_v1.abs(),
-            impact: Some(AssessedImpact::from(impact)),
+            impact: Some(AssessedImpact {
+                direction: parameters.direction(),
+                ..AssessedImpact::from(impact)
+            }),
             base_demand: Some(BaseDemand::of(report)),
             ..Self::of_column(parameters, model, remaining)
         }
@@ -305,6 +334,32 @@ impl AssessmentInput {
             base: base.ok(),
             base_demand: None,
             deciding: parameters.settings().assessment.criteria.clone(),
+        }
+    }
+
+    /// The same impact as another model sees it. Its plastic rotations are those of the kink that its residual displacement makes.
+    #[must_use]
+    pub fn by_another_model(&self, other: &OtherModel) -> Self {
+        let kink = other.residual.filter(|_| other.yielded).unwrap_or(0.0);
+        let [below, above] = [kink / self.length_below, kink / self.length_above];
+        let mut base_demand = self.base_demand;
+        if let Some(demand) = &mut base_demand {
+            demand.has_flowed = other.yielded;
+            let shear = &mut demand.report.peak_shear.shear;
+            if other.base_shear > shear.abs() {
+                *shear = other.base_shear;
+            }
+        }
+        Self {
+            collapsed: other.collapsed,
+            fractured: false,
+            plastic_rotation: [below, above, above, below],
+            residual_v1: other.residual,
+            utilisation: None,
+            max_v1: other.peak,
+            remaining: self.remaining.by_another_model(other.capacity),
+            base_demand,
+            ..self.clone()
         }
     }
 

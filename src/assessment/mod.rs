@@ -63,7 +63,8 @@ pub use criterion::{Action, Criterion, PARTIAL_FACTOR};
 use definition::{Definition, NotEvaluated, Relation};
 pub use evaluation::ImpactEvaluation;
 pub use input::{
-    AssessedImpact, AssessedShear, AssessmentInput, VerdictLoad, largest_plastic_rotation,
+    AssessedImpact, AssessedShear, AssessmentInput, OtherModel, VerdictLoad,
+    largest_plastic_rotation,
 };
 pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
@@ -78,10 +79,14 @@ pub use rotation_limits::{
 pub use section_class::{SectionClass, SectionClassification, section_class};
 pub use utilisation::{Utilisation, UtilisedPart};
 
-use crate::parameters::LoadBasis;
+use crate::parameters::{LoadBasis, component_in_words};
 
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
+
+/// What the fibre beam does not know, beside every verdict of it.
+const OF_THE_BEAM: &str = "The fibre beam knows neither connections nor local buckling; its plastic rotations are those of the kink that \
+                           its residual displacement makes.";
 
 /// The assessment of one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -140,6 +145,46 @@ impl Assessment {
             true => self.reason.clone(),
             false => format!("{}: {}", in_capitals(self.action), self.reason),
         }
+    }
+
+    /// Takes the verdict of the fibre beam on the same impact where it is more severe, with its reason and its deciding criterion;
+    /// `because` says why it counts, as a part of a sentence. Returns whether it did.
+    pub(crate) fn yield_to(&mut self, beam: &Self, because: &str) -> bool {
+        if beam.action <= self.action {
+            return false;
+        }
+        let deciding = beam
+            .criteria
+            .iter()
+            .find(|it| it.name == beam.deciding_criterion);
+        let Some(deciding) = deciding else {
+            return false;
+        };
+        if let Some(own) = self.criteria.iter_mut().find(|it| it.name == deciding.name) {
+            *own = Criterion {
+                statement: format!("By the fibre beam: {}", deciding.statement),
+                ..deciding.clone()
+            };
+        }
+        let at_least = match beam.at_least {
+            true => format!("At least {}: ", in_capitals(beam.action)),
+            false => String::new(),
+        };
+        self.reason = format!(
+            "{at_least}By the fibre beam, {}: {} It counts because {because}; the two bars alone lead to {}.",
+            deciding.name, deciding.statement, self.action
+        );
+        self.reservations = self.reason.len();
+        self.reason += &missing_data(&beam.not_evaluated);
+        self.reason += " ";
+        self.reason += &beam.load;
+        self.reason += " ";
+        self.reason += OF_THE_BEAM;
+        self.action = beam.action;
+        self.at_least = beam.at_least;
+        self.not_evaluated.clone_from(&beam.not_evaluated);
+        self.deciding_criterion = deciding.name;
+        true
     }
 
     /// What the reason says beside the finding that decides: what was not evaluated and what is not known.
@@ -347,6 +392,13 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
+/// Words as a sentence of their own.
+fn in_sentence(words: &str) -> String {
+    let mut sentence = format!("{words}.");
+    sentence[..1].make_ascii_uppercase();
+    sentence
+}
+
 /// The criterion that decides with its numbers, or how far the column has come where nothing decides.
 fn finding(input: &AssessmentInput, action: Action, deciding: &Criterion) -> String {
     match (action, input.utilisation) {
@@ -408,5 +460,10 @@ fn axes(input: &AssessmentInput) -> String {
         None => text.push_str("the resistance about the weak axis is not known"),
     }
     text.push('.');
+    let direction = input.impact.map_or(0.0, |impact| impact.direction);
+    if let Some(component) = component_in_words(direction) {
+        text.push(' ');
+        text.push_str(&in_sentence(&component));
+    }
     text
 }

@@ -146,6 +146,23 @@ impl ResidualCapacity {
         }
     }
 
+    /// The same with the push-downs of another model \[N\], which bear on the same load and the same resistances.
+    pub(super) fn by_another_model(&self, [undamaged, now]: [f64; 2]) -> Self {
+        let capacity = |force: f64| Capacity {
+            force,
+            ..Capacity::none(CapacityEnd::NoEquilibrium)
+        };
+        let basis = VerdictBasis {
+            resistances: [Some(self.strong), self.weak],
+            redistribution_limit: 0.0,
+        };
+        let loads = VerdictLoads {
+            undamaged: self.undamaged_load,
+            now: self.carried_load,
+        };
+        Self::with(&basis, loads, capacity(undamaged), capacity(now))
+    }
+
     /// `resistance / N`, at most that of the new column; `None` where there is no compressive load or the weak axis is not
     /// known.
     #[must_use]

@@ -19,7 +19,7 @@ use column_twin::column::{
 };
 use column_twin::figures::units::{Unit, significant};
 use column_twin::figures::{FigureError, PushDownCurves, push_down_svg};
-use column_twin::parameters::{Parameters, Value};
+use column_twin::parameters::{Parameters, Value, component_in_words};
 use column_twin::report::short;
 use column_twin::results::CapacityFields;
 use column_twin::twin::state_file::MAX_STATE_FILE_BYTES;
@@ -194,6 +194,10 @@ impl Column {
             short(impact.velocity),
             short(column.model.properties.length_below),
         );
+        if let Some(component) = component_in_words(column.parameters.direction()) {
+            column.history += "; ";
+            column.history += &component;
+        }
         column.damaged = report.outcome != Outcome::Elastic;
         column.response = Some((impact, report));
         Ok(column)

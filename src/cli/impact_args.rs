@@ -29,6 +29,10 @@ pub(super) struct ImpactSpecificationArgs {
     /// parameter geometry.length_below
     #[arg(long, value_name = "M")]
     height: Option<f64>,
+    /// Direction of travel [degrees], above -180 to 180: 0 bends the column about its strong axis, positive turns towards the positive
+    /// weak-axis direction; default: parameter impact.direction
+    #[arg(long, value_name = "DEGREES")]
+    direction: Option<f64>,
 }
 
 impl ImpactSpecificationArgs {
@@ -44,6 +48,7 @@ impl ImpactSpecificationArgs {
             gap,
             restitution,
             height,
+            direction: None,
         }
     }
 
@@ -78,6 +83,7 @@ impl ImpactSpecificationArgs {
             ("impact.velocity", self.velocity),
             ("impact.gap", self.gap),
             ("impact.restitution", self.restitution),
+            ("impact.direction", self.direction.map(f64::to_radians)),
         ];
         let vehicle = self.vehicle.as_ref();
         let vehicle = vehicle.map(|name| format!("vehicle.name:={}", Value::from(name.as_str())));
@@ -97,6 +103,7 @@ impl ImpactSpecificationArgs {
             gap: self.gap,
             restitution: self.restitution,
             height: self.height,
+            direction: self.direction.map(f64::to_radians),
         }
     }
 }

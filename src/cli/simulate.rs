@@ -33,6 +33,7 @@ use column_twin::report::{
     Origin, ReportDetails, ReportDetailsError, ReportDocument, ReportedImpact, parameters_path,
     title,
 };
+use column_twin::second_opinion::SecondOpinion;
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
 use column_twin::whole_file::{self, WholeFile};
@@ -190,9 +191,12 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let ended = respond_and_rest(&case.properties, &case.impact, case.max_duration)
         .map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
-    let evaluation =
+    let mut evaluation =
         ImpactEvaluation::complete(&case.parameters, &case.properties, &case.impact, ended)
             .map_err(SimulateError::from)?;
+    let start = Instant::now();
+    let second_opinion = SecondOpinion::on(&case.parameters, &mut evaluation);
+    let second_opinion_time = start.elapsed();
 
     let mut files = String::new();
     if history_to_output {
@@ -236,6 +240,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         vehicle_name: &case.parameters.settings().vehicle.name,
         evaluation: &evaluation,
         solve_time,
+        second_opinion: Some((&second_opinion, second_opinion_time)),
     };
     let text = match arguments.json {
         true => summary

@@ -10,7 +10,8 @@ use column_twin::column::{
 use column_twin::figures::units::{Unit, significant};
 use column_twin::parameters::{NoShear, readable};
 use column_twin::report::{EnergyBalance, base_rows, end_in_words, in_kilo, outcome_in_words};
-use column_twin::results::ImpactFields;
+use column_twin::results::{BeamAnswer, ImpactFields};
+use column_twin::second_opinion::{NoSecondOpinion, SecondOpinion};
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
 /// Width of a terminal \[characters\].
@@ -27,6 +28,8 @@ pub struct Summary<'a> {
     pub evaluation: &'a ImpactEvaluation,
     /// Computing time of the solver, without histories and figures.
     pub solve_time: Duration,
+    /// What the fibre beam says, or why it says nothing, with its computing time; `None` where it was not asked.
+    pub second_opinion: Option<(&'a Result<SecondOpinion, NoSecondOpinion>, Duration)>,
 }
 
 impl Summary<'_> {
@@ -35,11 +38,11 @@ impl Summary<'_> {
     /// # Errors
     /// None in practice: numbers that are not finite become null.
     pub fn json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(&ImpactFields::of(
-            self.evaluation,
-            self.vehicle_name,
-            self.solve_time,
-        ))
+        let fields = ImpactFields::of(self.evaluation, self.vehicle_name, self.solve_time);
+        serde_json::to_string_pretty(&match self.second_opinion {
+            Some((opinion, solve_time)) => fields.with_beam(BeamAnswer::of(opinion, solve_time)),
+            None => fields,
+        })
     }
 
     fn report(&self) -> &Report {
@@ -68,8 +71,12 @@ impl Summary<'_> {
             },
         };
         wrapped(f, "Action", &words)?;
-        match &self.evaluation.range {
-            Some(range) => wrapped(f, "Range", &range.to_string()),
+        if let Some(range) = &self.evaluation.range {
+            wrapped(f, "Range", &range.to_string())?;
+        }
+        match self.second_opinion {
+            Some((Ok(opinion), _)) => wrapped(f, "Beam", &opinion.to_string()),
+            Some((Err(reason), _)) => wrapped(f, "Beam", &reason.to_string()),
             None => Ok(()),
         }
     }
@@ -553,6 +560,7 @@ mod tests {
             vehicle_name: "rigid",
             evaluation,
             solve_time: Duration::from_micros(5300),
+            second_opinion: None,
         }
     }
 

@@ -71,7 +71,7 @@ pub fn record_impact(
         .filter(|_| origin >= 0)
         .ok_or(SimulatedRecordingError::Origin(origin))?;
     let settings = parameters.settings();
-    let impact = ImpactSpecification::from(parameters.impact());
+    let impact = ImpactSpecification::from(parameters.whole_impact());
     let command = ImpactCommand {
         event_id: SIMULATED_EVENT.to_owned(),
         column_id: settings.column_id.clone(),

@@ -200,6 +200,7 @@ impl From<&ImpactEvent> for ImpactSpecification {
             gap: given(event.gap),
             restitution: given(event.restitution),
             height: given(event.height),
+            direction: None,
         }
     }
 }
@@ -212,6 +213,7 @@ impl From<&PredictImpactRequest> for ImpactSpecification {
             gap: given(request.gap),
             restitution: given(request.restitution),
             height: given(request.height),
+            direction: None,
         }
     }
 }
@@ -269,6 +271,7 @@ mod tests {
             gap: None,
             restitution: Some(f64::INFINITY),
             height: None,
+            direction: None,
         };
         assert_eq!(ImpactSpecification::from(&ImpactEvent::from(&open)), open);
     }

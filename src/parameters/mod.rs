@@ -62,6 +62,7 @@
 // - yaml_1_1.rs: Values as programs send them that read YAML 1.1, such as `ros2 param`
 
 mod base;
+mod beam;
 mod catalogue;
 mod check;
 mod consistency;
@@ -103,6 +104,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use base::{assumed_plate, plate_in_words};
+pub use beam::component_in_words;
 pub use catalogue::{CatalogueSection, catalogue};
 pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
@@ -123,14 +125,14 @@ pub use section::ColumnSection;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
-    AcceptEstimates, AssessmentSettings, BaseConnection, BaseSettings, CapacitySettings,
-    Compression, DampingSettings, EstimationSettings, EventSettings, GeometrySettings,
-    HardeningSettings, HingeSettings, LoadBasis, RateLawKind, RateSettings, RealTimeSettings,
-    RecordMode, RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings,
-    SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings,
-    ShearModel, ShearSettings, SiteSettings, SofteningModel, SofteningSettings, SolverSettings,
-    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AcceptEstimates, AssessmentSettings, BaseConnection, BaseSettings, BeamMode, BeamSettings,
+    BowAxes, CapacitySettings, Compression, DampingSettings, EstimationSettings, EventSettings,
+    GeometrySettings, HardeningSettings, HingeSettings, LoadBasis, RateLawKind, RateSettings,
+    RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
+    SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings,
+    Settings, ShearModel, ShearSettings, SiteSettings, SofteningModel, SofteningSettings,
+    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
+    TopSettings, TorsionModel, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use shear::{NoShear, POISSON_RATIO};
 pub use steel::{STEEL_GRADES, SteelGrade};
@@ -363,10 +365,28 @@ impl Parameters {
         &self.settings
     }
 
-    /// The default impact with its vehicle, for what an impact event leaves open.
+    /// The default impact with its vehicle, for what an impact event leaves open: of a motion out of the plane of the two bars its
+    /// component in that plane.
     #[must_use]
     pub fn impact(&self) -> Impact {
-        impact_of(&self.settings).expect("the vehicle was checked with the other parameters")
+        self.impact_in(self.direction())
+    }
+
+    /// Direction of travel of the vehicle \[rad\]; it may be none, see [`is_direction`](crate::column::is_direction).
+    #[must_use]
+    pub fn direction(&self) -> f64 {
+        self.settings.impact.direction
+    }
+
+    /// The same impact with its whole velocity, whatever its direction.
+    #[must_use]
+    pub fn whole_impact(&self) -> Impact {
+        self.impact_in(0.0)
+    }
+
+    fn impact_in(&self, direction: f64) -> Impact {
+        impact_of(&self.settings, direction)
+            .expect("the vehicle was checked with the other parameters")
     }
 
     /// The vehicle that an event names, as far as the mechanics knows it; `None` is a rigid mass. An empty name is the
@@ -665,7 +685,7 @@ impl From<Parameters> for Settings {
 ///
 /// # Errors
 /// A vehicle that is none.
-fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
+fn impact_of(settings: &Settings, direction: f64) -> Result<Impact, VehicleFault> {
     let given = &settings.impact;
     let specification = ImpactSpecification {
         mass: given.mass,
@@ -673,6 +693,7 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
         gap: Some(given.gap),
         restitution: Some(given.restitution),
         height: None,
+        direction: Some(direction),
     };
     let vehicle = settings.vehicle.vehicle()?;
     let defaults = Impact {

@@ -45,6 +45,9 @@ pub struct Settings {
     pub response: ResponseSettings,
     pub capacity: CapacitySettings,
     pub assessment: AssessmentSettings,
+    // Left out where nothing differs from the defaults, as in the recordings and states of programs that know no beam.
+    #[serde(default, skip_serializing_if = "BeamSettings::is_default")]
+    pub beam: BeamSettings,
     pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
@@ -145,6 +148,9 @@ groups! {
         // Absent in recordings and states of programs that know no such force.
         #[serde(default)]
         transverse_force: f64,
+        // Left out where it is 0, as in the recordings and states of programs that know no directions.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        direction: f64,
     }
     /// The vehicle as given: a name, or numbers alone.
     VehicleSettings {
@@ -223,6 +229,19 @@ groups! {
         range_height: f64,
         #[serde(default)]
         range_front: f64,
+    }
+    /// The fibre beam, the second opinion.
+    #[derive(Copy)]
+    BeamSettings {
+        mode: BeamMode,
+        elements: u16,
+        fibres: u16,
+        dt: f64,
+        shear: bool,
+        torsion: TorsionModel,
+        residual_stress: bool,
+        bow: f64,
+        bow_axes: BowAxes,
     }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
@@ -316,6 +335,33 @@ words! {
         /// A plastic slider in each bar.
         Web,
     }
+    /// What the verdict of the fibre beam counts.
+    BeamMode {
+        /// It is not computed.
+        Off,
+        /// It counts where both models part.
+        SecondOpinion,
+        /// It always counts.
+        Governing,
+    }
+    /// How the fibre beam resists twist.
+    TorsionModel {
+        /// St Venant's torsion and restrained warping.
+        Warping,
+        /// St Venant's torsion alone.
+        SaintVenant,
+        /// The twist is suppressed.
+        None,
+    }
+    /// Axes about which the fibre beam is bowed.
+    BowAxes {
+        /// Both.
+        Both,
+        /// The strong axis.
+        Strong,
+        /// The weak axis.
+        Weak,
+    }
     /// Connection of the base.
     BaseConnection {
         /// Nothing is known of it.
@@ -399,6 +445,11 @@ words! {
         /// A viewer that this program starts.
         Spawn,
     }
+}
+
+/// For what is left out where it is 0.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl LoadBasis {

@@ -46,10 +46,19 @@ impl Settings {
         let tree = serde_json::to_value(self).expect("settings are numbers, words and strings");
         let value = |parameter: &Parameter| {
             let parts = parameter.name.split('.');
-            value_of_json(parts.fold(&tree, |node, part| &node[part]), parameter)
+            match parts.fold(&tree, |node, part| &node[part]) {
+                // What is left out has its default; a number that is not finite is null, too.
+                Json::Null if is_left_out(parameter.name) => parameter.default_value(),
+                node => value_of_json(node, parameter),
+            }
         };
         PARAMETERS.iter().map(value).collect()
     }
+}
+
+/// Whether a parameter is not written while it has its default, as in the files of programs that do not know it.
+fn is_left_out(name: &str) -> bool {
+    name == "impact.direction" || name.starts_with("beam.")
 }
 
 impl Settings {
@@ -114,6 +123,7 @@ fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
 #[cfg(test)]
 mod tests {
     use super::super::parameter::Admissible;
+    use super::super::settings::BeamMode;
     use super::*;
 
     fn defaults() -> Vec<Value> {
@@ -142,6 +152,9 @@ mod tests {
             .collect();
         let sensor = SensorSettings::from_values(&of_sensor).expect("rows and struct agree");
         assert_eq!(sensor.values(), of_sensor);
+        // What is left out while it has its default.
+        settings.impact.direction = 0.1;
+        settings.beam.elements = 16;
         settings.sensors.names = vec!["<name>".to_owned()];
         settings.sensors.each.insert("<name>".to_owned(), sensor);
         let mut names = Vec::new();
@@ -158,6 +171,29 @@ mod tests {
         names.sort();
         expected.sort();
         assert_eq!(names, expected);
+    }
+
+    /// Recordings and states of programs that know neither a direction nor a beam are read, and read what is written with the defaults.
+    #[test]
+    fn without_a_direction_and_a_beam_nothing_is_written_of_them() {
+        let settings = Settings::from_values(&defaults()).expect("table and struct agree");
+        let json = serde_json::to_value(&settings).expect("serializes");
+        assert_eq!(
+            (json.get("beam"), json["impact"].get("direction")),
+            (None, None)
+        );
+        assert_eq!(
+            serde_json::from_value::<Settings>(json).expect("reads"),
+            settings
+        );
+        let mut turned = settings;
+        turned.impact.direction = -0.5;
+        turned.beam.mode = BeamMode::Off;
+        let values = turned.values();
+        assert_eq!(
+            Settings::from_values(&values).expect("table and struct agree"),
+            turned
+        );
     }
 
     /// Recordings and states of programs that know no sensors are read, and read what is written without sensors.

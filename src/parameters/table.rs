@@ -1,6 +1,7 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
 use super::base::{CONCRETE_WORDS, FRICTION, GRADE_WORDS};
+use super::beam;
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::hinge_rows;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
@@ -560,6 +561,7 @@ pub const PARAMETERS: &[Parameter] = &[
                   masses in proportion; at most 100 m/s^2 times its mass. The weight m g of a mass that falls on a horizontal \
                   member",
     },
+    beam::DIRECTION,
     Parameter {
         name: "vehicle.name",
         unit: "",
@@ -1066,6 +1068,15 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AtOnce,
         meaning: "relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`",
     },
+    beam::MODE,
+    beam::ELEMENTS,
+    beam::FIBRES,
+    beam::DT,
+    beam::SHEAR,
+    beam::TORSION,
+    beam::RESIDUAL_STRESS,
+    beam::BOW,
+    beam::BOW_AXES,
     Parameter {
         name: "state.directory",
         unit: "",

@@ -6,6 +6,8 @@ use crate::assessment::{
     imperfection,
 };
 use crate::column::{Outcome, PerBar, PushDownPoint, State, push_down};
+use crate::parameters::BeamMode;
+use crate::second_opinion::{NoSecondOpinion, SecondOpinion};
 
 /// Residual capacity and assessment after one impact.
 #[derive(Debug, Clone)]
@@ -14,6 +16,8 @@ pub(super) struct Assessed {
     pub assessment: Assessment,
     /// Between which actions the verdict lies, or why that was not computed.
     pub range: Result<ActionRange, &'static str>,
+    /// What the fibre beam says of a simulated impact, or why it says nothing; `None` for other impacts, and where it is switched off.
+    pub second_opinion: Option<Result<SecondOpinion, NoSecondOpinion>>,
     /// `F0`: plastic plateau of the column \[N\].
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
@@ -63,11 +67,14 @@ impl Assessed {
             &impact.report,
             remaining,
         );
-        let assessment = assess(&input);
+        let mut assessment = assess(&input);
+        let mut range = range(impact, &assessment);
+        let second_opinion = second_opinion(impact, remaining, &mut assessment, &mut range);
         Ok(Self {
             remaining,
-            range: range(impact, &assessment),
+            range,
             assessment,
+            second_opinion,
             plateau: input.plateau,
             front_force: input.impact.and_then(|impact| impact.front_force),
             base: input.base,
@@ -84,6 +91,24 @@ impl Assessed {
             .iter()
             .find(|criterion| criterion.name == name)
     }
+}
+
+/// The second opinion on a simulated impact, with which the verdict and its range become those of both models.
+fn second_opinion(
+    impact: &ReportedImpact,
+    remaining: ResidualCapacity,
+    assessment: &mut Assessment,
+    range: &mut Result<ActionRange, &'static str>,
+) -> Option<Result<SecondOpinion, NoSecondOpinion>> {
+    let is_asked = impact.parameters.settings().beam.mode != BeamMode::Off;
+    if impact.event.is_some() || !is_asked {
+        return None;
+    }
+    let beside = SecondOpinion::beside(&impact.parameters, &impact.report, Some(remaining));
+    Some(beside.map(|mut opinion| {
+        opinion.weigh(assessment, range.as_mut().ok());
+        opinion
+    }))
 }
 
 fn range(impact: &ReportedImpact, verdict: &Assessment) -> Result<ActionRange, &'static str> {

@@ -263,7 +263,7 @@ pub fn parameters_path(report: &Path) -> PathBuf {
 
 /// First parts of the names of parameters that describe the column, the impact and the judgement; all others configure the
 /// program.
-const ABOUT_THE_COLUMN: [&str; 22] = [
+const ABOUT_THE_COLUMN: [&str; 23] = [
     "geometry",
     "section",
     "steel",
@@ -284,6 +284,7 @@ const ABOUT_THE_COLUMN: [&str; 22] = [
     "response",
     "capacity",
     "assessment",
+    "beam",
     "sensors",
     "estimation",
 ];

@@ -8,6 +8,7 @@ use super::checks;
 use super::energy_balance::EnergyBalance;
 use super::facts::fact;
 use super::reported_impact::ReportedImpact;
+use super::second_opinion_section;
 use super::uncertainty;
 use super::words::{end_in_words, part_of, shortened};
 use crate::column::{HINGE_NAMES, HINGES, Support, WEB_NAMES, WEBS};
@@ -53,6 +54,7 @@ pub(super) fn annex(
             (plateau(impact, assessed))
             @if let Ok(assessed) = assessed { (checks::others(assessed)) }
             (capacity(assessed, &mut figures))
+            @if let Ok(assessed) = assessed { (second_opinion_section::markup(impact, assessed)) }
             h3 { "Response" }
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
             (hinges(impact))

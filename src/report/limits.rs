@@ -35,8 +35,8 @@ pub(super) fn limits() -> [(&'static str, String); 9] {
     [
         (
             "The model is plane.",
-            "The column bends about one axis, in the vehicle's direction. Torsion, an oblique hit and buckling about the \
-             other axis during the impact are not followed."
+            "The column bends about one axis. Of a hit from another direction the component in the plane counts; torsion and buckling \
+             about the other axis during the impact are not followed. The fibre beam of the second opinion follows them."
                 .to_owned(),
         ),
         (

@@ -70,6 +70,7 @@ mod recorded;
 #[cfg(feature = "record")]
 mod recording_section;
 mod reported_impact;
+mod second_opinion_section;
 mod shape_drawing;
 mod sketch;
 mod svg;

@@ -431,6 +431,7 @@ impl Gathered {
                 gap: Some(impact.gap),
                 restitution: Some(impact.restitution),
                 height: None,
+                direction: None,
             },
         };
         if earlier.is_none() {

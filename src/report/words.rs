@@ -2,7 +2,7 @@
 
 use crate::column::{BaseForces, BaseReport, End, Impact, Outcome};
 use crate::figures::units::significant;
-use crate::parameters::{Parameters, RIGID};
+use crate::parameters::{Parameters, RIGID, component_in_words};
 
 /// The outcome of an impact, for a sentence that is a line of its own.
 #[must_use]
@@ -27,11 +27,12 @@ pub fn end_in_words(end: End) -> &'static str {
     }
 }
 
-/// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base.
+/// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base. The velocity is that
+/// of `impact`, of which the line says where it is a component only.
 #[must_use]
 pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_below: f64) -> String {
     let section = parameters.section().name;
-    format!(
+    let mut text = format!(
         "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
         section.unwrap_or(&parameters.settings().column_id),
         vehicle_in_words(vehicle),
@@ -39,7 +40,12 @@ pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_bel
         short(impact.velocity),
         short(3.6 * impact.velocity),
         short(length_below),
-    )
+    );
+    if let Some(component) = component_in_words(parameters.direction()) {
+        text += "; ";
+        text += &component;
+    }
+    text
 }
 
 /// The vehicle of this name in words.

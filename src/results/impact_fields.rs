@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use super::beam_fields::BeamAnswer;
+
 use crate::assessment::{
     Action, ActionRange, Assumption, Criterion, ImpactEvaluation, MissingData, PARTIAL_FACTOR,
     Variation,
@@ -91,6 +93,9 @@ pub struct ImpactFields<'a> {
     /// Why they do not; `None` where they do.
     shear_not_evaluated: Option<String>,
     base: BaseFields,
+    /// Absent where the beam was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    beam: Option<BeamAnswer>,
 }
 
 #[derive(Debug, Serialize)]
@@ -240,6 +245,16 @@ impl<'a> ImpactFields<'a> {
             }),
             shear_not_evaluated: evaluation.no_shear.map(|why| why.to_string()),
             base: BaseFields::from(&report.base),
+            beam: None,
+        }
+    }
+
+    /// The same with what the fibre beam says, or why it says nothing.
+    #[must_use]
+    pub fn with_beam(self, beam: BeamAnswer) -> Self {
+        Self {
+            beam: Some(beam),
+            ..self
         }
     }
 }

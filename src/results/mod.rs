@@ -7,10 +7,12 @@
 // - history_columns.rs: The columns of the history of one impact
 // - impact_fields.rs: The outcome of one impact under the names that programs see
 
+mod beam_fields;
 mod capacity_fields;
 mod history_columns;
 mod impact_fields;
 
+pub use beam_fields::BeamAnswer;
 pub use capacity_fields::CapacityFields;
 pub use history_columns::HistoryColumns;
 pub use impact_fields::{ImpactFields, outcome_word};

@@ -545,6 +545,7 @@ mod tests {
                     gap: None,
                     restitution: Some(0.0),
                     height: None,
+                    direction: None,
                 },
                 match_timeout: CHECK_INTERVAL,
                 answer_timeout: CHECK_INTERVAL,

@@ -313,7 +313,8 @@ impl StudyColumn {
     }
 
     /// The impact of a vehicle: that of the parameters, where none is named. Without a mass \[kg\] a named vehicle has its own,
-    /// that of the parameters theirs. Gap and restitution are those of the parameters; the velocity is in m/s.
+    /// that of the parameters theirs. Gap, restitution and direction are those of the parameters; the velocity is that of the vehicle in
+    /// m/s, of which the two bars take the component in their plane.
     ///
     /// # Errors
     /// A vehicle that is not known, or a mass that is not a finite number > 0.
@@ -323,7 +324,7 @@ impl StudyColumn {
         mass: Option<f64>,
         velocity: f64,
     ) -> Result<Impact, StudyError> {
-        let defaults = self.parameters.impact();
+        let defaults = self.parameters.whole_impact();
         // The rigid mass has none of its own.
         let own_mass = vehicle.is_some_and(|name| CatalogueVehicle::named(name).is_some());
         let default_mass = if own_mass { f64::NAN } else { defaults.mass };
@@ -333,6 +334,7 @@ impl StudyColumn {
             gap: None,
             restitution: None,
             height: None,
+            direction: Some(self.parameters.direction()),
         };
         let name = vehicle.unwrap_or("");
         let vehicle = self.parameters.vehicle_named(name)?;

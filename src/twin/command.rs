@@ -112,6 +112,13 @@ struct ExactSpecification {
     restitution: Option<f64>,
     #[serde(with = "exact_number::option")]
     height: Option<f64>,
+    // Left out where it is open, as in the recordings of programs that know no directions.
+    #[serde(
+        with = "exact_number::option",
+        default,
+        skip_serializing_if = "Option::is_none"
+    )]
+    direction: Option<f64>,
 }
 
 /// What an accepted command led to.

@@ -172,8 +172,14 @@ impl ColumnSnapshot {
         let invalid = |reason| Rejection::new(RejectionCode::VehicleInvalid, reason);
         let bumper_height = self.parameters.bumper_named(vehicle);
         let (name, vehicle) = self.vehicle_named(vehicle).map_err(invalid)?;
-        let impact = specification
-            .complete(&self.parameters.impact(), vehicle, bumper_height)
+        let directed = ImpactSpecification {
+            direction: specification
+                .direction
+                .or(Some(self.parameters.direction())),
+            ..*specification
+        };
+        let impact = directed
+            .complete(&self.parameters.whole_impact(), vehicle, bumper_height)
             .map_err(|error| invalid(error.to_string()))?;
         self.checked(name, impact)
     }

@@ -56,6 +56,7 @@ fn impact_of(domain: &Domain, id: &str, mass: f64, velocity: f64) -> Result<Impa
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             match_timeout: PATIENCE,
             answer_timeout: PATIENCE,

@@ -47,6 +47,7 @@ pub fn event(id: &str, stamp: Nanos) -> ImpactCommand {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     }
 }

@@ -416,6 +416,7 @@ pub fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactCommand {
             gap: random.of(&[None, Some(0.01), Some(0.1), Some(0.123_456)]),
             restitution: random.of(&[None, Some(0.0), Some(0.5)]),
             height: random.of(&[None, None, Some(1.1)]),
+            direction: None,
         },
         ..event(
             &id.to_string(),

@@ -137,6 +137,7 @@ fn impact_at(velocity: f64, column: u32, id: &str, stamp: Nanos) -> Command {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     })
 }
@@ -570,6 +571,7 @@ fn rejections_name_their_column_and_a_full_queue_rejects() {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     );
     assert!(report.expect("a prediction").report.max_v1 > 0.0);

@@ -233,6 +233,7 @@ fn impact_on(
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             match_timeout,
             answer_timeout: PATIENCE,

@@ -377,6 +377,7 @@ fn send(environment: &Environment, event_id: &str) -> Result<ImpactOutcome, Clie
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             match_timeout: PATIENCE,
             answer_timeout: PATIENCE,

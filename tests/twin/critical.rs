@@ -134,6 +134,7 @@ fn confirm_by_predictions(bench: &Bench) {
             gap: Some(0.0),
             restitution: None,
             height: None,
+            direction: None,
         };
         let snapshot = bench.twin.snapshot();
         let prediction = snapshot.predict("", &limits.vehicle, &impact, &|| 0);

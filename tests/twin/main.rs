@@ -195,6 +195,7 @@ pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactCommand {
             gap: None,
             restitution: None,
             height: None,
+            direction: None,
         },
     }
 }

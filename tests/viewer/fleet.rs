@@ -86,6 +86,7 @@ fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec
             gap: Some(0.0),
             restitution: None,
             height: None,
+            direction: None,
         };
         let command = ImpactCommand {
             event_id: format!("hit-{number}"),

@@ -87,6 +87,7 @@ impl LiveColumn {
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
         };
         self.live.submit(Command::Impact(event)).expect("room");

@@ -189,7 +189,8 @@ impl BeamColumn {
     }
 
     /// Bow along y and z \[m\].
-    pub(crate) fn bows(&self) -> [f64; 2] {
+    #[must_use]
+    pub fn bows(&self) -> [f64; 2] {
         let bow = if self.bow < 0.0 {
             self.length() / 1000.0
         } else {

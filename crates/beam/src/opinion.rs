@@ -126,6 +126,12 @@ impl BeamModel {
         self.pushed::<6, 6, 9>(bows, None)
     }
 
+    /// The same of a column that an impact has left with this damage, of a deformable vehicle or not \[N\].
+    #[must_use]
+    pub fn capacity_left(&self, bows: [f64; 2], damage: &Damage, deformable: bool) -> f64 {
+        self.pushed::<6, 6, 9>(bows, Some(damage), deformable)
+    }
+
     /// The largest static force with which the column resists at the edges of the bumper, or at the impact point, while it is
     /// pushed by `way` \[m\] in the plane of its web \[N\]; `None` where there is no equilibrium.
     #[must_use]

@@ -1,5 +1,7 @@
 //! What strikes the column: the specification of an impact, with its open values and completed.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -28,12 +30,38 @@ pub struct ImpactSpecification {
     /// Height of the impact point above the base \[m\].
     #[serde(default)]
     pub height: Option<f64>,
+    /// Direction of travel \[rad\], in (-pi, pi]: 0 bends the column about its strong axis, positive turns towards the positive
+    /// weak-axis direction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<f64>,
 }
+
+/// Whether a vehicle can travel in this direction \[rad\]: a number in (-pi, pi].
+#[must_use]
+pub fn is_direction(direction: f64) -> bool {
+    direction > -PI && direction <= PI
+}
+
+/// The share of a motion in this direction \[rad\] that lies in the plane of the two bars, 0 to 1. A number that is no direction
+/// turns nothing: its share is 1.
+#[must_use]
+pub fn share_in_plane(direction: f64) -> f64 {
+    match is_direction(direction) {
+        true => libm::cos(direction).abs(),
+        false => 1.0,
+    }
+}
+
+/// The two bars need a velocity above 0 also where the vehicle travels at right angles to their plane \[m/s\].
+const LEAST_VELOCITY_IN_PLANE: f64 = 1e-6;
 
 impl ImpactSpecification {
     /// The impact of `vehicle` (`None`: a rigid mass), whose bumper is `bumper_height` \[m\] high, with the open gap and
     /// restitution, and the transverse force, taken from `defaults`, of which nothing else counts. The height of the impact
     /// point does not enter: it belongs to the column model.
+    ///
+    /// Of a motion out of the plane of the two bars only its component in that plane remains, at least 1e-6 m/s: velocity, gap and
+    /// transverse force are multiplied by [`share_in_plane`]. An open direction is 0.
     ///
     /// # Errors
     /// A vehicle whose mass is not a finite number > 0.
@@ -48,20 +76,25 @@ impl ImpactSpecification {
             Some(vehicle) if is_open => vehicle.total_mass(),
             _ => self.mass,
         };
+        let share = share_in_plane(self.direction.unwrap_or(0.0));
+        let velocity = match share < 1.0 && self.velocity > 0.0 {
+            true => (share * self.velocity).max(LEAST_VELOCITY_IN_PLANE.min(self.velocity)),
+            false => self.velocity,
+        };
         Ok(Impact {
             mass,
-            velocity: self.velocity,
-            gap: self.gap.unwrap_or(defaults.gap),
+            velocity,
+            gap: share * self.gap.unwrap_or(defaults.gap),
             restitution: self.restitution.unwrap_or(defaults.restitution),
             vehicle: vehicle.map(|it| it.with_total_mass(mass)).transpose()?,
             bumper_height,
-            transverse_force: defaults.transverse_force,
+            transverse_force: share * defaults.transverse_force,
         })
     }
 }
 
 impl From<Impact> for ImpactSpecification {
-    /// A specification that leaves nothing open but the height; the vehicle is no part of it.
+    /// A specification that leaves nothing open but height and direction; the vehicle is no part of it.
     fn from(impact: Impact) -> Self {
         Self {
             mass: impact.mass,
@@ -69,6 +102,7 @@ impl From<Impact> for ImpactSpecification {
             gap: Some(impact.gap),
             restitution: Some(impact.restitution),
             height: None,
+            direction: None,
         }
     }
 }
@@ -263,6 +297,7 @@ mod tests {
             gap: None,
             restitution: None,
             height: Some(1.2),
+            direction: None,
         };
         let completed = open.complete(&defaults, None, 0.0);
         let expected = Impact {
@@ -286,6 +321,46 @@ mod tests {
             ImpactSpecification::from(expected).complete(&defaults, None, 0.0),
             Ok(expected)
         );
+    }
+
+    #[test]
+    fn the_bars_take_the_component_in_their_plane_of_the_whole_motion() {
+        let defaults = Impact {
+            gap: 0.4,
+            transverse_force: 100.0,
+            ..Impact::rigid(1500.0, 10.0)
+        };
+        let towards = |degrees: f64| {
+            let specification = ImpactSpecification {
+                gap: None,
+                direction: Some(degrees.to_radians()),
+                ..ImpactSpecification::from(defaults)
+            };
+            specification.complete(&defaults, None, 0.0).expect("right")
+        };
+        assert_eq!(towards(0.0), defaults);
+        let oblique = towards(60.0);
+        let ratios = [
+            oblique.velocity / defaults.velocity,
+            oblique.gap / defaults.gap,
+            oblique.transverse_force / defaults.transverse_force,
+        ];
+        assert!(
+            ratios.iter().all(|it| (it - 0.5).abs() < 1e-15),
+            "{ratios:?}"
+        );
+        // The vehicle touches the column when it would without its other component.
+        assert_eq!(oblique.mass, defaults.mass);
+        // From the other side the column is the same.
+        assert_eq!(towards(180.0), defaults);
+        assert_eq!(towards(-60.0), oblique);
+        assert!((towards(120.0).velocity - oblique.velocity).abs() < 1e-14);
+        let across = towards(90.0);
+        assert_eq!((across.check(), across.velocity), (Ok(()), 1e-6));
+        // What is no direction turns nothing.
+        for none in [180.1, -180.0, 1e4, f64::NAN, f64::INFINITY] {
+            assert_eq!(towards(none), defaults, "{none}");
+        }
     }
 
     #[test]

@@ -166,7 +166,10 @@ pub use contact::{Impactor, MAX_ELASTIC_IMPACT_IMPULSES, PERSISTENT_CONTACT_FRAC
 pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;
-pub use impact::{Impact, ImpactError, ImpactSpecification, MAX_TRANSVERSE_ACCELERATION};
+pub use impact::{
+    Impact, ImpactError, ImpactSpecification, MAX_TRANSVERSE_ACCELERATION, is_direction,
+    share_in_plane,
+};
 pub use ledger::{Energies, Ledger};
 pub use model::{MAX_BUMPER_SHARE, Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};

@@ -378,7 +378,7 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<Impact> {
-        let velocity = velocity.unwrap_or_else(|| self.parameters().impact().velocity);
+        let velocity = velocity.unwrap_or_else(|| self.parameters().settings().impact.velocity);
         self.checked_impact(vehicle, mass, velocity)
             .map_err(fault::input)
     }

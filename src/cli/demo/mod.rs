@@ -172,6 +172,7 @@ fn follow(
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             match_timeout: TIMEOUT,
             answer_timeout: TIMEOUT,

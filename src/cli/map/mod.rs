@@ -344,7 +344,7 @@ impl MapArgs {
             };
             let _ = write!(text, ", {vehicle}");
         }
-        let impact = map.variants()[0].parameters.impact();
+        let impact = map.variants()[0].parameters.whole_impact();
         if !is_varied("mass") && !is_varied("vehicle") {
             let _ = write!(text, ", {} kg", column_twin::report::short(impact.mass));
         }
@@ -362,6 +362,11 @@ impl MapArgs {
                 ", {} m above the base",
                 column_twin::report::short(height)
             );
+        }
+        if let Some(component) =
+            column_twin::parameters::component_in_words(settings.impact.direction)
+        {
+            let _ = write!(text, "; {component}");
         }
         text
     }

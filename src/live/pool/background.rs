@@ -246,6 +246,7 @@ mod tests {
                     gap: None,
                     restitution: None,
                     height: None,
+                    direction: None,
                 },
             });
             let (mut now, mut out) = (0, Vec::new());

@@ -38,6 +38,7 @@ fn impact(event_id: &str) -> Command {
             gap: Some(0.1),
             restitution: None,
             height: None,
+            direction: None,
         },
     })
 }

@@ -620,6 +620,7 @@ mod tests {
                 gap: None,
                 restitution: None,
                 height: None,
+                direction: None,
             },
             vehicle: Default::default(),
         });

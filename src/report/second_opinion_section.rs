@@ -1,0 +1,138 @@
+//! The page of the report about the second opinion.
+
+use maud::{Markup, html};
+
+use super::assessed::Assessed;
+use super::facts::fact;
+use super::reported_impact::ReportedImpact;
+use super::words::short;
+use crate::column::Outcome;
+use crate::figures::units::significant;
+use crate::second_opinion::{BAND, SecondOpinion};
+
+/// What the fibre beam says beside the two bars; nothing where it was not asked.
+pub(super) fn markup(impact: &ReportedImpact, assessed: &Assessed) -> Markup {
+    html! {
+        @match &assessed.second_opinion {
+            None => {}
+            Some(Err(reason)) => {
+                h3 { "Second opinion" }
+                p { (reason) "." }
+            }
+            Some(Ok(opinion)) => {
+                h3 { "Second opinion" }
+                p { (agreement(opinion)) }
+                (comparison(impact, opinion))
+                (of_the_beam(opinion))
+            }
+        }
+    }
+}
+
+/// Whether both models agree, in words.
+fn agreement(opinion: &SecondOpinion) -> String {
+    let mut text = "The same hit was computed with a fibre beam in space, which bends about both axes, shears, twists and yields along \
+                    its whole length. "
+        .to_owned();
+    text += match (opinion.agrees(), opinion.ratio_to_two_bars) {
+        (true, _) => "Both models agree on the peak and on how the response ends.",
+        (false, Some(_)) => "The two models part.",
+        (false, None) => "The two bars do not see this hit.",
+    };
+    if !opinion.counts.is_empty() {
+        text += &format!(
+            " The verdict of the beam counts, because {}; {}.",
+            opinion.counts_because(),
+            match opinion.decides {
+                true => "it is more severe than that of the two bars, and decides",
+                false => "that of the two bars is as severe or more",
+            }
+        );
+    }
+    text
+}
+
+fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
+    let (beam, report) = (&opinion.beam, &impact.report);
+    let length = |metres: f64| match metres.is_finite() {
+        true => format!("{} mm", significant(1e3 * metres, 3)),
+        false => "none".to_owned(),
+    };
+    let ratio = |ratio: f64| match ratio.is_finite() {
+        true => significant(ratio, 3),
+        false => String::new(),
+    };
+    let residual = report.residual_v1.unwrap_or(f64::NAN);
+    let rows = [
+        (
+            "peak",
+            length(report.max_v1),
+            length(beam.max_displacement_m),
+            opinion.ratio_to_two_bars.map_or(String::new(), ratio),
+        ),
+        (
+            "time of the peak",
+            format!("{} ms", significant(1e3 * report.max_v1_time, 3)),
+            format!("{} ms", significant(1e3 * beam.max_displacement_time_s, 3)),
+            String::new(),
+        ),
+        (
+            "what remains",
+            length(residual),
+            length(beam.residual_displacement_m),
+            match opinion.ratio_to_two_bars {
+                Some(_) if residual.abs() > 1e-5 => ratio(beam.residual_displacement_m / residual),
+                _ => String::new(),
+            },
+        ),
+        (
+            "peak across the hit",
+            "not known".to_owned(),
+            length(beam.max_sideways_m),
+            String::new(),
+        ),
+        (
+            "what remains across the hit",
+            "not known".to_owned(),
+            length(beam.residual_sideways_m),
+            String::new(),
+        ),
+        (
+            "largest shear of the base, over 1 ms",
+            format!("{} kN", short(1e-3 * report.base.peak_shear.shear.abs())),
+            format!("{} kN", short(1e-3 * beam.base_shear_n)),
+            ratio(beam.base_shear_n / report.base.peak_shear.shear.abs()),
+        ),
+    ];
+    html! {
+        table {
+            thead { tr { th { "" } th { "two bars" } th { "fibre beam" } th { "ratio" } } }
+            tbody {
+                @for (name, bars, beam, ratio) in &rows {
+                    tr { th scope="row" { (name) } td { (bars) } td { (beam) } td { (ratio) } }
+                }
+            }
+        }
+    }
+}
+
+fn of_the_beam(opinion: &SecondOpinion) -> Markup {
+    let beam = &opinion.beam;
+    let [undamaged, left] = opinion.capacity.map(|force| short(1e-3 * force));
+    let outcome = match opinion.outcome() {
+        Outcome::Elastic => "elastic: no fibre has yielded",
+        Outcome::Plastic => "plastic: fibres have yielded, and the column stands",
+        Outcome::Collapsed | Outcome::Fractured => "COLLAPSED: the column gives way under its load",
+    };
+    html! {
+        table.facts {
+            tbody {
+                (fact("Outcome of the beam", outcome))
+                (fact("Axial capacity of the beam, bowed", format!("{undamaged} kN undamaged, {left} kN after the impact")))
+                (fact("Action by the beam", opinion.action().map_or("not assessed", |action| action.name())))
+                (fact("Elements", format!("{}, error of the peak about {:.1} %", beam.elements, 100.0 * beam.error_estimate)))
+                (fact("Band of agreement", format!("the peaks may differ by a factor of {} before the verdict of the beam counts", short(BAND))))
+            }
+        }
+    }
+}

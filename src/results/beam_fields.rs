@@ -1,0 +1,70 @@
+//! What the fibre beam says of an impact, under the names that programs see.
+
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::column::Outcome;
+use crate::second_opinion::{NoSecondOpinion, SecondOpinion};
+
+/// What the fibre beam says, in SI units, or in words why there is no second opinion. A value that does not exist is null.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub enum BeamAnswer {
+    /// What it says.
+    Opinion(BeamFields),
+    /// Why it says nothing.
+    None(String),
+}
+
+/// Displacements are those of the impact point, along the hit and at right angles to it, as magnitudes.
+#[derive(Debug, Serialize)]
+pub struct BeamFields {
+    max_displacement_m: f64,
+    max_sideways_m: f64,
+    residual_displacement_m: f64,
+    residual_sideways_m: f64,
+    max_displacement_time_s: f64,
+    outcome: Outcome,
+    /// Bowed about the axes of `beam.bow_axes`.
+    undamaged_capacity_n: f64,
+    residual_capacity_n: f64,
+    base_shear_n: f64,
+    error_estimate: f64,
+    elements: usize,
+    solve_time_s: f64,
+    ratio_to_two_bars: Option<f64>,
+}
+
+impl BeamAnswer {
+    /// Of an opinion that has taken this long to compute.
+    #[must_use]
+    pub fn of(opinion: &Result<SecondOpinion, NoSecondOpinion>, solve_time: Duration) -> Self {
+        match opinion {
+            Ok(opinion) => Self::Opinion(BeamFields::of(opinion, solve_time)),
+            Err(reason) => Self::None(reason.to_string()),
+        }
+    }
+}
+
+impl BeamFields {
+    fn of(opinion: &SecondOpinion, solve_time: Duration) -> Self {
+        let beam = &opinion.beam;
+        let [undamaged, residual] = opinion.capacity;
+        Self {
+            max_displacement_m: beam.max_displacement_m,
+            max_sideways_m: beam.max_sideways_m,
+            residual_displacement_m: beam.residual_displacement_m,
+            residual_sideways_m: beam.residual_sideways_m,
+            max_displacement_time_s: beam.max_displacement_time_s,
+            outcome: opinion.outcome(),
+            undamaged_capacity_n: undamaged,
+            residual_capacity_n: residual,
+            base_shear_n: beam.base_shear_n,
+            error_estimate: beam.error_estimate,
+            elements: beam.elements,
+            solve_time_s: solve_time.as_secs_f64(),
+            ratio_to_two_bars: opinion.ratio_to_two_bars,
+        }
+    }
+}

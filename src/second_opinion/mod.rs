@@ -1,0 +1,25 @@
+//! The second opinion on an impact: the same hit on the same column, computed with the fibre beam of `column_beam` beside the two bars.
+//!
+//! [`evaluate`] computes both. Where the two models part, the action is the more severe one of both, and its reason names the model.
+//!
+//! ```no_run
+//! use column_twin::parameters::{Parameters, parse_override};
+//! use column_twin::second_opinion::evaluate;
+//!
+//! let oblique = parse_override("impact.direction:=0.17");
+//! let parameters = Parameters::load(&["config/heb220_s355.yaml".into()], &[oblique])?;
+//! let evaluated = evaluate(&parameters)?;
+//! match &evaluated.second_opinion {
+//!     Ok(opinion) => println!("{opinion}"),
+//!     Err(reason) => println!("{reason}"),
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod beam;
+mod criteria;
+mod opinion;
+
+pub use beam::{NoSecondOpinion, beam_column};
+pub use column_beam::{BeamColumn, BeamError, BeamModel, BeamOutcome, Hit, Outcome as BeamEnd};
+pub use opinion::{BAND, Evaluated, SecondOpinion, WhyItCounts, evaluate};

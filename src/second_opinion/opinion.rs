@@ -1,0 +1,313 @@
+//! What the beam says of an impact beside the two bars, and where its verdict counts.
+
+use std::fmt::{self, Display, Formatter};
+
+use column_beam::{BeamModel, BeamOutcome, Hit, Outcome as BeamEnd};
+
+use super::beam::{NoSecondOpinion, beam_column};
+use super::criteria::input_of;
+use crate::assessment::{
+    Action, ActionRange, Assessment, ImpactEvaluation, ResidualCapacity, assess, respond_and_rest,
+};
+use crate::column::{Outcome, Report, SimulationError, share_in_plane};
+use crate::parameters::{BeamMode, BowAxes, Parameters, readable};
+
+/// Factor by which the peak displacements of both models may differ, up or down, before the verdict of the beam counts for that
+/// reason. Where nothing yields, the phase of the vibration alone makes a difference of 15 %.
+pub const BAND: f64 = 1.25;
+
+/// Least share of the velocity in the plane of the two bars at which their peak can be compared with that of the beam.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// Plastic shear angle of a web from which on shear governs \[rad\].
+const SHEAR_GOVERNS: f64 = 1e-3;
+
+/// What the beam says of an impact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SecondOpinion {
+    /// What it has computed.
+    pub beam: BeamOutcome,
+    /// Direction of the hit \[rad\].
+    pub direction: f64,
+    /// Largest axial force that the undamaged column bears, and the one that the impact leaves \[N\], bowed about the axes of
+    /// `beam.bow_axes`: about both at once, or held about the other one.
+    pub capacity: [f64; 2],
+    /// Its peak displacement along the hit over the peak `v1` of the two bars; `None` where they do not move.
+    pub ratio_to_two_bars: Option<f64>,
+    /// Why its verdict counts; empty where that of the two bars stands alone.
+    pub counts: Vec<WhyItCounts>,
+    /// Its verdict by the criteria that the two bars are judged with; `None` without the capacities of the two bars.
+    pub assessment: Option<Assessment>,
+    /// Whether its verdict is the one that holds, because it counts and is more severe.
+    pub decides: bool,
+}
+
+/// Why the verdict of the beam counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhyItCounts {
+    /// `beam.mode` is `governing`.
+    Governing,
+    /// The vehicle travels out of the plane of the two bars.
+    OutOfPlane,
+    /// The column collapses or fractures by one of both models only.
+    Collapse,
+    /// The column yields by one of both models only.
+    Yielding,
+    /// The peak displacements differ by more than [`BAND`].
+    Peak,
+    /// A web shears plastically.
+    Shear,
+}
+
+/// An impact by both models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluated {
+    /// The two bars, with the verdict of both models.
+    pub evaluation: ImpactEvaluation,
+    /// The beam, or why there is none.
+    pub second_opinion: Result<SecondOpinion, NoSecondOpinion>,
+}
+
+/// The impact that the parameters describe on the undamaged column, by both models. The verdict is the more severe one of both, where
+/// that of the beam counts.
+///
+/// # Errors
+/// What the two bars do not compute. Where the beam has no result, the evaluation is that of the two bars alone.
+pub fn evaluate(parameters: &Parameters) -> Result<Evaluated, SimulationError> {
+    let (properties, impact) = (parameters.column_properties(), parameters.impact());
+    let ended = respond_and_rest(&properties, &impact, parameters.response_duration())?;
+    let mut evaluation = ImpactEvaluation::complete(parameters, &properties, &impact, ended)?;
+    let second_opinion = SecondOpinion::on(parameters, &mut evaluation);
+    Ok(Evaluated {
+        evaluation,
+        second_opinion,
+    })
+}
+
+impl SecondOpinion {
+    /// The beam's opinion on the impact of these parameters, which the two bars have evaluated. Where its verdict counts and is more
+    /// severe, the assessment and the range of `evaluation` become those of both models; nothing else changes.
+    ///
+    /// # Errors
+    /// Why there is no second opinion; nothing changes then.
+    pub fn on(
+        parameters: &Parameters,
+        evaluation: &mut ImpactEvaluation,
+    ) -> Result<Self, NoSecondOpinion> {
+        let mut opinion = Self::beside(parameters, &evaluation.report, evaluation.remaining)?;
+        if let Some(assessment) = &mut evaluation.assessment {
+            opinion.weigh(assessment, evaluation.range.as_mut());
+        }
+        Ok(opinion)
+    }
+
+    /// The beam's opinion on the impact of these parameters beside this report of the two bars and the capacity that they find; its
+    /// verdict is still to be weighed.
+    ///
+    /// # Errors
+    /// Why there is no second opinion.
+    pub fn beside(
+        parameters: &Parameters,
+        report: &Report,
+        remaining: Option<ResidualCapacity>,
+    ) -> Result<Self, NoSecondOpinion> {
+        let given = &parameters.settings().beam;
+        if given.mode == BeamMode::Off {
+            return Err(NoSecondOpinion::SwitchedOff);
+        }
+        let hit = Hit {
+            impact: parameters.whole_impact(),
+            direction: parameters.direction(),
+        };
+        let column = beam_column(parameters)?;
+        let model = BeamModel::new(&column)?;
+        let (beam, damage) = model.simulate(&hit, None)?;
+        let capacity = match given.bow_axes {
+            BowAxes::Strong => [beam.undamaged_capacity_n[0], beam.residual_capacity_n[0]],
+            BowAxes::Weak => [beam.undamaged_capacity_n[1], beam.residual_capacity_n[1]],
+            BowAxes::Both => {
+                let undamaged = model.capacity_bowed(column.bows());
+                let left = match (beam.outcome, &damage) {
+                    (BeamEnd::Elastic, _) => undamaged,
+                    (BeamEnd::Plastic, Some(damage)) => {
+                        model.capacity_left(column.bows(), damage, hit.impact.vehicle.is_some())
+                    }
+                    _ => 0.0,
+                };
+                [undamaged, left]
+            }
+        };
+        let ratio = beam.max_displacement_m / report.max_v1;
+        let is_seen = share_in_plane(hit.direction) > LEAST_SHARE && ratio.is_finite();
+        let mut opinion = Self {
+            beam,
+            direction: hit.direction,
+            capacity,
+            ratio_to_two_bars: is_seen.then_some(ratio),
+            counts: Vec::new(),
+            assessment: None,
+            decides: false,
+        };
+        opinion.counts = opinion.why(given.mode, report);
+        opinion.assessment = remaining
+            .and_then(|remaining| input_of(parameters, report, remaining, &opinion.beam, capacity))
+            .map(|input| assess(&input));
+        Ok(opinion)
+    }
+
+    /// Makes the verdict of the two bars, and its range, the more severe one of both, where that of the beam counts.
+    pub fn weigh(&mut self, bars: &mut Assessment, range: Option<&mut ActionRange>) {
+        let Some(verdict) = self.assessment.as_ref().filter(|_| !self.counts.is_empty()) else {
+            return;
+        };
+        self.decides = bars.yield_to(verdict, &self.counts_because());
+        if let Some(range) = range.filter(|_| self.decides) {
+            range.with_another_model(verdict);
+        }
+    }
+
+    fn why(&self, mode: BeamMode, report: &Report) -> Vec<WhyItCounts> {
+        let gives_way = [
+            matches!(report.outcome, Outcome::Collapsed | Outcome::Fractured),
+            self.beam.outcome == BeamEnd::Collapse,
+        ];
+        let yields = [
+            report.outcome != Outcome::Elastic,
+            self.beam.outcome != BeamEnd::Elastic,
+        ];
+        let is_out_of_plane = libm::sin(self.direction).abs() >= 1e-9;
+        let has_another_peak = self
+            .ratio_to_two_bars
+            .is_some_and(|ratio| !(1.0 / BAND..=BAND).contains(&ratio));
+        let shears = report
+            .webs
+            .iter()
+            .any(|web| web.plastic_angle.abs() > SHEAR_GOVERNS);
+        [
+            (WhyItCounts::Governing, mode == BeamMode::Governing),
+            (WhyItCounts::OutOfPlane, is_out_of_plane),
+            (WhyItCounts::Collapse, gives_way[0] != gives_way[1]),
+            (WhyItCounts::Yielding, yields[0] != yields[1]),
+            (WhyItCounts::Peak, has_another_peak),
+            (WhyItCounts::Shear, shears),
+        ]
+        .into_iter()
+        .filter_map(|(why, holds)| holds.then_some(why))
+        .collect()
+    }
+
+    /// Why the verdict counts, as a part of a sentence; empty where it does not.
+    #[must_use]
+    pub fn counts_because(&self) -> String {
+        let words: Vec<_> = self.counts.iter().map(|why| self.in_words(*why)).collect();
+        match words.as_slice() {
+            [] => String::new(),
+            [one] => one.clone(),
+            [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+        }
+    }
+
+    fn in_words(&self, why: WhyItCounts) -> String {
+        match why {
+            WhyItCounts::Governing => "beam.mode is governing".to_owned(),
+            WhyItCounts::OutOfPlane => format!(
+                "the vehicle travels at {} degrees to the plane of the two bars",
+                readable((self.direction.to_degrees() * 1e4).round() / 1e4)
+            ),
+            WhyItCounts::Collapse => "the column gives way by one of both models only".to_owned(),
+            WhyItCounts::Yielding => "the steel yields by one of both models only".to_owned(),
+            WhyItCounts::Peak => {
+                format!(
+                    "the peaks differ by more than a factor of {}",
+                    readable(BAND)
+                )
+            }
+            WhyItCounts::Shear => "the web yields in shear".to_owned(),
+        }
+    }
+
+    /// How the response of the beam ends, in the words of the two bars.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        match self.beam.outcome {
+            BeamEnd::Elastic => Outcome::Elastic,
+            BeamEnd::Plastic => Outcome::Plastic,
+            BeamEnd::Collapse => Outcome::Collapsed,
+        }
+    }
+
+    /// Whether both models agree on the peak and on how the response ends.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        let parts = [
+            WhyItCounts::Collapse,
+            WhyItCounts::Yielding,
+            WhyItCounts::Peak,
+        ];
+        self.ratio_to_two_bars.is_some() && !parts.iter().any(|it| self.counts.contains(it))
+    }
+
+    /// What the beam would have done; `None` without the capacities of the two bars.
+    #[must_use]
+    pub fn action(&self) -> Option<Action> {
+        self.assessment.as_ref().map(|it| it.action)
+    }
+}
+
+/// A length in millimetres with three digits.
+fn millimetres(metres: f64) -> String {
+    let value = 1e3 * metres;
+    let decimals = match value.abs() {
+        size if size >= 99.95 => 0,
+        size if size >= 9.995 => 1,
+        _ => 2,
+    };
+    format!("{value:.decimals$} mm")
+}
+
+/// What the beam says, and how it compares, in two sentences.
+impl Display for SecondOpinion {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let beam = &self.beam;
+        let across = |along: f64, across: f64| match libm::sin(self.direction).abs() < 1e-9 {
+            true => millimetres(along),
+            false => format!(
+                "{} along the hit and {} across it",
+                millimetres(along),
+                millimetres(across)
+            ),
+        };
+        write!(
+            f,
+            "the fibre beam has a peak of {}",
+            across(beam.max_displacement_m, beam.max_sideways_m)
+        )?;
+        match beam.outcome {
+            BeamEnd::Collapse => f.write_str(" and COLLAPSES")?,
+            BeamEnd::Elastic => f.write_str(" and stays elastic")?,
+            BeamEnd::Plastic => write!(
+                f,
+                ", keeps {} and {:.0} % of its axial capacity",
+                across(beam.residual_displacement_m, beam.residual_sideways_m),
+                100.0 * (self.capacity[1] / self.capacity[0]).min(1.0),
+            )?,
+        }
+        match self.ratio_to_two_bars {
+            Some(ratio) => write!(f, "; its peak is {ratio:.2} times that of the two bars")?,
+            None => f.write_str("; the two bars do not see this hit")?,
+        }
+        let action = self.action().map_or("no", Action::name);
+        if self.counts.is_empty() {
+            return f.write_str(". Both agree, and the verdict is that of the two bars.");
+        }
+        write!(
+            f,
+            ". Its verdict ({action}) counts, because {}",
+            self.counts_because()
+        )?;
+        f.write_str(match self.decides {
+            true => "; it decides.",
+            false => "; that of the two bars is as severe or more.",
+        })
+    }
+}

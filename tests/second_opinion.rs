@@ -1,0 +1,353 @@
+//! The fibre beam through the program: reference cases of OpenSees, where its verdict counts, and why there may be none.
+#![cfg(feature = "cli")]
+
+#[allow(dead_code)] // other tests interrupt it
+mod program;
+
+use std::path::Path;
+
+use program::run;
+use serde_json::Value as Json;
+
+/// `column-twin simulate --json` with these arguments.
+fn simulated(arguments: &[String]) -> Json {
+    let mut all = vec!["simulate", "--json"];
+    all.extend(arguments.iter().map(String::as_str));
+    let ended = run(Path::new(env!("CARGO_MANIFEST_DIR")), &all);
+    let errors = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success(), "{all:?}: {errors}");
+    serde_json::from_slice(&ended.stdout).unwrap_or_else(|fault| panic!("{all:?}: {fault}"))
+}
+
+/// The arguments of a line, and of parameters as the references have them: without what OpenSees does not know.
+fn arguments(line: &str) -> Vec<String> {
+    line.split_whitespace().map(str::to_owned).collect()
+}
+
+fn number(value: &Json) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// A reference case of `crates/beam/tests/data/beam_reference.json`, by its name; a star stands for anything.
+fn case(name: &str) -> Json {
+    let text = include_str!("../crates/beam/tests/data/beam_reference.json");
+    let all: Json = serde_json::from_str(text).expect("JSON");
+    let cases = all["cases"].as_array().expect("a list");
+    let (beginning, end) = name.split_once('*').unwrap_or((name, ""));
+    let found = cases.iter().find(|case| {
+        let whole = case["name"].as_str().unwrap_or_default();
+        whole == name || name.contains('*') && whole.starts_with(beginning) && whole.ends_with(end)
+    });
+    found.unwrap_or_else(|| panic!("{name}")).clone()
+}
+
+/// The options that describe a reference case.
+fn described(case: &Json, further: &[&str]) -> Vec<String> {
+    let p = &case["parameters"];
+    let float = |value: f64| format!("{value:?}");
+    let mut options: Vec<(&str, String)> = vec![
+        (
+            "section.name",
+            p["section"].as_str().expect("a name").into(),
+        ),
+        ("steel.grade", "S355".into()),
+        ("hardening.ratio", float(number(&p["hardening_ratio"]))),
+        (
+            "geometry.length_below",
+            float(number(&p["length_below_impact_m"])),
+        ),
+        (
+            "geometry.length_above",
+            float(number(&p["length_above_impact_m"])),
+        ),
+        (
+            "top.spring_stiffness",
+            float(number(&p["vertical_spring_top_N_m"])),
+        ),
+        ("top.load", float(number(&p["axial_load_N"]))),
+        ("rate.law", "none".into()),
+        ("beam.shear", "false".into()),
+        ("beam.residual_stress", "false".into()),
+        ("beam.bow", "0.0".into()),
+    ];
+    for (name, key) in [("support.base", "base"), ("support.top", "top")] {
+        let is_pinned = p[key].as_str().expect("words").starts_with("pinned");
+        options.push((name, if is_pinned { "pinned" } else { "built_in" }.into()));
+    }
+    let vehicle = &p["vehicle"];
+    let mut all = Vec::new();
+    match vehicle["stiffness_N_m"].as_f64() {
+        Some(stiffness) => {
+            let mass = number(&vehicle["mass_kg"]);
+            let force = vehicle["crush_force_N"].as_f64();
+            let curve = match force {
+                None => ("[1.0]".to_owned(), format!("[{stiffness:?}]")),
+                Some(force) => (
+                    format!("[{:?}, 10.0]", force / stiffness),
+                    format!("[{force:?}, {force:?}]"),
+                ),
+            };
+            options.extend([
+                ("vehicle.masses", format!("[{mass:?}]")),
+                ("vehicle.spring_1.crush", curve.0),
+                ("vehicle.spring_1.force", curve.1),
+                ("vehicle.spring_1.unloading_stiffness", float(stiffness)),
+                ("vehicle.narrow_object", "false".into()),
+            ]);
+        }
+        None => options.push(("vehicle.name", "rigid".into())),
+    }
+    // An undamaged column is hardly touched.
+    let (mass, velocity) = match vehicle.is_null() {
+        true => (1.0, 1e-3),
+        false => (number(&vehicle["mass_kg"]), number(&vehicle["speed_m_s"])),
+    };
+    let degrees = p["angle_from_strong_axis_bending_deg"].as_f64();
+    all.extend(["--mass".to_owned(), float(mass)]);
+    all.extend(["--velocity".to_owned(), float(velocity)]);
+    all.extend(["--direction".to_owned(), float(degrees.unwrap_or(0.0))]);
+    let options = options
+        .into_iter()
+        .map(|(name, value)| format!("{name}:={value}"));
+    for option in options.chain(further.iter().map(|it| (*it).to_owned())) {
+        all.extend(["-p".to_owned(), option]);
+    }
+    all
+}
+
+/// Compares fields of `beam` with the reference, and says which differ by more than their tolerance.
+fn compared(
+    name: &str,
+    further: &[&str],
+    reference: &str,
+    fields: &[(&str, &str, f64)],
+) -> Vec<String> {
+    let case = case(name);
+    let found = simulated(&described(&case, further));
+    let beam = &found["beam"];
+    let mut wrong = Vec::new();
+    for (field, key, tolerance) in fields {
+        let ratio = number(&beam[field]) / number(&case[reference][key]);
+        println!("{name} {further:?} {field}: {ratio:.4} of {reference}");
+        // A NaN is wrong, too.
+        if !((ratio - 1.0).abs() <= *tolerance) {
+            wrong.push(format!("{name} {further:?} {field}: {ratio}; beam {beam}"));
+        }
+    }
+    wrong
+}
+
+/// The tolerances are those of the issue of the references: 1 % in the plane, 3 % in space and of capacities, or what the case states.
+#[test]
+fn the_program_reproduces_cases_of_opensees() {
+    let mut wrong = Vec::new();
+    let in_plane = [
+        ("max_displacement_m", "max_displacement_m", 0.01),
+        ("residual_displacement_m", "residual_m", 0.015),
+        ("max_displacement_time_s", "time_of_max_s", 0.03),
+    ];
+    wrong.extend(compared("plane10 b0.0001", &[], "reference", &in_plane));
+    wrong.extend(compared("plane06 b0.01", &[], "reference", &in_plane));
+    let in_space = [
+        ("max_displacement_m", "max_displacement_along_hit_m", 0.03),
+        ("max_sideways_m", "max_displacement_across_hit_m", 0.03),
+        ("residual_displacement_m", "residual_along_hit_m", 0.03),
+        ("residual_sideways_m", "residual_across_hit_m", 0.03),
+    ];
+    let oblique = "space HEB220 phi10 v10 b1e-4";
+    let held = ["beam.torsion:=none"];
+    wrong.extend(compared(
+        oblique,
+        &held,
+        "reference_twist_suppressed",
+        &in_space,
+    ));
+    let free = ["beam.torsion:=saint_venant"];
+    wrong.extend(compared(oblique, &free, "reference", &in_space[..1]));
+    let bowed = |axes: &str| {
+        [
+            format!("beam.bow_axes:={axes}"),
+            "beam.bow:=-1.0".to_owned(),
+        ]
+    };
+    let capacity = [("undamaged_capacity_n", "N_u_N", 0.03)];
+    for (name, axes) in [
+        ("capacity HEB220 4 m * bow y rs 0", "strong"),
+        ("capacity HEB220 4 m * bow yz rs 0", "both"),
+    ] {
+        let bowed = bowed(axes);
+        let further = bowed.each_ref().map(String::as_str);
+        wrong.extend(compared(name, &further, "reference", &capacity));
+    }
+    let damaged = [
+        ("residual_capacity_n", "N_u_N", 0.03),
+        ("max_displacement_m", "max_displacement_along_hit_m", 0.01),
+    ];
+    wrong.extend(compared(
+        "capacity HEB220 damaged phi0 v10 La1 Lb3 built in",
+        &["beam.bow_axes:=strong"],
+        "reference",
+        &damaged,
+    ));
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// The names are an interface: exactly these.
+#[test]
+fn the_beam_has_exactly_the_fields_of_the_interface() {
+    let found = simulated(&arguments("--mass 1500 --velocity 2 --direction 20"));
+    let fields = found["beam"].as_object().expect("an object");
+    let mut names: Vec<_> = fields.keys().map(String::as_str).collect();
+    names.sort_unstable();
+    let mut expected = [
+        "max_displacement_m",
+        "max_sideways_m",
+        "residual_displacement_m",
+        "residual_sideways_m",
+        "max_displacement_time_s",
+        "outcome",
+        "undamaged_capacity_n",
+        "residual_capacity_n",
+        "base_shear_n",
+        "error_estimate",
+        "elements",
+        "solve_time_s",
+        "ratio_to_two_bars",
+    ];
+    expected.sort_unstable();
+    assert_eq!(names, expected);
+}
+
+/// A hit at the weak axis: the plane model does not move and has nothing against the column, which lies 0.2 m beside its place.
+#[test]
+fn a_hit_that_the_two_bars_do_not_see_is_judged_by_the_beam() {
+    let hit = |further: &str| {
+        let base = "--mass 1500 --velocity 10 -p vehicle.name:=rigid -p geometry.length_below:=1.0 -p geometry.length_above:=3.0";
+        simulated(&arguments(&format!("{base} {further}")))
+    };
+    let alone = hit("--direction 90 -p beam.mode:=off");
+    assert_eq!(alone["action"], "none", "{}", alone["reason"]);
+    assert_eq!(
+        alone["beam"],
+        "no second opinion: it is switched off (beam.mode: off)"
+    );
+    let both = hit("--direction 90");
+    let reason = both["reason"].as_str().expect("a reason");
+    assert!(reason.starts_with("By the fibre beam, "), "{reason}");
+    assert!(
+        reason.contains("the vehicle travels at 90 degrees"),
+        "{reason}"
+    );
+    assert!(["shore", "evacuate"].contains(&both["action"].as_str().expect("a word")));
+    assert!(number(&both["beam"]["max_displacement_m"]) > 0.1);
+    assert!(both["beam"]["ratio_to_two_bars"].is_null());
+    // The criterion that decides is in the list, with its action and the model's name.
+    let criteria = both["criteria"].as_array().expect("a list");
+    let deciding = criteria
+        .iter()
+        .find(|it| it["name"] == both["deciding_criterion"])
+        .expect("it is listed");
+    assert_eq!(
+        (&deciding["action"], &deciding["exceeded"]),
+        (&both["action"], &true.into())
+    );
+    assert!(
+        deciding["statement"]
+            .as_str()
+            .expect("words")
+            .starts_with("By the fibre beam: ")
+    );
+    assert_eq!(both["range"]["most"], both["action"]);
+    assert!(
+        both["range"]["decided_by"]
+            .as_array()
+            .expect("a list")
+            .contains(&"model".into())
+    );
+    // What the two bars have computed is the same.
+    for name in [
+        "max_v1_m",
+        "residual_v1_m",
+        "steps",
+        "impulse_n_s",
+        "residual_capacity_n",
+    ] {
+        assert_eq!(both[name], alone[name], "{name}");
+    }
+}
+
+/// The two bars take the component in their plane, and say so.
+#[test]
+fn the_two_bars_take_the_component_and_say_so() {
+    let oblique = simulated(&arguments(
+        "--mass 1500 --velocity 10 --direction 60 -p beam.mode:=off",
+    ));
+    let straight = simulated(&arguments("--mass 1500 --velocity 5 -p beam.mode:=off"));
+    let [found, expected] = [&oblique, &straight].map(|it| number(&it["max_v1_m"]));
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    let reason = oblique["reason"].as_str().expect("a reason");
+    assert!(
+        reason.contains("60 degrees to the plane of the two bars, which see the component in it, 0.5 of the whole"),
+        "{reason}"
+    );
+    assert!(
+        !straight["reason"]
+            .as_str()
+            .expect("a reason")
+            .contains("degrees")
+    );
+}
+
+/// Whatever the reason: the answer is in words, and everything else is that of the two bars alone.
+#[test]
+fn without_a_second_opinion_nothing_else_changes() {
+    let plain = |line: &str| {
+        let mut found = simulated(&arguments(line));
+        let fields = found.as_object_mut().expect("an object");
+        fields.remove("solve_time_s");
+        let beam = fields.remove("beam").expect("an answer");
+        (found, beam)
+    };
+    let car = "--mass 1500 --velocity 5";
+    let numbers = "--config config/heb220_paper.yaml --mass 1500 --velocity 10";
+    for (line, further, reason) in [
+        (car, "--direction 200", "expected a number in (-pi, pi]"),
+        (car, "--direction -180", "expected a number in (-pi, pi]"),
+        (car, "-p beam.bow:=5.0", "at most a twentieth of the length"),
+        (numbers, "", "the plates of the section are not known"),
+    ] {
+        let (found, beam) = plain(&format!("{line} {further}"));
+        let words = beam.as_str().unwrap_or_else(|| panic!("{further}: {beam}"));
+        assert!(words.starts_with("no second opinion: "), "{words}");
+        assert!(words.contains(reason), "{words}");
+        let (alone, _) = plain(&format!("{line} -p beam.mode:=off"));
+        assert_eq!(found, alone, "{line} {further}");
+    }
+}
+
+/// One or two sentences in the summary for people.
+#[test]
+fn the_summary_says_what_the_beam_says() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = |further: &[&str]| {
+        let mut all = vec!["simulate", "--mass", "1500", "--velocity", "10"];
+        all.extend(further);
+        let ended = run(folder, &all);
+        assert!(ended.status.success());
+        let text = String::from_utf8(ended.stdout).expect("text");
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let oblique = text(&["--direction", "10"]);
+    assert!(
+        oblique.contains("Beam the fibre beam has a peak of "),
+        "{oblique}"
+    );
+    assert!(oblique.contains(" across it"), "{oblique}");
+    assert!(oblique.contains(" times that of the two bars"), "{oblique}");
+    assert!(
+        oblique.contains("see the component in it, 0.9848 of the whole"),
+        "{oblique}"
+    );
+    let none = text(&["--direction", "181"]);
+    assert!(none.contains("Beam no second opinion: "), "{none}");
+}
