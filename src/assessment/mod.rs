@@ -20,6 +20,7 @@ mod action_range;
 mod base;
 mod criteria;
 mod criterion;
+mod effective;
 mod evaluation;
 mod input;
 mod prepared;

@@ -67,7 +67,7 @@ pub use map_grid::{GridCell, MapGrid};
 pub use refine::{BoundaryPoint, ClassBoundary, LimitBoundary, RefinedMap, RowFault};
 #[cfg(feature = "study")]
 pub use row_search::{Limit, RefineError, RowBoundary};
-pub use study_column::{Evaluation, Glance, StudyColumn, StudyError};
+pub use study_column::{Evaluation, Glance, StudyColumn, StudyError, VehicleImpacts};
 #[cfg(feature = "study")]
 pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits, vehicle_limits_on};
