@@ -48,11 +48,14 @@ def test_readings_and_estimate_are_those_of_the_command_line(
 
 def test_a_fleet_is_its_columns(root: Path, tmp_path: Path) -> None:
     table = tmp_path / "columns.csv"
-    table.write_text("column_id,section.name,top.load\na1,HEB 220,4e5\na2,HEB 300,6e5\n")
-    fleet = Column.fleet(root / "config/heb220_s355.yaml", table=table)
-    assert list(fleet) == ["a1", "a2"]
-    assert fleet["a2"]["section.name"] == "HEB300" and fleet["a2"]["top.load"] == 6e5
-    assert fleet["a2"].evaluate("van", velocity=8.0).max_v1 < fleet["a1"].evaluate("van", velocity=8.0).max_v1
+    table.write_text("namespace,column_id,section.name,top.load\n/garage/a1,a1,HEB 220,4e5\n/garage/a2,a2,HEB 300,6e5\n")
+    fleet = Column.fleet(table=table)
+    assert [column["column_id"] for column in fleet.values()] == ["a1", "a2"]
+    first, second = fleet.values()
+    assert second["section.name"] == "HEB300" and second["top.load"] == 6e5
+    assert second.evaluate("van", velocity=8.0).max_v1 < first.evaluate("van", velocity=8.0).max_v1
+    shipped = Column.fleet(root / "config/fleet.yaml", table=root / "config/fleet.csv")
+    assert len(shipped) > 2
     with pytest.raises(ParameterError, match="No such file"):
         Column.fleet(tmp_path / "missing.yaml")
 

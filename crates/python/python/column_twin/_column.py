@@ -113,7 +113,7 @@ class Column:
     def fleet(
         cls, *files: str | os.PathLike[str], table: str | os.PathLike[str] | None = None
     ) -> dict[str, Column]:
-        """The columns of a fleet by their identifiers, for a study of each of them.
+        """The columns of a fleet by the names of their nodes, such as `/garage/a3`, for a study of each of them.
 
         >>> fleet = Column.fleet("garage.yaml", table="columns.csv")
         >>> {name: column.critical_velocity(Action.SHORE, "van") for name, column in fleet.items()}
