@@ -78,8 +78,11 @@ def push_down(capacity: Capacity, ax: Axes | None) -> Axes:
     """Force against displacement of the impact point, with the capacity and the carried load."""
     ax = _new(ax)
     curve = capacity.push_down
-    (line,) = ax.plot(1e3 * curve.v1, 1e-3 * curve.force, label=f"{capacity.report['state']}: {1e-3 * capacity.force:.0f} kN")
-    ax.axhline(1e-3 * capacity.force, color=line.get_color(), linestyle=":", linewidth=1)
+    # The next colour: axes may have the curves of other capacities.
+    colour = LINES[sum(line.get_linestyle() == "-" for line in ax.lines) % len(LINES)]
+    label = f"{capacity.report['state']}: {1e-3 * capacity.force:.0f} kN"
+    ax.plot(1e3 * curve.v1, 1e-3 * curve.force, color=colour, label=label)
+    ax.axhline(1e-3 * capacity.force, color=colour, linestyle=":", linewidth=1)
     if not any(it.get_label() == "carried load" for it in ax.lines):
         ax.axhline(1e-3 * capacity.carried_load, color="0.4", linestyle="--", linewidth=1, label="carried load")
     ax.set_xlabel("v1, bow included [mm]")
