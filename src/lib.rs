@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The mechanics is in [`mod@column`], the parameters of a column are in [`parameters`], the twin with the damage of all
-//! its impacts is in [`twin`], and the solver's thread in [`live`]. `ARCHITECTURE.md` describes all modules.
+//! its impacts is in [`twin`], and the solver's thread in `live`. `ARCHITECTURE.md` describes all modules.
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
@@ -74,6 +74,7 @@ mod hexadecimal;
 pub mod incoming;
 #[cfg(feature = "security")]
 pub mod keystore;
+#[cfg(feature = "live")]
 pub mod live;
 pub mod messages;
 mod numerics;

@@ -6,7 +6,7 @@ use column_twin::column::{ElasticLaw, RateLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
     Problem, SENSOR_PARAMETERS, STEEL_GRADES, SensorAxis, SensorMessage, SensorSource, Settings,
-    Source, Value, catalogue, markdown, parse_override, vehicle_names,
+    Source, Value, catalogue, markdown, parse_override, python_keywords, vehicle_names,
 };
 use column_twin::printable::is_printable;
 use column_twin::sensors::{Quantity, Sensor};
@@ -132,18 +132,26 @@ fn the_same_column_computed_is_the_default() {
     assert_eq!(column.elastic_law, ElasticLaw::Coupled);
 }
 
-/// `docs/parameters.md` is generated from the table; `UPDATE_DOCS=1 cargo test --test parameters` updates it.
+/// What is generated from the table is up to date; `UPDATE_DOCS=1 cargo test --test parameters` updates it.
 #[test]
-fn the_reference_is_up_to_date() {
-    let path = in_repository("docs/parameters.md");
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(&path, markdown()).expect("docs/parameters.md can be written");
+fn the_reference_and_the_keywords_of_python_are_up_to_date() {
+    for (path, generated) in [
+        ("docs/parameters.md", markdown()),
+        (
+            "crates/python/python/column_twin/_keywords.py",
+            python_keywords(),
+        ),
+    ] {
+        let place = in_repository(path);
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            std::fs::write(&place, &generated).expect("the file can be written");
+        }
+        let kept = std::fs::read_to_string(&place).unwrap_or_default();
+        assert!(
+            kept == generated,
+            "{path} differs from the table of parameters; update it with\n    UPDATE_DOCS=1 cargo test --test parameters"
+        );
     }
-    let kept = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        kept == markdown(),
-        "docs/parameters.md differs from the table of parameters; update it with\n    UPDATE_DOCS=1 cargo test --test parameters"
-    );
 }
 
 const WRONG: &str = r#"# Stütze A3

@@ -39,6 +39,7 @@ mod base;
 mod criteria;
 mod criterion;
 mod definition;
+mod effective;
 mod evaluation;
 mod input;
 mod prepared;

@@ -2,7 +2,7 @@
 //! people, its plan for pictures, vehicles that hit several columns, and which columns have topics of their own.
 //!
 //! The parameters of its columns come from [`FleetColumns`](crate::parameters::FleetColumns), and
-//! [`LiveFleet`](crate::live::LiveFleet) runs them. Here nothing reads a clock: time is passed in.
+//! `LiveFleet` of the module `live` runs them. Here nothing reads a clock: time is passed in.
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //

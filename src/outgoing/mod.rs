@@ -19,6 +19,7 @@ mod descriptions;
 mod estimate;
 mod joint_states;
 mod markers;
+#[cfg(feature = "live")]
 mod tap;
 mod withdrawn;
 
@@ -44,6 +45,7 @@ use crate::twin::{
 pub(crate) use assessment::action_code;
 use joint_states::JointStates;
 use markers::markers;
+#[cfg(feature = "live")]
 pub use tap::{RecordingHealth, RecordingTap};
 
 /// Minimum time between the samples of two joint states \[ns\]: 100 Hz suffice for a plot.

@@ -16,7 +16,9 @@ use super::spelling::nearest_word;
 use super::steel::strength_ratio;
 use super::table::PARAMETERS;
 use super::value::Value;
-use super::vehicles::{RIGID, bumper_by_default, impact_point_of, narrow_by_default};
+use super::vehicles::{
+    CatalogueVehicle, RIGID, bumper_by_default, impact_point_of, narrow_by_default, split_crush,
+};
 
 /// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long
 /// list of wrong names is rejected quickly.
@@ -27,6 +29,9 @@ const MAX_FOREIGN: usize = 16;
 
 /// `k_s` of a column whose section is given by numbers \[N/m\]: that of the paper's example.
 const SPRING_STIFFNESS_BY_NUMBERS: f64 = 1e7;
+
+/// The mass of a vehicle.
+const MASS: &str = "impact.mass";
 
 /// What follows from other parameters unless it is given.
 fn derived_defaults(
@@ -366,8 +371,29 @@ impl Draft {
                 },
             });
         }
+        self.report_implausible_mass(&settings);
         self.sort_faults();
         ParameterFaults::none_of(self.faults).map(|()| (settings, self.warnings))
+    }
+
+    /// Where the mass is given in these sources: one that settings bring was reported when they were made.
+    fn report_implausible_mass(&mut self, settings: &Settings) {
+        let Some(slot) = self.slot(MASS).filter(|slot| slot.group > 0) else {
+            return;
+        };
+        let (name, _) = split_crush(&settings.vehicle.name);
+        let vehicle = CatalogueVehicle::named(name);
+        if let Value::Double(mass) = slot.value
+            && let Some(text) = vehicle.and_then(|it| it.implausible_mass(mass))
+        {
+            let warning = Fault {
+                name: Some(MASS.to_owned()),
+                value: None,
+                place: slot.place.clone().unwrap_or(Origin::Direct),
+                problem: Problem::Implausible(format!("is that of {text}")),
+            };
+            self.warnings.push(warning);
+        }
     }
 
     fn settings(&self) -> Settings {

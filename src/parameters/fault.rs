@@ -176,6 +176,9 @@ pub enum Problem {
         /// The value that replaces it.
         replacement: &'static str,
     },
+    /// The value is admissible, and nobody can have meant it: a warning, not a fault.
+    #[error("{0}")]
+    Implausible(String),
     /// The parameter is not compatible with another one, or requires one that is missing.
     #[error("{0}")]
     Inconsistent(String),

@@ -120,7 +120,7 @@ pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use ranges::MAX_SELECTED_COLUMNS;
-pub use reference::markdown;
+pub use reference::{markdown, python_keywords};
 pub use section::ColumnSection;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
@@ -258,8 +258,25 @@ impl Parameters {
         &self,
         changes: impl IntoIterator<Item = (impl Into<String>, Value)>,
     ) -> Result<Self, ParameterFaults> {
-        let assignments = changes.into_iter().map(Assignment::direct).collect();
-        Self::finish(Draft::of_settings(&self.settings), assignments, vec![])
+        self.with_changes_and_warnings(changes)
+            .map(|(changed, _)| changed)
+    }
+
+    /// As [`with_changes`](Self::with_changes), with warnings about the changes, such as deprecated values.
+    ///
+    /// # Errors
+    /// As [`with_changes`](Self::with_changes).
+    pub fn with_changes_and_warnings(
+        &self,
+        changes: impl IntoIterator<Item = (impl Into<String>, Value)>,
+    ) -> Result<(Self, Vec<Fault>), ParameterFaults> {
+        let mut draft = Draft::of_settings(&self.settings);
+        draft.take(
+            changes.into_iter().map(Assignment::direct).collect(),
+            vec![],
+        );
+        let (settings, warnings) = draft.finish()?;
+        Ok((Self::of(settings), warnings))
     }
 
     fn finish(

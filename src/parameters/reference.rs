@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use super::catalogue::catalogue;
-use super::parameter::{Applies, DefaultValue, Parameter};
+use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::sensors::SENSOR_PARAMETERS;
 use super::steel::STEEL_GRADES;
 use super::table::PARAMETERS;
-use super::value::{Value, readable};
+use super::value::{Kind, Value, readable};
 use super::vehicles::{Provenance, vehicle_catalogue};
 
 /// The reference as Markdown, which is `docs/parameters.md`.
@@ -32,6 +32,91 @@ pub fn markdown() -> String {
     text.push_str(&vehicles());
     text
 }
+
+/// The types of the keywords of the Python package, which is `crates/python/python/column_twin/_keywords.py`: one for each
+/// parameter, with two underscores for a dot, so that editors complete them and type checkers find a wrong one. Sensors are
+/// named by their users and have none.
+#[must_use]
+pub fn python_keywords() -> String {
+    let mut text = String::from(PYTHON_INTRODUCTION);
+    text.push_str("class ParameterKeywords(TypedDict, total=False):\n    \"\"\"A parameter, by its name.\"\"\"\n\n");
+    for parameter in PARAMETERS {
+        let kind = match parameter.admissible {
+            Admissible::Choice(words) => {
+                let words: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+                format!("Literal[{}]", words.join(", "))
+            }
+            _ => match parameter.kind() {
+                Kind::Bool => "bool",
+                Kind::Integer => "Whole",
+                Kind::Double => "Number",
+                Kind::String => "Text",
+                Kind::DoubleArray => "Numbers",
+                Kind::StringArray => "Sequence[str]",
+            }
+            .to_owned(),
+        };
+        text.push_str(&keyword(parameter, &kind));
+    }
+    text.push_str(PYTHON_AXES);
+    let is_number = |it: &&Parameter| matches!(it.kind(), Kind::Integer | Kind::Double);
+    for parameter in PARAMETERS.iter().filter(is_number) {
+        text.push_str(&keyword(parameter, "AxisNumbers"));
+    }
+    text
+}
+
+/// A line of a keyword, with what editors show of it.
+fn keyword(parameter: &Parameter, kind: &str) -> String {
+    let name = parameter.name.replace('.', "__");
+    let unit = match parameter.unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    };
+    let meaning = parameter.meaning.replace('\\', "\\\\").replace('"', "'");
+    format!("    {name}: {kind}\n    \"\"\"{meaning}{unit}\"\"\"\n")
+}
+
+const PYTHON_INTRODUCTION: &str = "\
+\"\"\"The keywords of every parameter.
+
+This file is generated from the table of parameters (src/parameters/table.rs); do not edit it.
+\"\"\"
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any, Literal, TypedDict, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._range import AxisNames, AxisNumbers
+
+Number = Union[float, \"np.number[Any]\"]
+Whole = Union[int, \"np.integer[Any]\"]
+Numbers = Union[Sequence[float], npt.NDArray[Any]]
+Text = Union[str, \"os.PathLike[str]\"]
+
+
+";
+
+const PYTHON_AXES: &str = "
+
+
+class AxisKeywords(TypedDict, total=False):
+    \"\"\"An axis of a map.\"\"\"
+
+    mass: AxisNumbers
+    \"\"\"total mass of the vehicle [kg]\"\"\"
+    velocity: AxisNumbers
+    \"\"\"speed of the vehicle [m/s]\"\"\"
+    height: AxisNumbers
+    \"\"\"height of the impact point above the base [m]; the height of the column remains\"\"\"
+    section: AxisNames
+    \"\"\"sections of the catalogue\"\"\"
+";
 
 const INTRODUCTION: &str = "\
 # Parameters

@@ -291,6 +291,12 @@ impl fmt::Display for Provenance {
     }
 }
 
+/// No road vehicle is lighter \[kg\].
+const LEAST_MASS: f64 = 50.0;
+
+/// No vehicle has less than this share of the mass that the catalogue gives it.
+const LEAST_SHARE: f64 = 0.05;
+
 impl CatalogueVehicle {
     /// The vehicle of this name, in any case, with underscores, hyphens or spaces; `None` for [`RIGID`] too.
     #[must_use]
@@ -309,6 +315,28 @@ impl CatalogueVehicle {
     #[must_use]
     pub fn total_mass(&self) -> f64 {
         self.masses.value.kg.iter().sum()
+    }
+
+    /// What is wrong with this total mass, which the vehicle cannot have \[kg\]: most likely it is in tonnes, or something else that
+    /// stands in its place. `None` for a mass that it may have, and for 0, its own.
+    ///
+    /// ```
+    /// use column_twin::parameters::CatalogueVehicle;
+    ///
+    /// let lorry = CatalogueVehicle::named("lorry_8t").expect("in the catalogue");
+    /// assert!(lorry.implausible_mass(8.0).is_some_and(|it| it.contains("kg")));
+    /// assert_eq!(lorry.implausible_mass(7500.0), None);
+    /// ```
+    #[must_use]
+    pub fn implausible_mass(&self, mass: f64) -> Option<String> {
+        let own = self.total_mass();
+        let least = LEAST_MASS.max(LEAST_SHARE * own);
+        (mass > 0.0 && mass < least).then(|| {
+            format!(
+                "a {} of {mass} kg: its own mass is {own} kg, and the mass is expected in kg; is it in tonnes, or the velocity?",
+                self.name
+            )
+        })
     }
 
     /// The vehicle as the mechanics needs it, the full width of its front loaded.

@@ -64,6 +64,6 @@ pub use map_columns::{ColumnKind, TableColumn, TableValue};
 pub use map_grid::{GridCell, MapGrid};
 pub use refine::{BoundaryPoint, ClassBoundary, LimitBoundary, RefinedMap, RowFault};
 pub use row_search::{Limit, RefineError, RowBoundary};
-pub use study_column::{Evaluation, Glance, StudyColumn, StudyError};
+pub use study_column::{Evaluation, Glance, StudyColumn, StudyError, VehicleImpacts};
 pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits, vehicle_limits_on};

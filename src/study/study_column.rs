@@ -9,7 +9,7 @@ use crate::assessment::{
 };
 use crate::column::{
     CapacityError, ColumnProperties, End, HINGES, Impact, ImpactSpecification, Model, Outcome,
-    PerBar, Scheme, SimulationError, State, StudyModel, StudyResponse, carried_over,
+    PerBar, Scheme, SimulationError, State, StudyModel, StudyResponse, Vehicle, carried_over,
     residual_state,
 };
 use crate::parameters::{CatalogueVehicle, ParameterFaults, Parameters, VehicleFault};
@@ -280,7 +280,7 @@ impl StudyColumn {
     /// The vehicle strikes too near to the top of the column, or above it.
     pub fn struck_by(&self, vehicle: Option<&str>) -> Result<Option<Arc<Self>>, StudyError> {
         let height = self.parameters.impact_height_of(vehicle.unwrap_or(""));
-        let height = height.filter(|_| self.rest.plastic == PerBar::default());
+        let height = height.filter(|_| !self.is_damaged());
         let (Some(height), Some(vehicle)) = (height, vehicle) else {
             return Ok(None);
         };
@@ -324,23 +324,63 @@ impl StudyColumn {
         mass: Option<f64>,
         velocity: f64,
     ) -> Result<Impact, StudyError> {
+        self.impacts_of(vehicle)?.impact(mass, velocity)
+    }
+
+    /// The impacts of one vehicle, for many masses and velocities; see [`impact`](Self::impact).
+    ///
+    /// # Errors
+    /// A vehicle that is not known.
+    pub fn impacts_of(&self, vehicle: Option<&str>) -> Result<VehicleImpacts, StudyError> {
         let defaults = self.parameters.whole_impact();
         // The rigid mass has none of its own.
         let own_mass = vehicle.is_some_and(|name| CatalogueVehicle::named(name).is_some());
         let default_mass = if own_mass { f64::NAN } else { defaults.mass };
-        let specification = ImpactSpecification {
-            mass: mass.unwrap_or(default_mass),
-            velocity,
-            gap: None,
-            restitution: None,
-            height: None,
-            direction: Some(self.parameters.direction()),
-        };
         let name = vehicle.unwrap_or("");
-        let vehicle = self.parameters.vehicle_named(name)?;
-        let bumper_height = self.parameters.bumper_named(name);
-        let completed = specification.complete(&defaults, vehicle, bumper_height);
-        Ok(completed.map_err(VehicleFault::from)?)
+        Ok(VehicleImpacts {
+            defaults,
+            default_mass,
+            direction: self.parameters.direction(),
+            vehicle: self.parameters.vehicle_named(name)?,
+            bumper_height: self.parameters.bumper_named(name),
+        })
+    }
+
+    /// The column that this impact leaves, at rest once the vehicle is gone; `None` if it has collapsed or is fractured.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn after(&self, impact: &Impact) -> Result<Option<Self>, StudyError> {
+        let before = self.before(impact)?;
+        let struck = before.as_deref().unwrap_or(self);
+        let response = struck.respond_with(&struck.stepwise_model, impact)?;
+        let stands = matches!(response.outcome, Outcome::Elastic | Outcome::Plastic);
+        let Some(mut rest) = response.rest.filter(|_| stands) else {
+            return Ok(None);
+        };
+        if before.is_some() {
+            let carried = carried_over(&struck.model, &rest, &self.model);
+            rest = residual_state(&self.model, &carried).ok_or(StudyError::NoEquilibrium)?;
+        }
+        Self::at_rest(&self.parameters, self.model, rest).map(Some)
+    }
+
+    /// The column at rest, as each impact finds it.
+    #[must_use]
+    pub fn rest(&self) -> &State {
+        &self.rest
+    }
+
+    /// Its constants.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Whether it is damaged.
+    #[must_use]
+    pub fn is_damaged(&self) -> bool {
+        self.rest.plastic != PerBar::default()
     }
 
     /// What this impact leads to.
@@ -416,8 +456,7 @@ impl StudyColumn {
 
     /// Whether there are responses in long steps: the paper's scheme has none, and their bounds were found on undamaged columns.
     fn has_long_steps(&self) -> bool {
-        self.model.properties.scheme == Scheme::ConservingMidpoint
-            && self.rest.plastic == PerBar::default()
+        self.model.properties.scheme == Scheme::ConservingMidpoint && !self.is_damaged()
     }
 
     /// The action after a quick response; `None` if the plain one might have another.
@@ -516,6 +555,38 @@ impl StudyColumn {
             base_utilisation: self.assessment.base_utilisation(response),
         };
         Ok((evaluation, verdict.least_margin))
+    }
+}
+
+/// The impacts of one vehicle on a column, which differ in mass and velocity.
+#[derive(Debug, Clone)]
+pub struct VehicleImpacts {
+    /// What an impact leaves open.
+    defaults: Impact,
+    /// Its mass where none is given \[kg\]; NaN for the vehicle's own.
+    default_mass: f64,
+    /// Direction of travel \[rad\].
+    direction: f64,
+    vehicle: Option<Vehicle>,
+    bumper_height: f64,
+}
+
+impl VehicleImpacts {
+    /// The impact with this mass \[kg\], or where there is none that of the vehicle, and this velocity \[m/s\].
+    ///
+    /// # Errors
+    /// A mass that is not a finite number > 0.
+    pub fn impact(&self, mass: Option<f64>, velocity: f64) -> Result<Impact, StudyError> {
+        let specification = ImpactSpecification {
+            mass: mass.unwrap_or(self.default_mass),
+            velocity,
+            gap: None,
+            restitution: None,
+            height: None,
+            direction: Some(self.direction),
+        };
+        let completed = specification.complete(&self.defaults, self.vehicle, self.bumper_height);
+        Ok(completed.map_err(VehicleFault::from)?)
     }
 }
 

@@ -137,6 +137,7 @@ impl Rejection {
     }
 
     /// That of a command to which the solver has not answered in time.
+    #[cfg(feature = "live")]
     pub(crate) fn no_answer(after_secs: u64) -> Self {
         let reason = format!(
             "the solver did not answer within {after_secs} s; the command may still be executed, see twin_status"

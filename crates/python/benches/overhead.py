@@ -38,7 +38,7 @@ def single(column: Column, rust: Rust, rounds: int) -> tuple[float, float]:
     fastest = [float("inf")] * 2
     for _ in range(rounds):
         start = time.perf_counter()
-        column.evaluate("mid_car", None, 0.01)
+        column.evaluate("mid_car", velocity=0.01)
         fastest[0] = min(fastest[0], time.perf_counter() - start)
         fastest[1] = min(fastest[1], rust.ask("single", "mid_car", 1, 0.01)[0])
     return fastest[0], fastest[1]
@@ -50,7 +50,7 @@ def batch(column: Column, rust: Rust, count: int, threads: int, rounds: int) -> 
     for number in range(rounds):
         start = time.perf_counter()
         velocities = 1.0 + (20.0 - 1.0) / (count - 1) * np.arange(count)
-        evaluations = column.evaluate_batch(None, velocities, "mid_car", threads=threads)
+        evaluations = column.evaluate_batch("mid_car", velocity=velocities, threads=threads)
         fastest[0] = min(fastest[0], time.perf_counter() - start)
         seconds, checksum = rust.ask("batch", "mid_car", count, 1.0, 20.0, threads)
         fastest[1] = min(fastest[1], seconds)
@@ -83,7 +83,7 @@ def main() -> None:
         ours, theirs = batch(column, rust, options.count, many, options.rounds)
         name = f"batch of {options.count}, {many} thread{'s' if many > 1 else ''} [s]"
         print(f"| {name} | {ours:.3f} | {theirs:.3f} | {ours - theirs:+.3f} | {ours / theirs:.3f} |")
-    for call in ('column["top.load"]', 'column.evaluate_batch(None, [], "mid_car")'):
+    for call in ('column["top.load"]', 'column.evaluate_batch("mid_car", velocity=[])'):
         print(f"| `{call}` [us] | {1e6 * per_call(call, column, 1000):.1f} | | | |")
 
 

@@ -2,7 +2,7 @@
 
 use std::ffi::CString;
 use std::num::NonZeroUsize;
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -18,8 +18,11 @@ pub const NUMBERS: usize = 9;
 /// Bytes of a row: its numbers, and three codes in 2, 2 and 4 bytes, so that no byte is left over whose value would be undefined.
 pub const ROW_BYTES: usize = NUMBERS * 8 + 8;
 
+/// Bytes of a row without mass and velocity.
+pub const CELL_BYTES: usize = ROW_BYTES - 2 * 8;
+
 /// Time between two looks at the signals of Python.
-const SIGNALS: Duration = Duration::from_millis(50);
+const SIGNALS: Duration = Duration::from_millis(20);
 
 /// One impact and what it leads to, as numbers. The order is that of `_evaluation.py`.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +73,8 @@ impl Row {
         }
     }
 
-    pub fn write(&self, bytes: &mut [u8; ROW_BYTES]) {
+    pub fn bytes(&self) -> [u8; ROW_BYTES] {
+        let mut bytes = [0; ROW_BYTES];
         let (numbers, codes) = bytes.split_at_mut(NUMBERS * 8);
         let (chunks, _) = numbers.as_chunks_mut::<8>();
         for (chunk, number) in chunks.iter_mut().zip(self.numbers) {
@@ -80,6 +84,14 @@ impl Row {
         codes[..2].copy_from_slice(&u16::from(action).to_ne_bytes());
         codes[2..4].copy_from_slice(&u16::from(outcome).to_ne_bytes());
         codes[4..].copy_from_slice(&u32::from(criterion).to_ne_bytes());
+        bytes
+    }
+
+    /// Without mass and velocity, which the axes of a map tell.
+    pub fn bytes_of_cell(&self) -> [u8; CELL_BYTES] {
+        let bytes = self.bytes();
+        let (_, cell) = bytes.split_last_chunk().expect("a part of a row");
+        *cell
     }
 }
 
@@ -107,15 +119,7 @@ pub fn interruptible<R: Send>(
                 let _running = running;
                 work(batch)
             });
-            let mut raised = None;
-            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGNALS) {
-                if raised.is_none() {
-                    raised = Python::attach(|py| py.check_signals()).err();
-                    if raised.is_some() {
-                        batch.interrupt();
-                    }
-                }
-            }
+            let raised = signalled(&ended).inspect(|_| batch.interrupt());
             match (worker.join(), raised) {
                 (Err(panic), _) => std::panic::resume_unwind(panic),
                 (Ok(_), Some(raised)) => Err(raised),
@@ -123,4 +127,37 @@ pub fn interruptible<R: Send>(
             }
         })
     })
+}
+
+/// Does work that cannot be interrupted in another thread without the GIL. Ctrl-C ends the call; the thread ends by itself, later.
+pub fn abandonable<R: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> R + Send + 'static,
+) -> PyResult<R> {
+    py.detach(|| {
+        let (running, ended) = sync_channel::<()>(0);
+        let named = thread::Builder::new().name("column_twin call".to_owned());
+        let worker = named.spawn(move || {
+            let _running = running;
+            work()
+        })?;
+        if let Some(raised) = signalled(&ended) {
+            return Err(raised);
+        }
+        match worker.join() {
+            Ok(result) => Ok(result),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
+}
+
+/// Waits until the other end is dropped, or until a signal raises an exception.
+fn signalled(ended: &Receiver<()>) -> Option<PyErr> {
+    while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGNALS) {
+        let raised = Python::attach(|py| py.check_signals()).err();
+        if raised.is_some() {
+            return raised;
+        }
+    }
+    None
 }

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use column_twin::assessment::{
@@ -10,18 +11,21 @@ use column_twin::assessment::{
 };
 use column_twin::column::{Impact, Model, PushDownPoint, SimulationError, State, push_down};
 use column_twin::parameters::{
-    CatalogueVehicle, NodeName, Parameter, ParameterFaults, Parameters, Source, Value,
+    CatalogueVehicle, FleetColumns, FleetSources, NodeName, Parameter, ParameterFaults, Parameters,
+    Source, Value,
 };
 use column_twin::results::{CapacityFields, HistoryColumns, ImpactFields};
-use column_twin::study::{BatchEnd, StudyColumn, StudyError};
+use column_twin::study::{BatchEnd, StudyColumn, StudyError, VehicleImpacts};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
+use serde::{Deserialize, Serialize};
 
-use crate::batch::{NUMBERS, ROW_BYTES, Row, batch, interruptible};
+use crate::batch::{NUMBERS, ROW_BYTES, Row, abandonable, batch, interruptible};
 use crate::fault;
 use crate::risk::{Request, risk};
+use crate::sensors;
 use crate::study::{self, GivenAxis};
-use crate::values::{doubles, numbers, object, value};
+use crate::values::{Doubles, doubles, object, value};
 
 /// The velocities below and at a critical one \[m/s\].
 type Bracket = (Option<f64>, Option<f64>);
@@ -38,10 +42,22 @@ type Described<'py> = (String, Bound<'py, PyAny>, &'static str, &'static str);
 /// Shortening, force and v1 of a push-down.
 type Curve<'py> = [Bound<'py, PyByteArray>; 3];
 
-/// A column that is prepared once for many impacts.
+/// Columns with their identifiers.
+type NamedColumns = Vec<(String, Column)>;
+
+/// A column that is prepared once for many impacts, undamaged or at rest with its damage.
 #[pyclass(frozen, module = "column_twin._native")]
+#[derive(Clone)]
 pub struct Column {
-    study: StudyColumn,
+    study: Arc<StudyColumn>,
+}
+
+/// A column as it is written for other processes.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    parameters: Parameters,
+    /// The damaged column at rest; `None` for an undamaged one.
+    rest: Option<State>,
 }
 
 #[pymethods]
@@ -60,21 +76,56 @@ impl Column {
         Ok((Self::of(&parameters)?, warnings))
     }
 
+    /// The columns of a fleet with their identifiers, in its order, and warnings about their parameters.
+    #[staticmethod]
+    fn fleet(files: Vec<PathBuf>, table: Option<PathBuf>) -> PyResult<(NamedColumns, Vec<String>)> {
+        let sources = FleetSources {
+            files,
+            table,
+            arguments: vec![],
+        };
+        let fleet = FleetColumns::load(&NodeName::default(), &sources)
+            .map_err(|faults| fault::parameters(&faults))?;
+        let columns = fleet.columns.into_iter().map(|it| {
+            let column = Self::of(&it.parameters)?;
+            Ok((it.name, column))
+        });
+        let warnings = fleet.warnings.iter().map(ToString::to_string).collect();
+        Ok((columns.collect::<PyResult<_>>()?, warnings))
+    }
+
     /// The column that `to_json` has written.
     #[staticmethod]
     fn from_json(text: &str) -> PyResult<Self> {
-        let parameters: Parameters =
+        let written: Written =
             serde_json::from_str(text).map_err(|fault| fault::input(fault.to_string()))?;
-        Self::of(&parameters)
+        let column = Self::of(&written.parameters)?;
+        let Some(rest) = written.rest else {
+            return Ok(column);
+        };
+        let damaged = StudyColumn::at_rest(&written.parameters, *column.study.model(), rest);
+        damaged
+            .map(Self::from)
+            .map_err(|fault| fault::study(&fault))
     }
 
-    /// All parameters as JSON, which reads back to the last bit.
+    /// All parameters and the damage as JSON, which reads back to the last bit.
     fn to_json(&self) -> PyResult<String> {
-        serde_json::to_string(self.parameters()).map_err(|fault| fault::input(fault.to_string()))
+        let written = Written {
+            parameters: self.parameters().clone(),
+            rest: self.is_damaged().then(|| *self.study.rest()),
+        };
+        serde_json::to_string(&written).map_err(|fault| fault::input(fault.to_string()))
     }
 
-    /// The column with other values.
-    fn with_changes(&self, changes: Changes<'_>) -> PyResult<Self> {
+    /// All parameters as a parameter file of ROS 2.
+    fn to_yaml(&self) -> String {
+        self.parameters().to_yaml()
+    }
+
+    /// The column with other values, and warnings about them.
+    fn with_changes(&self, changes: Changes<'_>) -> PyResult<(Self, Vec<String>)> {
+        self.expect_undamaged("with_changes")?;
         let changes: PyResult<Vec<_>> = changes
             .into_iter()
             .map(|(name, given)| {
@@ -82,8 +133,34 @@ impl Column {
                 Ok((name, given))
             })
             .collect();
-        let changed = self.parameters().with_changes(changes?);
-        Self::of(&changed.map_err(|faults| fault::parameters(&faults))?)
+        let changed = self.parameters().with_changes_and_warnings(changes?);
+        let (changed, warnings) = changed.map_err(|faults| fault::parameters(&faults))?;
+        let warnings = warnings.iter().map(ToString::to_string).collect();
+        Ok((Self::of(&changed)?, warnings))
+    }
+
+    /// Whether an earlier impact has damaged the column.
+    #[getter]
+    fn is_damaged(&self) -> bool {
+        self.study.is_damaged()
+    }
+
+    /// The column that an impact leaves; `None` if it carries nothing.
+    fn after(
+        &self,
+        py: Python<'_>,
+        vehicle: Option<&str>,
+        mass: Option<f64>,
+        velocity: Option<f64>,
+    ) -> PyResult<Option<Self>> {
+        if let Some(there) = self.struck_by(vehicle)? {
+            return there.after(py, vehicle, mass, velocity);
+        }
+        let impact = self.impact(py, vehicle, mass, velocity)?;
+        let this = self.clone();
+        let left = abandonable(py, move || this.study.after(&impact))?;
+        let left = left.map_err(|fault| fault::study(&fault))?;
+        Ok(left.map(Self::from))
     }
 
     /// Name, value, unit and meaning of every parameter.
@@ -100,9 +177,9 @@ impl Column {
         .collect()
     }
 
-    /// The value of one parameter; `None` if there is none of this name.
+    /// The value of one parameter, of one that follows from others what it is; `None` if there is none of this name.
     fn get<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = self.parameters().get(name);
+        let value = self.parameters().effective(name);
         value.map(|value| object(py, value)).transpose()
     }
 
@@ -129,8 +206,14 @@ impl Column {
         if let Some(there) = self.struck_by(vehicle)? {
             return there.evaluate(py, vehicle, mass, velocity);
         }
-        let impact = self.impact(vehicle, mass, velocity)?;
-        let evaluated = py.detach(|| self.study.evaluate(&impact));
+        let impact = self.impact(py, vehicle, mass, velocity)?;
+        let evaluated = match self.parameters().response_duration() > LONG_RESPONSE {
+            true => {
+                let this = self.clone();
+                abandonable(py, move || this.study.evaluate(&impact))?
+            }
+            false => py.detach(|| self.study.evaluate(&impact)),
+        };
         let evaluation = evaluated.map_err(|fault| fault::study(&fault))?;
         let row = Row::new(&impact, &evaluation);
         Ok((row.numbers, row.codes.0))
@@ -149,35 +232,60 @@ impl Column {
         if let Some(there) = self.struck_by(vehicle)? {
             return there.evaluate_batch(py, vehicle, masses, velocities, threads);
         }
-        let velocities = numbers(velocities);
-        let masses = masses.map(numbers);
-        let impacts: PyResult<Vec<Impact>> = velocities
-            .iter()
-            .enumerate()
-            .map(|(index, velocity)| {
-                let mass = masses.as_ref().map(|all| all[index]);
-                self.checked_impact(vehicle, mass, *velocity)
-                    .map_err(|text| fault::input(format!("element {index}: {text}")))
-            })
-            .collect();
-        let impacts = impacts?;
-        let batch = batch(py, threads, impacts.len() as u64)?;
-        let mut rows: Vec<Row> = Vec::with_capacity(impacts.len());
-        let end = interruptible(py, &batch, |batch| {
-            batch.run(
-                impacts.len() as u64,
-                |index| self.study.evaluate(&impacts[index as usize]),
-                |results| -> Result<(), BatchFault> {
-                    for result in results {
-                        let index = rows.len();
-                        let evaluation =
-                            result.map_err(|fault| BatchFault::Impact(index, fault))?;
-                        rows.push(Row::new(&impacts[index], &evaluation));
+        let (masses, velocities) = (masses.map(Doubles::new), Doubles::new(velocities));
+        let mass = |index: u64| masses.map(|all| all.get(index as usize));
+        let count = velocities.len() as u64;
+        if count == 0 {
+            return PyByteArray::new_with(py, 0, |_| Ok(()));
+        }
+        let checks = self.checks(vehicle, masses.map(|all| all.get(0)), velocities.get(0))?;
+        let impact = |index: u64| checks.impact(mass(index), velocities.get(index as usize));
+        let batch = batch(py, threads, count)?;
+        // All of them first, which takes no time, so that a wrong one is found before hours of computation.
+        let mut light = None;
+        let checked = interruptible(py, &batch, |batch| {
+            let checked = |index| impact(index).map(|it| checks.implausible(&it));
+            let mut index = 0;
+            batch.run(count, checked, |results| {
+                for result in results {
+                    match result {
+                        Ok(None) => {}
+                        Ok(Some(text)) => light = light.take().or(Some((index, text))),
+                        Err(()) => return Err(BatchFault::Input(index)),
                     }
-                    Ok(())
-                },
-            )
+                    index += 1;
+                }
+                Ok(())
+            })
         })?;
+        if let Err(BatchFault::Input(index)) = checked {
+            let text = self.fault_of(vehicle, mass(index), velocities.get(index as usize));
+            return Err(fault::input(format!("element {index}: {text}")));
+        }
+        if let Some((index, text)) = light {
+            fault::warn(
+                py,
+                &format!("element {index}: impact.mass is that of {text}"),
+            )?;
+        }
+        let mut bytes = Vec::new();
+        let end = interruptible(py, &batch, |batch| {
+            bytes.reserve_exact(ROW_BYTES * count as usize);
+            let evaluated = |index| {
+                let impact = impact(index).map_err(|()| BatchFault::Input(index))?;
+                let evaluation = self.study.evaluate(&impact);
+                let evaluation = evaluation
+                    .map_err(|reason| BatchFault::Impact(impact.mass, impact.velocity, reason))?;
+                Ok::<_, BatchFault>(Row::new(&impact, &evaluation))
+            };
+            batch.run(count, evaluated, |results| {
+                for result in results {
+                    bytes.extend_from_slice(&result?.bytes());
+                }
+                Ok(())
+            })
+        })?;
+        let done = bytes.len() / ROW_BYTES;
         match end {
             Ok(BatchEnd::Complete) => {}
             Ok(BatchEnd::Interrupted(done)) => {
@@ -185,24 +293,19 @@ impl Column {
                     "the batch was interrupted after {done} impacts"
                 )));
             }
-            Err(BatchFault::Impact(index, reason)) => {
-                let (mass, velocity) = (impacts[index].mass, impacts[index].velocity);
+            Err(BatchFault::Impact(mass, velocity, reason)) => {
                 return Err(fault::simulation(format!(
-                    "element {index} ({mass} kg at {velocity} m/s): {reason}"
+                    "element {done} ({mass} kg at {velocity} m/s): {reason}"
                 )));
+            }
+            Err(BatchFault::Input(index)) => {
+                return Err(fault::input(format!("element {index} is out of range")));
             }
             Err(BatchFault::Threads(reason)) => {
                 return Err(fault::no_threads(&reason));
             }
         }
-        PyByteArray::new_with(py, ROW_BYTES * rows.len(), |bytes| {
-            let (chunks, _) = bytes.as_chunks_mut::<ROW_BYTES>();
-            chunks
-                .iter_mut()
-                .zip(&rows)
-                .for_each(|(chunk, row)| row.write(chunk));
-            Ok(())
-        })
+        Ok(PyByteArray::new(py, &bytes))
     }
 
     /// A map over two axes; see `_map.py`.
@@ -212,13 +315,53 @@ impl Column {
         vehicle: Option<&str>,
         axes: [GivenAxis; 2],
         compared: Option<GivenAxis>,
+        shard: Option<[u64; 2]>,
         threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        study::map(py, self.parameters(), vehicle, axes, compared, threads)
+        self.expect_undamaged("map")?;
+        let parameters = self.parameters();
+        study::map(py, parameters, vehicle, axes, compared, shard, threads)
+    }
+
+    /// The boundaries of the actions on a map as JSON; see `_map.py`.
+    fn refine(
+        &self,
+        py: Python<'_>,
+        vehicle: Option<&str>,
+        axes: [GivenAxis; 2],
+        compared: Option<GivenAxis>,
+        threads: Option<NonZeroUsize>,
+    ) -> PyResult<String> {
+        self.expect_undamaged("refined_map")?;
+        study::refine(py, self.parameters(), vehicle, axes, compared, threads)
+    }
+
+    /// What the sensors read in an impact, as a table in CSV.
+    fn sensor_readings(
+        &self,
+        py: Python<'_>,
+        vehicle: Option<&str>,
+        mass: Option<f64>,
+        velocity: Option<f64>,
+        seed: u64,
+    ) -> PyResult<String> {
+        self.expect_undamaged("sensor_readings")?;
+        if let Some(there) = self.struck_by(vehicle)? {
+            return there.sensor_readings(py, vehicle, mass, velocity, seed);
+        }
+        let impact = self.impact(py, vehicle, mass, velocity)?;
+        sensors::readings(py, self.parameters(), impact, seed)
+    }
+
+    /// What struck the column by a table of readings, as JSON; `None` without an impact.
+    fn estimate(&self, py: Python<'_>, table: String, seed: u64) -> PyResult<Option<String>> {
+        self.expect_undamaged("estimate")?;
+        sensors::estimate(py, self.parameters(), table, seed)
     }
 
     /// A risk study as JSON; see `_risk.py`.
     fn risk(&self, py: Python<'_>, request: Request) -> PyResult<String> {
+        self.expect_undamaged("risk")?;
         risk(py, self.parameters(), &request)
     }
 
@@ -232,17 +375,18 @@ impl Column {
         highest: f64,
     ) -> PyResult<(Vec<Bracket>, usize)> {
         for velocity in [lowest, highest] {
-            self.impact(vehicle, mass, Some(velocity))?;
+            self.impact(py, vehicle, mass, Some(velocity))?;
         }
         if lowest >= highest {
             return Err(fault::input(format!(
                 "expected a lowest velocity below the highest; found {lowest} and {highest} m/s"
             )));
         }
-        let found = py.detach(|| {
-            self.study
-                .critical_velocities(vehicle, mass, [lowest, highest])
-        });
+        let (this, vehicle) = (self.clone(), vehicle.map(str::to_owned));
+        let found = abandonable(py, move || {
+            let study = &this.study;
+            study.critical_velocities(vehicle.as_deref(), mass, [lowest, highest])
+        })?;
         let found = found.map_err(|fault| fault::study(&fault))?;
         let brackets = found.velocities.into_iter().map(study::bracket);
         Ok((brackets.collect(), found.responses))
@@ -256,15 +400,16 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<(Vec<String>, Vec<Bound<'py, PyByteArray>>, String)> {
+        self.expect_undamaged("simulate")?;
         if let Some(there) = self.struck_by(vehicle)? {
             return there.simulate(py, vehicle, mass, velocity);
         }
-        let impact = self.impact(vehicle, mass, velocity)?;
+        let impact = self.impact(py, vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
         let stated = self.with_impact(vehicle, mass, impact.velocity);
         let stated = stated.unwrap_or_else(|_| self.parameters().clone());
-        let history = py
-            .detach(|| self.history(&stated, &impact, &name))
+        let this = self.clone();
+        let history = abandonable(py, move || this.history(&stated, &impact, &name))?
             .map_err(|fault| fault::of_simulation(&fault))?;
         let columns = history.columns.iter().map(|it| doubles(py, it));
         Ok((
@@ -274,18 +419,21 @@ impl Column {
         ))
     }
 
-    /// The capacity of the undamaged column as JSON, and its push-down.
+    /// The capacity of the column as it is as JSON, and its push-down.
     fn capacity<'py>(&self, py: Python<'py>) -> PyResult<(String, Curve<'py>)> {
-        let computed = py.detach(|| {
-            let model = self.model()?;
-            let undamaged = State::at_rest(&model);
-            let remaining = ResidualCapacity::compute(self.parameters(), &model, Some(&undamaged));
+        let this = self.clone();
+        let (json, points) = abandonable(py, move || {
+            let (model, rest) = (this.study.model(), this.study.rest());
+            let remaining = ResidualCapacity::compute(this.parameters(), model, Some(rest));
             let remaining = remaining.map_err(|fault| fault::of_capacity(&fault))?;
-            let input = AssessmentInput::of_state(self.parameters(), &model, &undamaged, remaining);
-            let json = capacity_json("undamaged", &remaining, &input)?;
-            Ok::<_, PyErr>((json, self.push_down(&model, Some(&undamaged))?))
-        });
-        let (json, points) = computed?;
+            let input = AssessmentInput::of_state(this.parameters(), model, rest, remaining);
+            let state = match this.is_damaged() {
+                true => "damaged",
+                false => "undamaged",
+            };
+            let json = capacity_json(state, &remaining, &input)?;
+            Ok::<_, PyErr>((json, this.push_down(model, Some(rest))?))
+        })??;
         Ok((json, curve(py, &points)?))
     }
 
@@ -297,30 +445,26 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<(String, Curve<'py>)> {
+        self.expect_undamaged("capacity after an impact")?;
         if let Some(there) = self.struck_by(vehicle)? {
             return there.capacity_after(py, vehicle, mass, velocity);
         }
-        let impact = self.impact(vehicle, mass, velocity)?;
-        let computed = py.detach(|| {
-            let model = self.model()?;
-            let properties = self.parameters().column_properties();
-            let duration = self.parameters().response_duration();
+        let impact = self.impact(py, vehicle, mass, velocity)?;
+        let this = self.clone();
+        let (json, points) = abandonable(py, move || {
+            let model = this.study.model();
+            let properties = this.parameters().column_properties();
+            let duration = this.parameters().response_duration();
             let (report, rest) = respond_and_rest(&properties, &impact, duration)
                 .map_err(|fault| fault::of_simulation(&fault))?;
-            let remaining = ResidualCapacity::compute(self.parameters(), &model, rest.as_ref());
+            let remaining = ResidualCapacity::compute(this.parameters(), model, rest.as_ref());
             let remaining = remaining.map_err(|fault| fault::of_capacity(&fault))?;
-            let input = AssessmentInput::of_response(
-                self.parameters(),
-                &model,
-                &impact,
-                &report,
-                remaining,
-            );
+            let input =
+                AssessmentInput::of_response(this.parameters(), model, &impact, &report, remaining);
             let state = format!("after {} kg at {} m/s", impact.mass, impact.velocity);
             let json = capacity_json(&state, &remaining, &input)?;
-            Ok::<_, PyErr>((json, self.push_down(&model, rest.as_ref())?))
-        });
-        let (json, points) = computed?;
+            Ok::<_, PyErr>((json, this.push_down(model, rest.as_ref())?))
+        })??;
         Ok((json, curve(py, &points)?))
     }
 }
@@ -337,7 +481,10 @@ struct History {
 
 /// Why a batch ended early.
 enum BatchFault {
-    Impact(usize, StudyError),
+    /// The impact of this element is not accepted.
+    Input(u64),
+    /// The impact of this mass and velocity cannot be computed.
+    Impact(f64, f64, StudyError),
     Threads(rayon::ThreadPoolBuildError),
 }
 
@@ -347,64 +494,122 @@ impl From<rayon::ThreadPoolBuildError> for BatchFault {
     }
 }
 
+/// Longest response that is followed without a look at the signals \[s\]; it takes milliseconds.
+const LONG_RESPONSE: f64 = 10.0;
+
+/// Checks impacts of one vehicle by the one table of parameters, as the command line does.
+struct Checks {
+    mass: &'static Parameter,
+    velocity: &'static Parameter,
+    impacts: VehicleImpacts,
+    /// That of the catalogue whose mass is given.
+    vehicle: Option<&'static CatalogueVehicle>,
+}
+
+impl Checks {
+    /// The impact, if it is accepted; [`Column::fault_of`] says why not.
+    fn impact(&self, mass: Option<f64>, velocity: f64) -> Result<Impact, ()> {
+        let admits = |row: &Parameter, number| row.check(&Value::Double(number)).is_ok();
+        let in_range = admits(self.velocity, velocity)
+            && mass.is_none_or(|mass| mass.is_finite() && admits(self.mass, mass));
+        let impact = in_range.then(|| self.impacts.impact(mass, velocity).ok());
+        let impact = impact.flatten().filter(|it| it.check().is_ok());
+        impact.ok_or(())
+    }
+
+    /// Why nobody can have meant the mass that was given.
+    fn implausible(&self, impact: &Impact) -> Option<String> {
+        self.vehicle?.implausible_mass(impact.mass)
+    }
+}
+
+impl From<StudyColumn> for Column {
+    fn from(study: StudyColumn) -> Self {
+        Self {
+            study: Arc::new(study),
+        }
+    }
+}
+
 impl Column {
     fn of(parameters: &Parameters) -> PyResult<Self> {
         let study = StudyColumn::undamaged(parameters).map_err(|fault| fault::study(&fault))?;
-        Ok(Self { study })
+        Ok(Self::from(study))
+    }
+
+    /// What only an undamaged column has.
+    fn expect_undamaged(&self, call: &str) -> PyResult<()> {
+        match self.is_damaged() {
+            false => Ok(()),
+            true => Err(fault::input(format!(
+                "{call}: expected an undamaged column, found one that an impact has damaged; a damaged column has evaluate, \
+                 evaluate_batch, critical_velocities, capacity without arguments, and after"
+            ))),
+        }
     }
 
     /// The column where this vehicle strikes it; `None` where it is that already.
     fn struck_by(&self, vehicle: Option<&str>) -> PyResult<Option<Self>> {
         let struck = self.study.struck_by(vehicle);
         let struck = struck.map_err(|fault| fault::study(&fault))?;
-        Ok(struck.map(|there| Self {
-            study: StudyColumn::clone(&there),
-        }))
+        Ok(struck.map(|study| Self { study }))
     }
 
     fn parameters(&self) -> &Parameters {
         self.study.parameters()
     }
 
-    fn model(&self) -> PyResult<Model> {
-        let model = Model::new(&self.parameters().column_properties());
-        model.map_err(|fault| fault::of_simulation(&SimulationError::from(fault)))
-    }
-
-    /// The impact, checked by the one table of parameters as on the command line.
+    /// The impact, checked by the one table of parameters as on the command line; with a warning of a mass that nobody can have
+    /// meant.
     fn impact(
         &self,
+        py: Python<'_>,
         vehicle: Option<&str>,
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<Impact> {
         let velocity = velocity.unwrap_or_else(|| self.parameters().settings().impact.velocity);
-        self.checked_impact(vehicle, mass, velocity)
-            .map_err(fault::input)
+        let checks = self.checks(vehicle, mass, velocity)?;
+        let Ok(impact) = checks.impact(mass, velocity) else {
+            return Err(fault::input(self.fault_of(vehicle, mass, velocity)));
+        };
+        if let Some(text) = checks.implausible(&impact) {
+            fault::warn(py, &format!("impact.mass is that of {text}"))?;
+        }
+        Ok(impact)
     }
 
-    fn checked_impact(
-        &self,
-        vehicle: Option<&str>,
-        mass: Option<f64>,
-        velocity: f64,
-    ) -> Result<Impact, String> {
-        let in_range = admits("impact.velocity", velocity)
-            && mass.is_none_or(|mass| admits("impact.mass", mass));
-        let fault = if in_range {
-            match self.study.impact(vehicle, mass, velocity) {
-                Ok(impact) if impact.check().is_ok() => return Ok(impact),
-                Ok(impact) => impact.check().err().map(|fault| fault.to_string()),
-                Err(fault) => Some(fault.to_string()),
-            }
-        } else {
-            None
+    /// Checks of the impacts of this vehicle. Of an unknown one all faults of the impact are told.
+    fn checks(&self, vehicle: Option<&str>, mass: Option<f64>, velocity: f64) -> PyResult<Checks> {
+        let Ok(impacts) = self.study.impacts_of(vehicle) else {
+            return Err(fault::input(self.fault_of(vehicle, mass, velocity)));
         };
-        // What the table has against it, in its words; otherwise what the mechanics has.
-        match self.with_impact(vehicle, mass, velocity) {
-            Err(faults) => Err(faults.to_string()),
-            Ok(_) => Err(fault.unwrap_or_else(|| "the impact is out of range".to_owned())),
+        let row = |name| Parameter::named(name).expect("a row of the table");
+        let name = vehicle.unwrap_or(&self.parameters().settings().vehicle.name);
+        // Loading has warned of the mass among the parameters.
+        let given = CatalogueVehicle::of_crushed(name).filter(|_| mass.is_some());
+        Ok(Checks {
+            mass: row("impact.mass"),
+            velocity: row("impact.velocity"),
+            impacts,
+            vehicle: given,
+        })
+    }
+
+    /// What the table has against an impact, in its words; otherwise what the mechanics has.
+    fn fault_of(&self, vehicle: Option<&str>, mass: Option<f64>, velocity: f64) -> String {
+        if mass.is_some_and(f64::is_nan) {
+            return "impact.mass: NaN is not a finite number; expected the total mass in kg, or no mass for the vehicle's own"
+                .to_owned();
         }
+        if let Err(faults) = self.with_impact(vehicle, mass, velocity) {
+            return faults.to_string();
+        }
+        match self.study.impact(vehicle, mass, velocity) {
+            Ok(impact) => impact.check().err().map(|fault| fault.to_string()),
+            Err(fault) => Some(fault.to_string()),
+        }
+        .unwrap_or_else(|| "the impact is out of range".to_owned())
     }
 
     /// The parameters with this impact, as the command line has them.
@@ -482,11 +687,6 @@ impl Column {
         }
         Ok(points)
     }
-}
-
-/// Whether the table of parameters admits the number.
-fn admits(name: &str, number: f64) -> bool {
-    Parameter::named(name).is_some_and(|it| it.check(&Value::Double(number)).is_ok())
 }
 
 fn capacity_json(

@@ -1,14 +1,17 @@
 //! Faults as Python exceptions, with the texts that the command line prints.
 
+use std::ffi::CString;
+
 use column_twin::column::{CapacityError, SimulationError};
 use column_twin::parameters::ParameterFaults;
 use column_twin::study::StudyError;
-use pyo3::PyErr;
+use pyo3::prelude::*;
 
 mod exceptions {
     //! The exceptions, which Python defines.
     pyo3::import_exception!(column_twin._errors, ParameterError);
     pyo3::import_exception!(column_twin._errors, SimulationError);
+    pyo3::import_exception!(column_twin._errors, ParameterWarning);
 }
 
 /// Parameters that are not accepted, all faults at once.
@@ -47,4 +50,10 @@ pub fn of_capacity(fault: &CapacityError) -> PyErr {
 
 pub fn no_threads(reason: &rayon::ThreadPoolBuildError) -> PyErr {
     simulation(format!("the system gives no threads: {reason}"))
+}
+
+/// Warns the caller of the method in Python.
+pub fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+    let category = py.get_type::<exceptions::ParameterWarning>();
+    PyErr::warn(py, &category, &CString::new(text)?, 2)
 }

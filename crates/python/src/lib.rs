@@ -16,6 +16,7 @@ mod batch;
 mod column;
 mod fault;
 mod risk;
+mod sensors;
 mod study;
 mod values;
 
@@ -26,7 +27,9 @@ use pyo3::prelude::*;
 mod native {
     use pyo3::prelude::*;
 
+    use column_twin::assessment::Action;
     use column_twin::parameters::{CRITERION_NAMES, catalogue};
+    use column_twin::shape::action_colour;
 
     use super::SectionRow;
     #[pymodule_export]
@@ -43,6 +46,23 @@ mod native {
     /// Bytes of one row of a batch.
     #[pymodule_export]
     const ROW_BYTES: usize = super::batch::ROW_BYTES;
+
+    /// Bytes of one cell of a map.
+    #[pymodule_export]
+    const CELL_BYTES: usize = super::batch::CELL_BYTES;
+
+    /// The colour of each action, least severe first, as the figures of the program have it: red, green, blue.
+    #[pyfunction]
+    fn action_colours() -> [[u8; 3]; 5] {
+        [
+            Action::None,
+            Action::Inspect,
+            Action::Restrict,
+            Action::Shore,
+            Action::Evacuate,
+        ]
+        .map(action_colour)
+    }
 
     /// Names of the criteria, to which the numbers in a batch refer.
     #[pyfunction]

@@ -1,15 +1,17 @@
 //! Damage maps and critical velocities for Python.
 
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 
-use column_twin::parameters::Parameters;
+use column_twin::parameters::{CatalogueVehicle, Parameters};
 use column_twin::study::{
-    AxisValue, AxisValues, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
+    AxisValue, AxisValues, BatchEnd, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
+use rayon::ThreadPoolBuildError;
 
-use crate::batch::{Codes, NUMBERS, ROW_BYTES, Row, batch, interruptible};
+use crate::batch::{CELL_BYTES, Codes, NUMBERS, Row, abandonable, batch, interruptible};
 use crate::fault;
 
 /// An axis as Python gives it: in the notation of the command line, or as a name with its values.
@@ -63,15 +65,13 @@ fn described<'py>(py: Python<'py>, axis: &MapAxis) -> PyResult<Bound<'py, PyDict
     Ok(all)
 }
 
-/// Computes a map: its axes and labels, its cells as rows of bytes, and why some could not be computed.
-pub fn map<'py>(
-    py: Python<'py>,
+/// The map of these axes.
+fn planned(
     parameters: &Parameters,
     vehicle: Option<&str>,
     axes: [GivenAxis; 2],
     compared: Option<GivenAxis>,
-    threads: Option<NonZeroUsize>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<DamageMap> {
     let [first, second] = axes;
     let axes = [first.axis()?, second.axis()?];
     let compared = compared.map(GivenAxis::axis).transpose()?;
@@ -79,10 +79,65 @@ pub fn map<'py>(
         Some(compared) => DamageMap::comparing(parameters, vehicle, compared, axes),
         None => DamageMap::new(parameters, vehicle, axes),
     };
-    let map = map.map_err(|reason| rejected(&reason))?;
-    let batch = batch(py, threads, map.len())?;
-    let table = interruptible(py, &batch, |batch| map.table(batch))?;
-    let table = table.map_err(|reason| fault::no_threads(&reason))?;
+    map.map_err(|reason| rejected(&reason))
+}
+
+/// Why nobody can have meant the smallest mass of a map of one vehicle.
+fn implausible(map: &DamageMap) -> Option<String> {
+    let axis = [map.rows(), map.columns()]
+        .into_iter()
+        .find(|axis| axis.quantity() == MapQuantity::Mass)?;
+    let variant = map.variants().first()?;
+    let vehicle = CatalogueVehicle::of_crushed(&variant.parameters.settings().vehicle.name)?;
+    vehicle.implausible_mass(axis.number(0)?)
+}
+
+/// Computes a map, or the part `shard` (a number, from 1, and the number of parts): its axes and labels, its cells as rows of
+/// bytes, and why some could not be computed.
+pub fn map<'py>(
+    py: Python<'py>,
+    parameters: &Parameters,
+    vehicle: Option<&str>,
+    axes: [GivenAxis; 2],
+    compared: Option<GivenAxis>,
+    shard: Option<[u64; 2]>,
+    threads: Option<NonZeroUsize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let map = planned(parameters, vehicle, axes, compared)?;
+    if let Some(text) = implausible(&map) {
+        fault::warn(py, &format!("mass: the smallest one is that of {text}"))?;
+    }
+    let cells = shard.map_or(0..map.len(), |[number, parts]| map.shard(number, parts));
+    let count = cells.end - cells.start;
+    let batch = batch(py, threads, count)?;
+    let mut bytes = Vec::new();
+    let mut failed = Vec::new();
+    let first = cells.start;
+    let computed = interruptible(py, &batch, |batch| {
+        bytes.reserve_exact(CELL_BYTES * count as usize);
+        map.compute(batch, cells, |cells| {
+            for cell in cells {
+                let row = match cell.result {
+                    // Mass and velocity are those of the axes.
+                    Ok(evaluation) => Row::of([f64::NAN; 2], &evaluation),
+                    Err(reason) => {
+                        failed.push((cell.index - first, reason));
+                        Row {
+                            numbers: [f64::NAN; NUMBERS],
+                            codes: Codes::UNKNOWN,
+                        }
+                    }
+                };
+                bytes.extend_from_slice(&row.bytes_of_cell());
+            }
+            Ok::<_, ThreadPoolBuildError>(())
+        })
+    })?;
+    if let BatchEnd::Interrupted(done) = computed.map_err(|reason| fault::no_threads(&reason))? {
+        return Err(fault::simulation(format!(
+            "the map was interrupted after {done} cells"
+        )));
+    }
 
     let result = PyDict::new(py);
     result.set_item("rows", described(py, map.rows())?)?;
@@ -90,29 +145,48 @@ pub fn map<'py>(
     let labels: Vec<&str> = map.variants().iter().map(|it| it.label.as_str()).collect();
     result.set_item("labels", labels)?;
     let failures = PyDict::new(py);
-    for (index, result) in table.result.iter().enumerate() {
-        if let Err(reason) = result {
-            failures.set_item(index, reason)?;
-        }
+    for (index, reason) in failed {
+        failures.set_item(index, reason)?;
     }
     result.set_item("failures", failures)?;
-    let bytes = PyByteArray::new_with(py, ROW_BYTES * table.result.len(), |bytes| {
-        let (chunks, _) = bytes.as_chunks_mut::<ROW_BYTES>();
-        for (chunk, result) in chunks.iter_mut().zip(&table.result) {
-            let row = match result {
-                // Mass and velocity are those of the axes.
-                Ok(evaluation) => Row::of([f64::NAN; 2], evaluation),
-                Err(_) => Row {
-                    numbers: [f64::NAN; NUMBERS],
-                    codes: Codes::UNKNOWN,
-                },
-            };
-            row.write(chunk);
-        }
-        Ok(())
-    })?;
-    result.set_item("cells", bytes)?;
+    result.set_item("first", first)?;
+    result.set_item("cells", PyByteArray::new(py, &bytes))?;
     Ok(result)
+}
+
+/// The boundaries of the actions and limits on a map, with its axes and labels, as JSON.
+pub fn refine(
+    py: Python<'_>,
+    parameters: &Parameters,
+    vehicle: Option<&str>,
+    axes: [GivenAxis; 2],
+    compared: Option<GivenAxis>,
+    threads: Option<NonZeroUsize>,
+) -> PyResult<String> {
+    let map = planned(parameters, vehicle, axes, compared)?;
+    let batch = batch(py, threads, map.len())?;
+    let (map, batch) = (Arc::new(map), Arc::new(batch));
+    // A row takes many responses, and is not interrupted: the call does not wait for its end.
+    let (its_map, its_batch) = (Arc::clone(&map), Arc::clone(&batch));
+    let refined = abandonable(py, move || its_map.refine(&its_batch))
+        .inspect_err(|_| batch.interrupt())?
+        .map_err(|reason| fault::input(reason.to_string()))?;
+    let labels: Vec<&str> = map.variants().iter().map(|it| it.label.as_str()).collect();
+    let (rows, columns) = (map.rows().quantity(), map.columns().quantity());
+    let all = serde_json::json!({
+        "rows": {"name": rows.name(), "unit": rows.unit(), "values": numbers(map.rows())},
+        "columns": {"name": columns.name(), "unit": columns.unit(), "values": numbers(map.columns())},
+        "labels": labels,
+        "refined": refined,
+    });
+    Ok(all.to_string())
+}
+
+/// The numbers of an axis; nothing of names.
+fn numbers(axis: &MapAxis) -> Vec<f64> {
+    (0..axis.len())
+        .filter_map(|index| axis.number(index))
+        .collect()
 }
 
 fn rejected(reason: &MapError) -> PyErr {

@@ -48,10 +48,22 @@ pub fn object<'py>(py: Python<'py>, value: Value) -> PyResult<Bound<'py, PyAny>>
     }
 }
 
-/// The numbers of an array of doubles of this machine.
-pub fn numbers(bytes: &[u8]) -> Vec<f64> {
-    let (all, _) = bytes.as_chunks::<BYTES>();
-    all.iter().copied().map(f64::from_ne_bytes).collect()
+/// An array of doubles of this machine, which is read where it is.
+#[derive(Clone, Copy)]
+pub struct Doubles<'a>(&'a [[u8; BYTES]]);
+
+impl<'a> Doubles<'a> {
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self(bytes.as_chunks().0)
+    }
+
+    pub fn len(self) -> usize {
+        self.0.len()
+    }
+
+    pub fn get(self, index: usize) -> f64 {
+        f64::from_ne_bytes(self.0[index])
+    }
 }
 
 /// Numbers as an array of doubles of this machine, to which numpy gives a shape without a copy.

@@ -12,16 +12,16 @@ import time
 import numpy as np
 import pytest
 
-from column_twin import CRITERIA, EVALUATION, Column, Action, to_pandas
+from column_twin import CRITERIA, EVALUATION, Action, Column, ParameterError, to_pandas
 
 
 def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
     masses = np.linspace(1000.0, 9000.0, 12)
     velocities = np.linspace(1.0, 25.0, 12)
     for vehicle in (None, "mid_car"):
-        batch = steel.evaluate_batch(masses, velocities, vehicle=vehicle)
+        batch = steel.evaluate_batch(vehicle, mass=masses, velocity=velocities)
         for row, mass, velocity in zip(batch, masses, velocities, strict=True):
-            one = steel.evaluate(vehicle, mass, velocity)
+            one = steel.evaluate(vehicle, mass=mass, velocity=velocity)
             for name in EVALUATION.names or ():
                 expected = getattr(one, name)
                 if name == "deciding_criterion":
@@ -32,27 +32,28 @@ def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
 
 def test_the_number_of_threads_does_not_matter(steel: Column) -> None:
     velocities = np.linspace(0.5, 20.0, 60)
-    batches = [steel.evaluate_batch(None, velocities, "mid_car", threads=count).tobytes() for count in (1, 2, 3, None)]
+    batches = [steel.evaluate_batch("mid_car", velocity=velocities, threads=count).tobytes() for count in (1, 2, 3, None)]
     assert len(set(batches)) == 1
 
 
 def test_arrays_are_broadcast(steel: Column) -> None:
-    grid = steel.evaluate_batch(np.array([1500.0, 2500.0]), np.array([[1.0], [2.0], [3.0]]))
+    grid = steel.evaluate_batch(mass=np.array([1500.0, 2500.0]), velocity=np.array([[1.0], [2.0], [3.0]]))
     assert grid.shape == (3, 2)
     assert np.array_equal(grid["mass"][0], [1500.0, 2500.0])
     assert np.array_equal(grid["velocity"][:, 0], [1.0, 2.0, 3.0])
-    assert steel.evaluate_batch(None, [], "mid_car").shape == (0,)
-    assert steel.evaluate_batch(1500.0, 3.0).shape == ()
-    own = steel.evaluate_batch([np.nan, 1800.0], 5.0, "mid_car")
-    assert np.array_equal(own["mass"], [1719.0, 1800.0])
+    assert steel.evaluate_batch("mid_car", velocity=[]).shape == (0,)
+    assert steel.evaluate_batch(mass=1500.0, velocity=3.0).shape == ()
+    own = steel.evaluate_batch("mid_car", velocity=[5.0, 6.0])
+    assert np.array_equal(own["mass"], [1719.0, 1719.0])
+    assert steel.evaluate_batch("mid_car", mass=[1800.0])["velocity"] == steel["impact.velocity"]
     # Views that are not contiguous, and whole numbers.
-    assert np.array_equal(steel.evaluate_batch(np.arange(1000, 3000, 500)[::2], 3)["mass"], [1000.0, 2000.0])
+    assert np.array_equal(steel.evaluate_batch(mass=np.arange(1000, 3000, 500)[::2], velocity=3)["mass"], [1000.0, 2000.0])
     with pytest.raises(ValueError, match="broadcast"):
-        steel.evaluate_batch([1.0, 2.0], [1.0, 2.0, 3.0])
+        steel.evaluate_batch(mass=[1.0, 2.0], velocity=[1.0, 2.0, 3.0])
 
 
 def test_actions_are_ordered(steel: Column) -> None:
-    batch = steel.evaluate_batch(8000.0, np.linspace(0.5, 25.0, 20))
+    batch = steel.evaluate_batch(mass=8000.0, velocity=np.linspace(0.5, 25.0, 20))
     actions = batch["action"].astype(int)
     assert actions[0] == Action.NONE and actions[-1] == Action.EVACUATE
     assert (np.diff(actions) >= 0).all()
@@ -77,7 +78,7 @@ def test_other_threads_run_meanwhile(steel: Column) -> None:
     thread.start()
     before = count
     start = time.perf_counter()
-    steel.evaluate_batch(None, velocities, "mid_car", threads=1)
+    steel.evaluate_batch("mid_car", velocity=velocities, threads=1)
     elapsed = time.perf_counter() - start
     counted = count - before
     over.set()
@@ -88,11 +89,11 @@ def test_other_threads_run_meanwhile(steel: Column) -> None:
 
 def test_two_threads_compute_at_once(steel: Column) -> None:
     velocities = np.linspace(5.0, 20.0, 50)
-    expected = steel.evaluate_batch(None, velocities, "mid_car").tobytes()
+    expected = steel.evaluate_batch("mid_car", velocity=velocities).tobytes()
     found: list[bytes] = []
 
     def work() -> None:
-        found.append(steel.evaluate_batch(None, velocities, "mid_car", threads=1).tobytes())
+        found.append(steel.evaluate_batch("mid_car", velocity=velocities, threads=1).tobytes())
 
     threads = [threading.Thread(target=work) for _ in range(3)]
     for thread in threads:
@@ -102,21 +103,59 @@ def test_two_threads_compute_at_once(steel: Column) -> None:
     assert found == [expected] * 3
 
 
-def test_ctrl_c_interrupts_a_batch() -> None:
-    """In a process of its own: SIGINT while far more impacts run than fit into the time of a test."""
+CALLS = {
+    "batch": "column.evaluate_batch('mid_car', velocity=np.linspace(1.0, 20.0, 3_000_000))",
+    "map": "column.map(mass=Range(1000, 3000, points=1000), velocity=Range(1, 20, points=3000), vehicle='van')",
+    "refined_map": "column.refined_map(mass=Range(1000, 3000, points=20000), velocity=Range(1, 20, points=1000), vehicle='van')",
+    "risk": "column.risk('urban', 1000, samples=10_000_000, exact=True)",
+    "critical_velocities": "[column.critical_velocities('articulated_36t', lowest=0.1 + 1e-6 * i) for i in range(100_000)]",
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_ctrl_c_ends_every_long_call(call: str) -> None:
+    """In a process of its own: SIGINT during a call that takes far longer than the test, once it runs, and at once, when a batch
+    still checks its impacts."""
     script = (
-        "import numpy as np, column_twin\n"
+        "import time, numpy as np\n"
+        "from column_twin import Column, Range\n"
+        "column = Column()\n"
         "print('ready', flush=True)\n"
         "try:\n"
-        "    column_twin.Column().evaluate_batch(None, np.linspace(1.0, 20.0, 2_000_000), 'mid_car')\n"
+        f"    {CALLS[call]}\n"
         "except KeyboardInterrupt:\n"
         "    print('interrupted', flush=True)\n"
     )
-    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-        time.sleep(1.0)
-        os.kill(process.pid, signal.SIGINT)
-        rest, _ = process.communicate(timeout=60)
-    assert rest == "interrupted\n"
-    assert process.returncode == 0
+    for wait in (0.1, 0.6):
+        with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+            time.sleep(wait)
+            os.kill(process.pid, signal.SIGINT)
+            assert process.stdout.readline() == "interrupted\n"
+            process.kill()
+
+
+def test_a_batch_takes_at_most_three_times_the_memory_of_its_result() -> None:
+    """It took 18 times as much. The impacts are over at once, and what the process has before the batch is subtracted."""
+    count = 150_000
+    script = (
+        "import numpy as np, resource\n"
+        "from column_twin import Column, EVALUATION\n"
+        "column = Column()\n"
+        "column.evaluate_batch('rigid', mass=1.0, velocity=np.full(5000, 1e-6))\n"
+        f"speeds = np.full({count}, 1e-6)\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "rows = column.evaluate_batch('rigid', mass=1.0, velocity=speeds)\n"
+        "print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024 / rows.nbytes)\n"
+    )
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert 1.0 < float(ran.stdout) <= 3.0, ran.stdout
+
+
+def test_a_wrong_impact_is_found_before_any_is_computed() -> None:
+    """The last of so many impacts that the computation of the others would take minutes."""
+    velocities = np.full(300_000, 20.0)
+    velocities[-1] = 90.0
+    with pytest.raises(ParameterError, match="element 299999: "):
+        Column().evaluate_batch("articulated_36t", velocity=velocities)

@@ -77,13 +77,13 @@ def test_faults_of_impacts_are_those_of_the_command_line(
 
 def test_a_fault_in_a_batch_names_its_element() -> None:
     with pytest.raises(ParameterError, match="element 2: .*\n  impact.velocity: `-1.0` is out of range"):
-        Column().evaluate_batch(1500.0, [1.0, 2.0, -1.0, -2.0])
+        Column().evaluate_batch(mass=1500.0, velocity=[1.0, 2.0, -1.0, -2.0])
     with pytest.raises(ParameterError, match="element 0: .*\n  impact.mass"):
-        Column().evaluate_batch([0.0, 1.0], 2.0, "rigid")
+        Column().evaluate_batch("rigid", mass=[0.0, 1.0], velocity=2.0)
     with pytest.raises(ParameterError, match="threads: expected at least 1, found 0"):
-        Column().evaluate_batch(1500.0, [1.0], threads=0)
+        Column().evaluate_batch(mass=1500.0, velocity=[1.0], threads=0)
     with pytest.raises(ValueError, match="could not convert"):
-        Column().evaluate_batch(["heavy"], [1.0])
+        Column().evaluate_batch(mass=["heavy"], velocity=[1.0])
 
 
 def test_faults_of_files_have_line_and_column(program: Program, tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_a_change_is_made_as_a_whole_or_not_at_all(paper: Column) -> None:
 
 def test_deprecated_values_are_warnings() -> None:
     with pytest.warns(ParameterWarning, match="conserving_midpoint"):
-        column = Column(solver__scheme="energy")
+        column = Column(solver__scheme="energy")  # type: ignore[arg-type]
     assert column["solver.scheme"] == "conserving_midpoint"
 
 

@@ -80,7 +80,7 @@ def test_arrays_over_hinges_and_springs(steel: Column) -> None:
     assert np.array_equal(result.base_forces[:, 1], result.history["M3_Nm"])
     assert result.crush.shape[1] == len(result.report["crush_max_m"]) >= 1
     assert result.crush.max() == pytest.approx(max(result.report["crush_max_m"]), rel=1e-3)
-    assert steel.simulate("rigid", 1500.0, 3.0).crush.shape[1] == 0
+    assert steel.simulate("rigid", mass=1500.0, velocity=3.0).crush.shape[1] == 0
 
 
 def test_a_evaluation_is_the_report_without_the_history(steel: Column) -> None:
@@ -93,7 +93,7 @@ def test_a_evaluation_is_the_report_without_the_history(steel: Column) -> None:
         assert evaluation.max_v1 == pytest.approx(result.max_v1, rel=1e-3)
         if result.residual_v1 is None:
             assert np.isnan(evaluation.residual_v1)
-    assert steel.evaluate("rigid", 36e3, 25.0).action is Action.EVACUATE
+    assert steel.evaluate("rigid", mass=36e3, velocity=25.0).action is Action.EVACUATE
 
 
 def test_defaults_of_an_impact_are_those_of_the_parameters(steel: Column) -> None:

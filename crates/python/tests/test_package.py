@@ -26,8 +26,8 @@ def test_a_pickled_column_computes_the_same_bits(steel: Column) -> None:
         for twin in (pickle.loads(pickle.dumps(column)), copy.deepcopy(column)):
             assert twin == column and hash(twin) == hash(column) and twin.parameters == column.parameters
             velocities = [2.0, 7.0, 12.0]
-            expected = column.evaluate_batch(None, velocities, "van").tobytes()
-            assert twin.evaluate_batch(None, velocities, "van").tobytes() == expected
+            expected = column.evaluate_batch("van", velocity=velocities).tobytes()
+            assert twin.evaluate_batch("van", velocity=velocities).tobytes() == expected
     assert steel != Column() and steel != 3
 
 
@@ -63,8 +63,12 @@ def test_histories_become_tables_and_figures(paper: Column) -> None:
     result = paper.simulate()
     table = result.to_pandas()
     assert table.index.name == "t_s" and table["v1_m"].max() == result.v1.max()
-    figure = result.plot()
-    assert len(figure.axes) == 4 and all(ax.lines for ax in figure.axes)
+    axes = result.plot_all()
+    assert len(axes) == 4 and all(ax.lines for ax in axes)
+    assert result.plot(axes[0], "force") is axes[0]
+    assert result.plot(quantity="moment").get_ylabel() == "bending moment [kN m]"
+    with pytest.raises(ValueError, match="expected displacement, force, moment or rotation"):
+        result.plot(quantity="energy")  # type: ignore[arg-type]
     ax = paper.capacity(velocity=10.0).plot(paper.capacity().plot())
     assert sum(line.get_label() == "carried load" for line in ax.lines) == 1
 
@@ -110,6 +114,55 @@ def test_types() -> None:
             [sys.executable, "-m", *command], cwd=os.path.dirname(sys.executable), env=environment, capture_output=True, text=True
         )
         assert ran.returncode == 0, ran.stdout + ran.stderr
+
+
+KEYWORDS = """
+from column_twin import Action, Column, Range
+
+column = Column(section__name="HEB 220", top__load=500e3, solver__scheme="conserving_midpoint")
+column.with_changes(vehicle__masses=[1000.0, 500.0])
+Column.from_file("a.yaml", publish_rate=10)
+column.map(velocity=Range(1, 20, points=5), top__load=[1e5, 2e5], vehicle="van")
+column.simulate("mid_car", velocity=10.0, mass=1500)
+column.evaluate_batch("van", velocity=[1.0, 2.0])
+column.after(column.simulate("van")).evaluate("van")
+Column(top__laod=500e3)  # wrong
+Column(top__load="heavy")  # wrong
+Column(solver__scheme="euler")  # wrong
+column.with_changes(section__nam="HEB 300")  # wrong
+column.map(velocty=[1.0, 2.0], mass=[1.0, 2.0])  # wrong
+column.simulate("mid_car", 10.0)  # wrong
+column.evaluate("mid_car", velocty=10.0)  # wrong
+column.evaluate_batch("van", velocities=[1.0])  # wrong
+column.critical_velocity(Action.SHORE, "van", 1500.0)  # wrong
+column.simulate("van").plot(quantity="energy")  # wrong
+"""
+
+
+@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+@pytest.mark.parametrize("version", ["3.10", "3.14"])
+def test_a_wrong_keyword_is_found_before_the_program_runs(tmp_path: Path, checker: str, version: str) -> None:
+    pytest.importorskip(checker)
+    script = tmp_path / "keywords.py"
+    script.write_text(KEYWORDS)
+    environment = {**os.environ, "MYPY_CACHE_DIR": os.environ.get("MYPY_CACHE_DIR", os.devnull)}
+    command = {
+        "mypy": ["mypy", "--strict", "--python-version", version, str(script)],
+        "pyright": ["pyright", "--pythonpath", sys.executable, "--pythonversion", version, str(script)],
+    }[checker]
+    ran = subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    found = {int(line) for line in re.findall(r"keywords\.py:(\d+)(?::\d+)?(?:: | - )error", ran.stdout)}
+    expected = {number for number, line in enumerate(KEYWORDS.splitlines(), start=1) if line.endswith("# wrong")}
+    assert found == expected, ran.stdout + ran.stderr
+
+
+def test_the_keywords_are_those_of_the_parameters() -> None:
+    from column_twin._keywords import AxisKeywords, ParameterKeywords
+
+    names = {name.replace(".", "__") for name in Column().parameters}
+    assert set(ParameterKeywords.__annotations__) == names
+    numbers = {name.replace(".", "__") for name, value in Column().parameters.items() if type(value) in (int, float)}
+    assert set(AxisKeywords.__annotations__) == numbers | {"mass", "velocity", "height", "section"}
 
 
 @pytest.fixture

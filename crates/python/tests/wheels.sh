@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Builds the wheels of the library and of the program, and does one thing with them in a fresh virtual environment:
 #
-#   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/wheels
+#   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/wheels, for glibc 2.17 and newer
+#   crates/python/tests/wheels.sh check               # what they need of glibc and of Python, and what they say of themselves
+#   crates/python/tests/wheels.sh source              # the library from its source distribution, in an empty folder
 #   crates/python/tests/wheels.sh install             # pip install of both, as a user does; the demonstration of the program
 #   crates/python/tests/wheels.sh test [ARGUMENT...]  # pytest of the installed library
 #   crates/python/tests/wheels.sh mixed               # the library beside the ROS 2 messages
@@ -16,14 +18,37 @@ wheels=$target/wheels
 tools=$("$here/environment.sh")
 unset PYTHONPATH PYTHONHOME
 
+# zig is the linker, with the symbols of glibc 2.17; python -m ziglang is where maturin looks for it.
+for_old_glibc=(--release --strip --zig --compatibility manylinux_2_17 --target x86_64-unknown-linux-gnu)
+
 build() {
   local flags
   read -ra flags <<<"${COLUMN_TWIN_PROGRAM_FLAGS:-}"
   rm -rf "$wheels"
-  (cd "$repository/crates/python" && "$tools/bin/maturin" build --release --out "$wheels")
-  # The binary of `cargo build --release`, which is not compiled again: same profile, features and flags.
-  (cd "$repository/packaging/program" && "$tools/bin/maturin" build --release --out "$wheels" "${flags[@]}")
+  (cd "$repository/crates/python" && PATH=$tools/bin:$PATH maturin build "${for_old_glibc[@]}" --out "$wheels")
+  (cd "$repository/packaging/program" && PATH=$tools/bin:$PATH maturin build "${for_old_glibc[@]}" --out "$wheels" "${flags[@]}")
+  "$repository/packaging/finish_wheel.py" "$wheels"/column_twin-*.whl --package column_twin_python --target x86_64-unknown-linux-gnu
+  "$repository/packaging/finish_wheel.py" "$wheels"/column_twin_program-*.whl --package column_twin --target x86_64-unknown-linux-gnu "${flags[@]}"
   ls -l "$wheels"
+}
+
+check() {
+  local wheel shown
+  "$tools/bin/python" "$repository/packaging/check_wheel.py" "$wheels"/*.whl
+  "$tools/bin/abi3audit" --strict "$wheels"/column_twin-*.whl
+  for wheel in "$wheels"/*.whl; do
+    shown=$(PATH=$tools/bin:$PATH auditwheel show "$wheel")
+    printf '%s\n' "$shown"
+    grep -q 'manylinux_2_17_x86_64' <<<"$shown"
+  done
+}
+
+# With what is in the archive alone. The packages of the registry are those that are compiled already.
+from_source() {
+  (cd "$repository/crates/python" && "$tools/bin/maturin" sdist --out "$folder")
+  fresh_environment "$folder/venv"
+  (cd "$folder" && "$folder/venv/bin/pip" install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$folder"/column_twin-*.tar.gz)
+  "$folder/venv/bin/python" -I -c 'from column_twin import Column; print(Column().simulate("mid_car", velocity=10.0))'
 }
 
 site_packages() {
@@ -85,13 +110,14 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 command=${1:-}
 case $command in
-build | install | mixed) "$command" ;;
+build | check | install | mixed) "$command" ;;
+source) from_source ;;
 test)
   shift
   run_tests "$@"
   ;;
 *)
-  printf '%s\n' "expected build, install, test or mixed; found '$command'" >&2
+  printf '%s\n' "expected build, check, source, install, test or mixed; found '$command'" >&2
   exit 2
   ;;
 esac

@@ -2,7 +2,7 @@
 
     from column_twin import Column
 
-    result = Column().simulate(vehicle="mid_car", velocity=10.0)
+    result = Column().simulate("mid_car", velocity=10.0)
 
 The messages of the digital twin in ROS 2 are the package `column_twin_msgs`.
 """
@@ -14,11 +14,15 @@ from ._capacity import Capacity, PushDown
 from ._catalogue import Section, Vehicle, sections, vehicles
 from ._codes import CRITERIA, Action, Outcome
 from ._column import Column
-from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
+from ._errors import ColumnTwinError, IncompleteWarning, ParameterError, ParameterWarning, ProgramError, SimulationError
 from ._evaluation import EVALUATION, Evaluation, to_pandas
-from ._map import CriticalVelocity, Map, MapAxis
+from ._map import CriticalVelocity, Map, MapAxis, RefinedMap
+from ._program import read_recording, recording_info, run_program
+from ._properties import ColumnProperties
+from ._range import Range
 from ._result import Result
 from ._risk import Estimate, Risk
+from ._sensors import ImpactEstimate, Readings
 
 __version__: str = native.VERSION
 
@@ -28,22 +32,32 @@ __all__ = [
     "Action",
     "Capacity",
     "Column",
+    "ColumnProperties",
     "ColumnTwinError",
     "CriticalVelocity",
     "Estimate",
     "Evaluation",
+    "ImpactEstimate",
+    "IncompleteWarning",
     "Map",
     "MapAxis",
     "Outcome",
     "ParameterError",
     "ParameterWarning",
+    "ProgramError",
     "PushDown",
+    "Range",
+    "Readings",
+    "RefinedMap",
     "Result",
     "Risk",
     "Section",
     "SimulationError",
     "Vehicle",
     "__version__",
+    "read_recording",
+    "recording_info",
+    "run_program",
     "sections",
     "to_pandas",
     "vehicles",

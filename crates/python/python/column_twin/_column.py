@@ -5,47 +5,34 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Mapping, Sequence
-from typing import Any, Union
+from collections.abc import Iterator, KeysView, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from ._capacity import Capacity, PushDown
 from ._codes import Action
-from ._errors import ColumnTwinError, ParameterError, ParameterWarning
+from ._errors import ColumnTwinError, IncompleteWarning, ParameterError, ParameterWarning, SimulationError
+from ._evaluation import Evaluation, table_of
 from ._loading import native
-from ._map import CriticalVelocity, Map
+from ._map import CriticalVelocity, Map, RefinedMap
+from ._properties import ColumnProperties
+from ._range import AxisValues, NativeAxis, native_axis
 from ._result import Result
 from ._risk import Risk
-from ._evaluation import Evaluation, table_of
+from ._sensors import ImpactEstimate, Readings
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._keywords import AxisKeywords, ParameterKeywords
 
 Value = Union[bool, int, float, str, Sequence[float], Sequence[str]]
 """The value of a parameter."""
 
 Setting = Union[Value, npt.NDArray[Any], np.generic, "os.PathLike[str]"]
 """What a parameter may be set to: a value, or what numpy or pathlib make of one."""
-
-
-AxisValues = Union["tuple[float, float, int]", Sequence[float], Sequence[str], npt.NDArray[Any], str]
-"""The values of an axis: (from, to, number of points), numbers, or names."""
-
-_NativeAxis = Union[str, "tuple[str, float, float, int]", "tuple[str, list[float]]", "tuple[str, list[str]]"]
-
-
-def _axis(name: str, values: AxisValues) -> _NativeAxis:
-    """An axis for the native part."""
-    if isinstance(values, str):
-        return f"{name}={values}"
-    if isinstance(values, tuple) and len(values) == 3 and not any(isinstance(it, str) for it in values):
-        first, last, count = values
-        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 0:
-            raise ParameterError(f"{name}: expected (from, to, number of points); found {values}")
-        return name, float(first), float(last), int(count)
-    plain = [_plain(it) for it in values]
-    if plain and all(isinstance(it, str) for it in plain):
-        return name, [str(it) for it in plain]
-    return name, [float(it) for it in plain]
 
 
 def _plain(value: Any) -> Any:
@@ -57,14 +44,37 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _changes(changes: Mapping[str, Setting] | None, overrides: Mapping[str, Setting]) -> list[tuple[str, Any]]:
+def _changes(changes: Mapping[str, Setting] | None, overrides: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Names with dots from both notations; keywords come last and win."""
     given = list((changes or {}).items()) + [(name.replace("__", "."), it) for name, it in overrides.items()]
     return [(name, _plain(value)) for name, value in given]
 
 
+def _name(vehicle: str | None) -> str | None:
+    """The name of a vehicle, and not a mass, a velocity or arrays of them."""
+    if vehicle is None or isinstance(vehicle, str):
+        return vehicle
+    raise TypeError(
+        f"vehicle: expected a name such as 'mid_car', found {type(vehicle).__name__}; masses and velocities are keywords: "
+        "mass=..., velocity=..."
+    )
+
+
+def _threads(threads: int | None) -> int | None:
+    if threads is not None and threads < 1:
+        raise ParameterError(f"threads: expected at least 1, found {threads}")
+    return threads
+
+
+def _compared_name(compare: str | Mapping[str, AxisValues] | None) -> str | None:
+    """The quantity of a comparison."""
+    if isinstance(compare, str):
+        return compare.partition("=")[0]
+    return None if compare is None else next(iter(compare)).replace("__", ".")
+
+
 class Column:
-    """A steel column that a vehicle may hit: an undamaged column with its parameters, which never changes.
+    """A steel column that a vehicle may hit, with its parameters. It never changes: `with_changes` and `after` make another one.
 
     Every parameter of docs/parameters.md has a default. A dot in its name is two underscores in a keyword; a mapping takes the
     names as they are:
@@ -80,7 +90,7 @@ class Column:
 
     __slots__ = ("_native",)
 
-    def __init__(self, changes: Mapping[str, Setting] | None = None, /, **overrides: Setting) -> None:
+    def __init__(self, changes: Mapping[str, Setting] | None = None, /, **overrides: Unpack[ParameterKeywords]) -> None:
         self._native = self._load([], changes, overrides)
 
     @classmethod
@@ -88,7 +98,7 @@ class Column:
         cls,
         *files: str | os.PathLike[str],
         changes: Mapping[str, Setting] | None = None,
-        **overrides: Setting,
+        **overrides: Unpack[ParameterKeywords],
     ) -> Column:
         """The column of one or more parameter files (ROS 2 YAML), of which later ones win, changed by `changes` and `overrides`.
 
@@ -99,12 +109,68 @@ class Column:
         """
         return cls._of(cls._load([os.fspath(file) for file in files], changes, overrides))
 
-    @staticmethod
-    def _load(files: list[str], changes: Mapping[str, Setting] | None, overrides: Mapping[str, Setting]) -> native.Column:
-        column, found = native.Column.load(files, _changes(changes, overrides))
+    @classmethod
+    def fleet(
+        cls, *files: str | os.PathLike[str], table: str | os.PathLike[str] | None = None
+    ) -> dict[str, Column]:
+        """The columns of a fleet by the names of their nodes, such as `/garage/a3`, for a study of each of them.
+
+        >>> fleet = Column.fleet("garage.yaml", table="columns.csv")
+        >>> {name: column.critical_velocity(Action.SHORE, "van") for name, column in fleet.items()}
+
+        Args:
+            files: parameter files of the fleet, as of `column-twin fleet`.
+            table: its table of columns (CSV), which wins over the files.
+
+        Raises:
+            ParameterError: a file that cannot be read, or names or values that are not accepted.
+        """
+        columns, found = native.Column.fleet(
+            [os.fspath(file) for file in files], None if table is None else os.fspath(table)
+        )
         for text in found:
-            warnings.warn(text, ParameterWarning, stacklevel=3)
+            warnings.warn(text, ParameterWarning, stacklevel=2)
+        return {name: cls._of(column) for name, column in columns}
+
+    def report(
+        self,
+        path: str | os.PathLike[str],
+        vehicle: str | None = None,
+        *,
+        mass: float | None = None,
+        velocity: float | None = None,
+        details: str | os.PathLike[str] | None = None,
+    ) -> None:
+        """Writes the report of one impact for people: one HTML file with verdict, sketches, checks and figures.
+
+        The program `column-twin` writes it: `pip install "column-twin[program]"`. All parameters go to a JSON file beside it.
+
+        Args:
+            path: HTML file; an existing one is replaced.
+            details: file with project, site, author and more for the title block.
+
+        Raises:
+            ParameterError: an impact that is not accepted, or a damaged column.
+            ProgramError: the program is missing, of another version, or has failed.
+        """
+        from ._program import report
+
+        self._native.evaluate(_name(vehicle), mass, velocity)
+        if self.is_damaged:
+            raise ParameterError("report: expected an undamaged column, found one that an impact has damaged")
+        report(self, path, vehicle, mass, velocity, details)
+
+    @classmethod
+    def _load(cls, files: list[str], changes: Mapping[str, Setting] | None, overrides: Mapping[str, Any]) -> native.Column:
+        column, found = native.Column.load(files, _changes(changes, overrides))
+        cls._warn(found)
         return column
+
+    @staticmethod
+    def _warn(found: list[str]) -> None:
+        """Warns the caller of the method that calls this one or `_load`."""
+        for text in found:
+            warnings.warn(text, ParameterWarning, stacklevel=4)
 
     @classmethod
     def _of(cls, column: native.Column) -> Column:
@@ -112,30 +178,95 @@ class Column:
         new._native = column
         return new
 
-    def with_changes(self, changes: Mapping[str, Setting] | None = None, /, **overrides: Setting) -> Column:
+    def with_changes(
+        self, changes: Mapping[str, Setting] | None = None, /, **overrides: Unpack[ParameterKeywords]
+    ) -> Column:
         """This column with other values of some parameters: all changes or none.
 
         >>> heavier = column.with_changes(section__name="HEB 260")
+
+        Raises:
+            ParameterError: names or values that are not accepted, all faults at once; a damaged column.
         """
-        return self._of(self._native.with_changes(_changes(changes, overrides)))
+        return self._changed(_changes(changes, overrides))
+
+    def _changed(self, changes: list[tuple[str, Any]]) -> Column:
+        changed, found = self._native.with_changes(changes)
+        self._warn(found)
+        return self._of(changed)
+
+    def to_file(self, path: str | os.PathLike[str]) -> None:
+        """Writes all parameters as a parameter file (ROS 2 YAML), which `from_file`, the command line and the node read.
+
+        Damage is not written; a column is pickled with it.
+        """
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self._native.to_yaml())
 
     def __getitem__(self, name: str) -> Value:
-        """The value of a parameter: `column["top.load"]`."""
+        """The value of a parameter: `column["top.load"]`. Of one that follows from others it is the number that is computed with:
+        `column["section.area"]` is the area of the named section. `parameters` has what was given.
+
+        Raises:
+            ParameterError: there is no parameter of this name; the text names the nearest ones.
+        """
         value: Value | None = self._native.get(name)
         if value is None:
             # The same text as for a change of a parameter that does not exist.
-            self._native.with_changes([(name, 0.0)])
+            native.Column.load([], [(name, 0.0)])
             raise KeyError(name)
         return value
 
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a parameter of this name."""
+        return isinstance(name, str) and self._native.get(name) is not None
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of all parameters, in the order of docs/parameters.md."""
+        return iter(self.parameters)
+
+    def __len__(self) -> int:
+        """The number of parameters."""
+        return len(self.parameters)
+
+    def keys(self) -> KeysView[str]:
+        """The names of all parameters: with them, `dict(column)` has the numbers that are computed with."""
+        return self.parameters.keys()
+
     @property
     def parameters(self) -> dict[str, Value]:
-        """Every parameter with its value, in the order of docs/parameters.md."""
+        """Every parameter as it is given, in the order of docs/parameters.md: 0 where it follows from others."""
         return {name: value for name, value, _, _ in self._native.describe()}
 
     def describe(self) -> list[tuple[str, Value, str, str]]:
-        """Name, value, unit and meaning of every parameter."""
+        """Name, value as given, unit and meaning of every parameter."""
         return self._native.describe()
+
+    @property
+    def properties(self) -> ColumnProperties:
+        """The numbers with which the column is computed."""
+
+        def number(name: str) -> float:
+            return float(self._native.get(name))
+
+        step, moment, axial, axial_rigidity, bending_stiffness = self._native.derived()
+        return ColumnProperties(
+            section=str(self._native.get("section.name")),
+            steel=str(self._native.get("steel.grade")),
+            height=number("geometry.length_below") + number("geometry.length_above"),
+            impact_height=number("geometry.length_below"),
+            area=number("section.area"),
+            second_moment=number("section.second_moment"),
+            mass_per_length=number("section.mass_per_length"),
+            young_modulus=number("steel.young_modulus"),
+            yield_strength=number("steel.yield_strength"),
+            axial_rigidity=axial_rigidity,
+            bending_stiffness=bending_stiffness,
+            resistance_moment=moment,
+            resistance_axial=axial,
+            load=number("top.load"),
+            step=step,
+        )
 
     @property
     def step(self) -> float:
@@ -152,11 +283,56 @@ class Column:
         """Squash load N^p [N]."""
         return self._native.derived()[2]
 
-    def simulate(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Result:
+    @property
+    def is_damaged(self) -> bool:
+        """Whether an impact has damaged the column, see `after`."""
+        return self._native.is_damaged
+
+    def after(
+        self,
+        impact: Result | None = None,
+        /,
+        *,
+        vehicle: str | None = None,
+        mass: float | None = None,
+        velocity: float | None = None,
+    ) -> Column:
+        """The column as an impact leaves it, at rest once the vehicle is gone, to be hit again.
+
+        >>> first = column.simulate("mid_car", velocity=12.0)
+        >>> column.after(first).evaluate("mid_car", velocity=8.0)
+
+        A damaged column has `evaluate`, `evaluate_batch`, `critical_velocities`, `capacity` and `after`; the damage is pickled
+        with it. Its hinges stay at the height at which the first vehicle struck.
+
+        Args:
+            impact: a result of `simulate` of this column. Without one the keywords describe the impact, as in
+                `simulate`.
+
+        Raises:
+            ParameterError: an impact that is not accepted, or one of another column.
+            SimulationError: the column does not stand after this impact.
+        """
+        if impact is not None:
+            if vehicle is not None or mass is not None or velocity is not None:
+                raise ParameterError("after: expected a result, or vehicle, mass and velocity; found both")
+            if impact._struck != self._native.to_json():
+                raise ParameterError("after: expected a result of this column, found one of another; compute it for this column")
+            vehicle, mass, velocity = impact._impact
+        left = self._native.after(vehicle, mass, velocity)
+        if left is None:
+            raise SimulationError("the column does not stand after this impact: it has collapsed or is fractured")
+        return self._of(left)
+
+    def simulate(
+        self, vehicle: str | None = None, *, mass: float | None = None, velocity: float | None = None
+    ) -> Result:
         """One impact on the undamaged column with histories and report.
 
         The response itself takes milliseconds. The report takes three more responses, which tell the error of the step and the
         influence of hardening, and two push-downs.
+
+        >>> column.simulate("mid_car", velocity=10.0)
 
         Args:
             vehicle: `rigid`, or a name of `vehicles()`; default: the parameter `vehicle.name`.
@@ -166,56 +342,71 @@ class Column:
         Raises:
             ParameterError: an impact that is not accepted.
             SimulationError: a response that cannot be computed. A collapse is a result.
+
+        Warns:
+            ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
-        names, columns, report = self._native.simulate(vehicle, mass, velocity)
+        names, columns, report = self._native.simulate(_name(vehicle), mass, velocity)
         history = {name: np.frombuffer(it, dtype=np.float64) for name, it in zip(names, columns)}
         fields = json.loads(report)
         if velocity is None:
             velocity = float(self._native.get("impact.velocity"))
         who = fields["vehicle"] or "a vehicle by numbers"
         of = "" if mass is None else f" of {mass:g} kg"
-        return Result(f"{self._title()}, {who}{of} at {velocity:g} m/s", history, fields)
+        result = Result(f"{self._title()}, {who}{of} at {velocity:g} m/s", history, fields)
+        result._impact, result._struck = (vehicle, mass, velocity), self._native.to_json()
+        return result
 
-    def evaluate(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Evaluation:
-        """One impact on the undamaged column without its history: action, displacements, contact force, capacity.
+    def evaluate(
+        self, vehicle: str | None = None, *, mass: float | None = None, velocity: float | None = None
+    ) -> Evaluation:
+        """One impact without its history: action, displacements, contact force, capacity.
 
-        Arguments and errors are those of `simulate`.
+        Arguments, errors and warnings are those of `simulate`.
         """
-        return Evaluation._of(*self._native.evaluate(vehicle, mass, velocity))
+        return Evaluation._of(*self._native.evaluate(_name(vehicle), mass, velocity))
 
     def evaluate_batch(
         self,
-        masses: npt.ArrayLike | None,
-        velocities: npt.ArrayLike,
         vehicle: str | None = None,
+        *,
+        mass: npt.ArrayLike | None = None,
+        velocity: npt.ArrayLike | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.void]:
-        """Many impacts on the undamaged column, on all processors: each row equals that of `evaluate` bit for bit.
+        """Many impacts, on all processors: each row equals that of `evaluate` bit for bit.
 
-        Other Python threads run meanwhile, and Ctrl-C interrupts the batch within a fraction of a second.
+        All impacts are checked before the first one is computed. Other Python threads run meanwhile, and Ctrl-C interrupts the
+        batch within a fraction of a second. It takes at most three times the memory of the array that it returns.
+
+        >>> column.evaluate_batch("van", velocity=np.linspace(1.0, 20.0, 1000))
 
         Args:
-            masses: total masses [kg], or None: as `mass` of `simulate`. NaN is the vehicle's own mass.
-            velocities: speeds [m/s]. Both arrays are broadcast against each other.
             vehicle: as in `simulate`.
+            mass: total masses [kg]; default: as in `simulate`.
+            velocity: speeds [m/s]; default: the parameter `impact.velocity`. Both arrays are broadcast against each other.
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
 
         Returns:
             An array of the broadcast shape and of the structured type `EVALUATION`, in SI units.
 
         Raises:
-            ParameterError: impacts that are not accepted; the text names the element.
+            ParameterError: impacts that are not accepted; the text names the element, counted in the flattened array.
             SimulationError: a response that cannot be computed.
+
+        Warns:
+            ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
-        speeds = np.asarray(velocities, dtype=np.float64)
-        if masses is None:
+        vehicle = _name(vehicle)
+        if velocity is None:
+            velocity = float(self._native.get("impact.velocity"))
+        speeds = np.asarray(velocity, dtype=np.float64)
+        if mass is None:
             shape, weights = speeds.shape, None
         else:
-            both = np.broadcast_arrays(np.asarray(masses, dtype=np.float64), speeds)
+            both = np.broadcast_arrays(np.asarray(mass, dtype=np.float64), speeds)
             shape, weights, speeds = both[0].shape, both[0].tobytes(), both[1]
-        if threads is not None and threads < 1:
-            raise ParameterError(f"threads: expected at least 1, found {threads}")
-        rows = self._native.evaluate_batch(vehicle, weights, speeds.tobytes(), threads)
+        rows = self._native.evaluate_batch(vehicle, weights, speeds.tobytes(), _threads(threads))
         return table_of(rows).reshape(shape)
 
     def map(
@@ -223,19 +414,20 @@ class Column:
         *axes: str,
         vehicle: str | Sequence[str] | None = None,
         compare: str | Mapping[str, AxisValues] | None = None,
+        shard: tuple[int, int] | None = None,
         threads: int | None = None,
         changes: Mapping[str, AxisValues] | None = None,
-        **ranges: AxisValues,
+        **ranges: Unpack[AxisKeywords],
     ) -> Map:
         """A damage map over two quantities, on all processors.
 
         An axis is `mass`, `velocity`, `height`, `section`, `vehicle`, or any parameter that is a number (`top__load`). Its values
-        are a tuple (from, to, number of points), a list or an array of numbers, or a list of names of a catalogue; or it is a
-        text in the notation of `column-twin map`.
+        are a `Range`, a list or an array of numbers, or a list of names of a catalogue; or it is a text in the notation of
+        `column-twin map`.
 
-        >>> column.map(mass=(2000, 12000, 50), velocity=(1, 25, 50), vehicle="lorry_8t")
+        >>> column.map(mass=Range(2000, 12000, points=50), velocity=Range(1, 25, points=50), vehicle="lorry_8t")
         >>> column.map("section=HEB 200,HEB 240,HEB 300", velocity=np.linspace(1.0, 20.0, 50), vehicle="van")
-        >>> column.map(velocity=(1, 25, 50), top__load=(2e5, 1e6, 20), compare={"section": ["HEB 220", "HEB 300"]})
+        >>> column.map(velocity=Range(1, 25, points=50), top__load=[2e5, 5e5], compare={"section": ["HEB 220", "HEB 300"]})
 
         Other Python threads run meanwhile, and Ctrl-C interrupts the map.
 
@@ -243,35 +435,114 @@ class Column:
             axes: axes in the notation of the command line, such as `velocity=1:25:100`.
             vehicle: the vehicle of all cells; a list of names is an axis.
             compare: one more quantity, for each of whose values there is a map over the same axes.
+            shard: part of the map that is computed, (number from 1, number of parts), for several machines; all others are
+                masked. `Map.merged` puts the parts together.
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
             changes: axes by the names of parameters, with dots.
             ranges: axes by keywords; two underscores are a dot.
 
         Raises:
             ParameterError: axes, values or a number of cells that are not accepted.
+
+        Warns:
+            IncompleteWarning: cells that cannot be computed. They are masked, and `failures` says why.
         """
-        if threads is not None and threads < 1:
-            raise ParameterError(f"threads: expected at least 1, found {threads}")
-        given: list[_NativeAxis] = list(axes)
+        vehicle, given, compared = self._planned(axes, vehicle, compare, changes, ranges)
+        if shard is not None:
+            number, parts = shard
+            if not 1 <= number <= parts:
+                raise ParameterError(f"shard: expected a number from 1 to the number of parts, found {shard}")
+        computed = self._native.map(vehicle, given, compared, shard, _threads(threads))
+        damage = Map._of(computed, _compared_name(compare))
+        if damage.failures:
+            place, reason = next(iter(damage.failures.items()))
+            warnings.warn(
+                f"{len(damage.failures)} of {damage.cells.size} cells cannot be computed and are masked; the first, {place}: {reason}",
+                IncompleteWarning,
+                stacklevel=2,
+            )
+        return damage
+
+    def refined_map(
+        self,
+        *axes: str,
+        vehicle: str | None = None,
+        compare: str | Mapping[str, AxisValues] | None = None,
+        threads: int | None = None,
+        changes: Mapping[str, AxisValues] | None = None,
+        **ranges: Unpack[AxisKeywords],
+    ) -> RefinedMap:
+        """The boundaries of the actions on a map, to 1 %, without its cells: `column-twin map --refine`.
+
+        Arguments and errors are those of `map`.
+        """
+        vehicle, given, compared = self._planned(axes, vehicle, compare, changes, ranges)
+        return RefinedMap._of(json.loads(self._native.refine(vehicle, given, compared, _threads(threads))))
+
+    @staticmethod
+    def _planned(
+        axes: tuple[str, ...],
+        vehicle: str | Sequence[str] | None,
+        compare: str | Mapping[str, AxisValues] | None,
+        changes: Mapping[str, AxisValues] | None,
+        ranges: Mapping[str, Any],
+    ) -> tuple[str | None, list[NativeAxis], NativeAxis | None]:
+        """The vehicle, the two axes and the compared quantity of a map."""
+        given: list[NativeAxis] = list(axes)
         named = {**(changes or {}), **{name.replace("__", "."): values for name, values in ranges.items()}}
         if vehicle is not None and not isinstance(vehicle, str):
             named["vehicle"], vehicle = vehicle, None
-        given.extend(_axis(name, values) for name, values in named.items())
+        given.extend(native_axis(name, values) for name, values in named.items())
         if len(given) != 2:
             found = ", ".join(str(axis if isinstance(axis, str) else axis[0]) for axis in given) or "none"
-            raise ParameterError(f"a map has two axes, such as mass=(2000, 12000, 50), velocity=(1, 25, 50); found {found}")
+            raise ParameterError(
+                "a map has two axes, such as mass=Range(2000, 12000, points=50), velocity=Range(1, 25, points=50); "
+                f"found {found}"
+            )
         if isinstance(compare, Mapping):
             if len(compare) != 1:
                 raise ParameterError(f"compare: expected one quantity, found {len(compare)}")
             ((name, values),) = compare.items()
-            compared: _NativeAxis | None = _axis(name, values)
-        else:
-            compared = compare
-        computed = self._native.map(vehicle, given, compared, threads)
-        return Map._of(computed, compared=compare is not None)
+            return vehicle, given, native_axis(name, values)
+        return vehicle, given, compare
+
+    def sensor_readings(
+        self,
+        vehicle: str | None = None,
+        *,
+        mass: float | None = None,
+        velocity: float | None = None,
+        seed: int = 1,
+    ) -> Readings:
+        """What the sensors of the column read in an impact, with their errors: `column-twin simulate --readings`.
+
+        The sensors are those of `sensors.names`, such as in config/sensors_industrial.yaml. The same seed gives the same readings.
+
+        Raises:
+            ParameterError: an impact that is not accepted, or a column without sensors.
+        """
+        return Readings(self._native.sensor_readings(_name(vehicle), mass, velocity, seed))
+
+    def estimate(self, readings: Readings | str | os.PathLike[str], *, seed: int = 1) -> ImpactEstimate | None:
+        """What struck the undamaged column, by the readings of its sensors: `column-twin estimate`. It takes seconds.
+
+        Args:
+            readings: those of `sensor_readings`, or a file in CSV: `time` [s] and a column for each sensor.
+            seed: of the random numbers; the same seed gives the same estimate.
+
+        Returns:
+            The estimate; None if there was no impact.
+
+        Raises:
+            ParameterError: readings that do not fit the sensors of the column.
+        """
+        if not isinstance(readings, Readings):
+            readings = Readings.from_file(readings)
+        found = self._native.estimate(readings.csv, seed)
+        return None if found is None else ImpactEstimate(json.loads(found))
 
     def critical_velocities(
-        self, vehicle: str | None = None, mass: float | None = None, lowest: float = 0.1, highest: float = 60.0
+        self, vehicle: str | None = None, *, mass: float | None = None, lowest: float = 0.1, highest: float = 60.0
     ) -> dict[Action, CriticalVelocity]:
         """How fast a vehicle may be before its impact has each action, to 1 %.
 
@@ -284,7 +555,7 @@ class Column:
             lowest: where the scan begins [m/s].
             highest: where it ends [m/s].
         """
-        brackets, _ = self._native.critical_velocities(vehicle, mass, lowest, highest)
+        brackets, _ = self._native.critical_velocities(_name(vehicle), mass, lowest, highest)
         actions = [it for it in Action if it is not Action.NONE]
         return {it: CriticalVelocity(*bracket) for it, bracket in zip(actions, brackets)}
 
@@ -292,6 +563,7 @@ class Column:
         self,
         action: Action,
         vehicle: str | None = None,
+        *,
         mass: float | None = None,
         lowest: float = 0.1,
         highest: float = 60.0,
@@ -299,7 +571,7 @@ class Column:
         """How fast a vehicle may be before its impact has this action; as `critical_velocities`."""
         if action == Action.NONE:
             raise ParameterError("action: expected one from inspect to evacuate, found none")
-        return self.critical_velocities(vehicle, mass, lowest, highest)[Action(action)]
+        return self.critical_velocities(vehicle, mass=mass, lowest=lowest, highest=highest)[Action(action)]
 
     def risk(
         self,
@@ -345,8 +617,6 @@ class Column:
             raise ParameterError(f"confidence {confidence}: expected a number from 0.5 to 0.9999, such as 0.95")
         if not 1 <= samples <= 10**12 or int(samples) != samples:
             raise ParameterError(f"samples {samples}: expected a whole number from 1 to 1e12")
-        if threads is not None and threads < 1:
-            raise ParameterError(f"threads: expected at least 1, found {threads}")
         text = None
         if scenarios is not None:
             try:
@@ -366,15 +636,15 @@ class Column:
                 "seed": seed,
                 "confidence": float(confidence),
                 "exact": exact,
-                "threads": threads,
+                "threads": _threads(threads),
             }
         )
         return Risk(scenario, json.loads(report))
 
     def capacity(
-        self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None
+        self, vehicle: str | None = None, *, mass: float | None = None, velocity: float | None = None
     ) -> Capacity:
-        """The axial capacity: of the undamaged column without arguments, otherwise of what this impact leaves.
+        """The axial capacity: of the column as it is without arguments, otherwise of what this impact leaves of it.
 
         A static push-down finds the largest force that the column carries; docs/assessment.md describes it.
         Arguments and errors are those of `simulate`.
@@ -382,14 +652,15 @@ class Column:
         if vehicle is None and mass is None and velocity is None:
             report, curve = self._native.capacity()
         else:
-            report, curve = self._native.capacity_after(vehicle, mass, velocity)
+            report, curve = self._native.capacity_after(_name(vehicle), mass, velocity)
         return Capacity(json.loads(report), PushDown(*(np.frombuffer(it, dtype=np.float64) for it in curve)))
 
     def _title(self) -> str:
         """The section, or the name of the column where the section is given by numbers."""
         height = float(self._native.get("geometry.length_below")) + float(self._native.get("geometry.length_above"))
         name = self._native.get("section.name") or self._native.get("column_id") or "column"
-        return f"{name}, {height:g} m"
+        damaged = ", damaged" if self.is_damaged else ""
+        return f"{name}, {height:g} m{damaged}"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Column):

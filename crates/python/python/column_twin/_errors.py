@@ -24,5 +24,13 @@ class SimulationError(ColumnTwinError, RuntimeError):
     """A response that could not be computed, although the input is valid. A collapse is a result, not an error."""
 
 
+class ProgramError(ColumnTwinError, RuntimeError):
+    """The program `column-twin` is missing, of another version, or has failed."""
+
+
 class ParameterWarning(UserWarning):
-    """A deprecated value of a parameter, or one without effect."""
+    """A deprecated value of a parameter, one without effect, or one that nobody can have meant, such as a mass in tonnes."""
+
+
+class IncompleteWarning(UserWarning):
+    """A part of a study that could not be computed, and is masked in its result."""

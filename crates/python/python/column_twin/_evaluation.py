@@ -42,8 +42,25 @@ EVALUATION: np.dtype[np.void] = np.dtype(
 """Type of the rows of a batch: the fields of `Evaluation` in SI units, NaN where there is none; `action` and `outcome` are
 numbers of `Action` and `Outcome`, `deciding_criterion` is a place in `CRITERIA`."""
 
-if EVALUATION.itemsize != native.ROW_BYTES:
-    raise ImportError(f"column_twin is inconsistent: rows of {native.ROW_BYTES} bytes, expected {EVALUATION.itemsize}")
+CELL: np.dtype[np.void] = np.dtype([*((name, np.float64) for name in _NUMBERS[2:]), *_CODES], align=True)
+"""Type of the cells of a map: the same without mass and velocity, which its axes tell."""
+
+UNITS: dict[str, str] = {
+    "mass": "kg",
+    "velocity": "m s-1",
+    "max_v1": "m",
+    "residual_v1": "m",
+    "peak_contact_force": "N",
+    "residual_capacity": "N",
+    "capacity_ratio": "1",
+    "reserve": "1",
+    "max_plastic_rotation": "rad",
+}
+"""The unit of each number."""
+
+for _found, _expected in ((EVALUATION.itemsize, native.ROW_BYTES), (CELL.itemsize, native.CELL_BYTES)):
+    if _found != _expected:
+        raise ImportError(f"column_twin is inconsistent: rows of {_found} bytes, expected {_expected}")
 
 
 @dataclass(frozen=True)

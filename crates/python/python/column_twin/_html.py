@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._codes import Action
+from ._loading import native
 
 if TYPE_CHECKING:
     from ._capacity import Capacity
@@ -19,14 +20,15 @@ if TYPE_CHECKING:
     from ._risk import Risk
     from ._evaluation import Evaluation
 
-COLOURS = {
-    Action.NONE: "#2e7d32",
-    Action.INSPECT: "#f9a825",
-    Action.RESTRICT: "#ef6c00",
-    Action.SHORE: "#c62828",
-    Action.EVACUATE: "#6a1b9a",
-}
-"""Colours of the actions, in tables and maps."""
+COLOURS: dict[Action, str] = {action: "#" + bytes(rgb).hex() for action, rgb in zip(Action, native.action_colours())}
+"""Colours of the actions, in tables and maps: those of the program, from light to dark, of hues that the colour-blind
+distinguish."""
+
+NOT_COMPUTED = "#9e9e9e"
+"""Colour of cells that could not be computed."""
+
+LINES = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
+"""Colours of lines, after Okabe and Ito."""
 
 _WIDTH, _HEIGHT = 420, 120
 
@@ -34,7 +36,7 @@ _WIDTH, _HEIGHT = 420, 120
 def _badge(action: Action | None) -> str:
     if action is None:
         return "<b>not assessed</b>"
-    ink = "#000" if action == Action.INSPECT else "#fff"
+    ink = "#fff" if action == Action.EVACUATE else "#000"
     return (
         f'<span style="background:{COLOURS[action]};color:{ink};padding:1px 8px;border-radius:3px">'
         f"{escape(str(action).upper())}</span>"
@@ -70,13 +72,13 @@ def _line(x: npt.NDArray[np.float64], y: npt.NDArray[np.float64], colour: str) -
 
 
 def _drawing(result: Result) -> str:
-    v1 = _line(result.time, result.v1, "#1565c0")
-    force = _line(result.time, result.contact_force, "#c62828")
+    v1 = _line(result.time, result.v1, LINES[0])
+    force = _line(result.time, result.contact_force, LINES[1])
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" width="{_WIDTH}" height="{_HEIGHT}" '
         f'role="img" aria-label="v1 and contact force against time">{force}{v1}</svg>'
-        f'<div style="font-size:smaller"><span style="color:#1565c0">v1, largest {_mm(result.max_v1)}</span>, '
-        f'<span style="color:#c62828">contact force, largest {_kn(result.report["peak_contact_force_n"])}</span>, '
+        f'<div style="font-size:smaller"><span style="color:{LINES[0]}">v1, largest {_mm(result.max_v1)}</span>, '
+        f'<span style="color:{LINES[1]}">contact force, largest {_kn(result.report["peak_contact_force_n"])}</span>, '
         f"{1e3 * float(result.time[-1]):.4g} ms</div>"
     )
 
@@ -141,7 +143,7 @@ def column(column: Column) -> str:
 
 def damage_map(damage: Map) -> str:
     """How many cells have each action, and a drawing of the plane, one for each column that is compared."""
-    cells = damage.cells.reshape(len(damage.labels), len(damage.rows), len(damage.columns))
+    cells = damage._data.reshape(len(damage.labels), len(damage.rows), len(damage.columns))
     parts = [
         f"<figure style=\"display:inline-block;margin:4px\">{_plane(plane['action'])}"
         f"<figcaption>{escape(label)}</figcaption></figure>"
@@ -167,7 +169,7 @@ def _plane(action: npt.NDArray[np.uint16]) -> str:
         ends = np.append(starts[1:], line.size)
         for start, end in zip(starts, ends):
             code = int(line[start])
-            colour = COLOURS[Action(code)] if code <= max(Action) else "#9e9e9e"
+            colour = COLOURS[Action(code)] if code <= max(Action) else NOT_COMPUTED
             boxes.append(
                 f'<rect x="{start * width:.2f}" y="{160 - (place + 1) * height:.2f}" width="{(end - start) * width + 0.3:.2f}" '
                 f'height="{height + 0.3:.2f}" fill="{colour}"/>'

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numpy.lib.recfunctions import repack_fields
 
 from ._codes import Action
-from ._evaluation import CATEGORIES, table_of
+from ._errors import ParameterError
+from ._evaluation import CATEGORIES, CELL, UNITS
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
     from matplotlib.axes import Axes
+
+
+_NOT_COMPUTED = tuple(np.nan if CELL[name] == np.float64 else 255 for name in CELL.names or ())
+"""A cell without numbers."""
 
 
 class CriticalVelocity(NamedTuple):
@@ -59,27 +65,98 @@ class Map:
     labels: list[str]
     """Names of the columns that are compared; one where nothing is compared."""
     cells: npt.NDArray[np.void]
-    """The fields of `EVALUATION` but mass and velocity, of shape (rows, columns), or (labels, rows, columns) for a comparison."""
+    """The fields of `EVALUATION` but mass and velocity, of shape (rows, columns), or (labels, rows, columns) for a comparison.
+    Masked where a cell could not be computed, or belongs to another part of the map: comparisons, sums and means leave it out."""
     failures: dict[tuple[int, ...], str]
-    """Why cells could not be computed, by their place: their numbers are NaN and their codes 255, above every action."""
+    """Why cells could not be computed, by their place."""
+    compared: str | None = None
+    """The quantity whose values `labels` are; None where nothing is compared."""
+    part: tuple[int, int] | None = None
+    """The numbers of the cells that were computed, from the first to the one behind the last; None for a whole map."""
 
     @classmethod
-    def _of(cls, computed: dict[str, Any], compared: bool) -> Map:
+    def _of(cls, computed: dict[str, Any], compared: str | None) -> Map:
         axes = [
             MapAxis(it["name"], it["title"], it["unit"], np.asarray(it["values"]))
             for it in (computed["rows"], computed["columns"])
         ]
         labels: list[str] = computed["labels"]
-        shape = (*([len(labels)] if compared else []), len(axes[0]), len(axes[1]))
-        table = table_of(computed["cells"])
-        fields = [name for name in table.dtype.names or () if name not in ("mass", "velocity")]
-        failures = {
-            tuple(int(it) for it in np.unravel_index(index, shape)): text for index, text in computed["failures"].items()
-        }
-        return cls(axes[0], axes[1], labels, repack_fields(table[fields]).reshape(shape), failures)
+        shape = (*([len(labels)] if compared is not None else []), len(axes[0]), len(axes[1]))
+        table = np.frombuffer(computed["cells"], dtype=CELL)
+        first: int = computed["first"]
+        failures = {first + index: text for index, text in computed["failures"].items()}
+        end = first + table.size
+        part = None if table.size == int(np.prod(shape)) else (first, end)
+        return cls._of_cells((axes[0], axes[1]), labels, compared, table, failures, part)
+
+    @classmethod
+    def _of_cells(
+        cls,
+        axes: tuple[MapAxis, MapAxis],
+        labels: list[str],
+        compared: str | None,
+        table: npt.NDArray[np.void],
+        failures: dict[int, str],
+        part: tuple[int, int] | None,
+    ) -> Map:
+        """A map of the cells of `part`, with the failures by the numbers of their cells."""
+        shape = (*([len(labels)] if compared is not None else []), len(axes[0]), len(axes[1]))
+        cells = table
+        if part is not None:
+            cells = np.empty(int(np.prod(shape)), dtype=CELL)
+            cells[:] = np.array(_NOT_COMPUTED, dtype=CELL)
+            cells[slice(*part)] = table
+        cells = cells.reshape(shape)
+        if failures or part is not None:
+            out = np.full(cells.size, part is not None)
+            if part is not None:
+                out[slice(*part)] = False
+            out[list(failures)] = True
+            mask: Any = np.zeros(shape, dtype=np.ma.make_mask_descr(CELL))
+            for name in CELL.names or ():
+                mask[name] = out.reshape(shape)
+            cells = np.ma.MaskedArray(cells, mask=mask)
+        places = {tuple(int(it) for it in np.unravel_index(index, shape)): text for index, text in failures.items()}
+        return cls(axes[0], axes[1], labels, cells, places, compared, part)
+
+    @classmethod
+    def merged(cls, parts: Sequence[Map]) -> Map:
+        """The whole map of its parts, each computed with another `shard` of the same map, on any machine and in any order.
+
+        Raises:
+            ParameterError: parts of different maps, or a part that is missing.
+        """
+        ordered = sorted((it for it in parts), key=lambda it: it.part or (0, it.cells.size))
+        if not ordered:
+            raise ParameterError("merged: expected the parts of a map, found none")
+        one = ordered[0]
+        reached = 0
+        failures: dict[int, str] = {}
+        tables = []
+        for it in ordered:
+            same = it.labels == one.labels and it.compared == one.compared and all(
+                mine.name == its.name and np.array_equal(mine.values, its.values)
+                for mine, its in ((one.rows, it.rows), (one.columns, it.columns))
+            )
+            if not same:
+                raise ParameterError("merged: expected parts of one map, found parts with different axes")
+            first, end = it.part or (0, it.cells.size)
+            if first != reached:
+                raise ParameterError(f"merged: expected a part that begins with cell {reached}, found one that begins with {first}")
+            reached = end
+            tables.append(it._data.reshape(-1)[first:end])
+            failures |= {int(np.ravel_multi_index(place, it.cells.shape)): text for place, text in it.failures.items()}
+        if reached != one.cells.size:
+            raise ParameterError(f"merged: the cells from {reached} to {one.cells.size - 1} are missing")
+        return cls._of_cells((one.rows, one.columns), one.labels, one.compared, np.concatenate(tables), failures, None)
+
+    @property
+    def _data(self) -> npt.NDArray[np.void]:
+        """The cells without their mask: numbers are NaN and codes 255 where there is nothing."""
+        return np.ma.getdata(self.cells)
 
     def __getitem__(self, field: str) -> npt.NDArray[Any]:
-        """An array of one field: `map["max_v1"]` [m], `map["action"]`."""
+        """An array of one field: `map["max_v1"]` [m], `map["action"]`; masked as `cells`."""
         return self.cells[field]
 
     def to_pandas(self) -> pd.DataFrame:
@@ -92,7 +169,7 @@ class Map:
         table = pd.DataFrame(
             {"label": labels.ravel(), self.rows.name: rows.ravel(), self.columns.name: columns.ravel()}
         )
-        flat = self.cells.reshape(-1)
+        flat = self._data.reshape(-1)
         for name in flat.dtype.names or ():
             if name in CATEGORIES:
                 codes = flat[name].astype(np.int64)
@@ -103,6 +180,38 @@ class Map:
                 table[name] = flat[name]
         return table
 
+    def to_xarray(self) -> xr.Dataset:
+        """The map as a data set: each axis and the compared quantity are dimensions with coordinates, and everything has its unit.
+        Needs xarray.
+
+        Dots in names are underscores (`top_load`). Codes are numbers with `flag_values` and `flag_meanings`, NaN where a cell has not
+        been computed.
+
+        >>> damage.to_xarray().max_v1.sel(velocity=10.0, method="nearest")
+        """
+        import xarray as xr
+
+        axes = [self.rows, self.columns]
+        names = [axis.name.replace(".", "_") for axis in axes]
+        coordinates: dict[str, Any] = {
+            name: (name, axis.values, {"units": axis.unit or "1", "long_name": axis.title}) for name, axis in zip(names, axes)
+        }
+        if self.compared is not None:
+            label = self.compared.replace(".", "_")
+            names.insert(0, label)
+            coordinates[label] = (label, np.array(self.labels), {"long_name": self.compared})
+        fields: dict[str, Any] = {}
+        for name in self._data.dtype.names or ():
+            values = self._data[name]
+            if name in CATEGORIES:
+                values = np.where(values == 255, np.nan, values.astype(np.float64))
+                words = CATEGORIES[name]
+                notes: dict[str, Any] = {"flag_values": list(range(len(words))), "flag_meanings": " ".join(words)}
+            else:
+                notes = {"units": UNITS[name]}
+            fields[name] = (names, values, notes)
+        return xr.Dataset(fields, coordinates)
+
     def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
         """Action as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib."""
         from . import _figures
@@ -110,17 +219,18 @@ class Map:
         return _figures.damage_map(self, ax, label)
 
     def _of_label(self, label: str | None) -> npt.NDArray[np.void]:
-        if self.cells.ndim == 2:
-            return self.cells
+        cells = self._data
+        if cells.ndim == 2:
+            return cells
         if label is None:
             label = self.labels[0]
         if label not in self.labels:
             raise ValueError(f"the map has no column {label!r}; it has {', '.join(self.labels)}")
-        plane: npt.NDArray[np.void] = self.cells[self.labels.index(label)]
+        plane: npt.NDArray[np.void] = cells[self.labels.index(label)]
         return plane
 
     def __repr__(self) -> str:
-        worst = [str(it) for it in Action if (self.cells["action"] == it).any()]
+        worst = [str(it) for it in Action if (self._data["action"] == it).any()]
         return (
             f"<Map {' x '.join(str(it) for it in self.cells.shape)}, {self.rows.name} and {self.columns.name}: "
             f"{', '.join(worst)}>"
@@ -130,3 +240,46 @@ class Map:
         from . import _html
 
         return _html.damage_map(self)
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedMap:
+    """The boundaries of the actions over a plane of two quantities, to 1 %: where, in each row, an action begins."""
+
+    report: dict[str, Any]
+    """Axes, labels, and everything that the search has found, as `column-twin map --refine` has it."""
+
+    @classmethod
+    def _of(cls, report: dict[str, Any]) -> RefinedMap:
+        return cls(report)
+
+    @property
+    def responses(self) -> int:
+        """Number of impacts that were computed."""
+        return int(self.report["refined"]["responses"])
+
+    def boundary(self, action: Action, label: str | None = None) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64]]:
+        """Where an action begins: values on the axis of the rows, and for each of them the value on the axis of the columns.
+
+        Rows in which the action does not begin, because it holds everywhere or nowhere, are left out.
+        """
+        labels: list[str] = self.report["labels"]
+        if label is not None and label not in labels:
+            raise ValueError(f"the map has no column {label!r}; it has {', '.join(labels)}")
+        variant = 0 if label is None else labels.index(label)
+        for found in self.report["refined"]["boundaries"]:
+            if found["variant"] == variant and found["action"] == str(Action(action)):
+                between = [it for it in found["points"] if it["place"]["kind"] == "between"]
+                values = self.report["rows"]["values"]
+                rows = np.array([values[it["row"]] if values else it["row"] for it in between])
+                return rows, np.array([0.5 * (it["place"]["below"] + it["place"]["at"]) for it in between], dtype=np.float64)
+        raise ValueError(f"expected an action from inspect to evacuate, found {action}")
+
+    def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
+        """The boundaries of all actions. Needs matplotlib."""
+        from . import _figures
+
+        return _figures.boundaries(self, ax, label)
+
+    def __repr__(self) -> str:
+        return f"<RefinedMap, {self.report['rows']['name']} and {self.report['columns']['name']}, {self.responses} responses>"

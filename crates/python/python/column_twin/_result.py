@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ from ._codes import Outcome, Action
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
 HINGES = ("1a", "1b", "2", "3")
 """Below and above the impact point, top, base: the order of every array over hinges."""
@@ -34,6 +34,10 @@ class Result:
         """Every column of `column-twin simulate --csv`, one value per step; the names carry the unit."""
         self.report: dict[str, Any] = dict(report)
         """Everything of `column-twin simulate --json` in SI units; None where there is no value."""
+
+        self._impact: tuple[str | None, float | None, float | None] = (None, None, None)
+        self._struck: str | None = None
+        """The column, for `Column.after`."""
 
     def _of_hinges(self, before: str, unit: str) -> _Array:
         return np.column_stack([self.history[f"{before}{hinge}_{unit}"] for hinge in HINGES])
@@ -138,11 +142,21 @@ class Result:
 
         return pd.DataFrame(self.history).set_index("t_s")
 
-    def plot(self) -> Figure:
-        """Displacements, forces, moments and plastic rotations against time. Needs matplotlib."""
+    def plot(
+        self,
+        ax: Axes | None = None,
+        quantity: Literal["displacement", "force", "moment", "rotation"] = "displacement",
+    ) -> Axes:
+        """One quantity against time: displacements, forces, moments or plastic rotations of the hinges. Needs matplotlib."""
         from . import _figures
 
-        return _figures.response(self)
+        return _figures.response(self, ax, quantity)
+
+    def plot_all(self) -> list[Axes]:
+        """Displacements, forces, moments and plastic rotations against time, in one figure. Needs matplotlib."""
+        from . import _figures
+
+        return _figures.overview(self)
 
     def __repr__(self) -> str:
         residual = "none" if self.residual_v1 is None else f"{1e3 * self.residual_v1:.4g} mm"

@@ -1,0 +1,84 @@
+"""What the program does for Python: reports and recordings; sensors and fleets, compared with the command line."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from column_twin import Column, ParameterError, ProgramError, Readings, read_recording, recording_info, run_program
+
+Program = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture(scope="module")
+def sensed(root: Path) -> Column:
+    """A column with sensors."""
+    return Column.from_file(root / "config/heb220_s355.yaml", root / "config/sensors_industrial.yaml")
+
+
+def test_readings_and_estimate_are_those_of_the_command_line(
+    root: Path, sensed: Column, program: Program, tmp_path: Path
+) -> None:
+    files = [part for name in ("heb220_s355", "sensors_industrial") for part in ("--config", str(root / f"config/{name}.yaml"))]
+    table = tmp_path / "readings.csv"
+    impact = ("--vehicle", "mid_car", "--velocity", "12")
+    assert program("simulate", *files, *impact, "--readings", str(table)).returncode == 0
+    readings = sensed.sensor_readings("mid_car", velocity=12.0)
+    assert readings.csv == table.read_text()
+    readings.to_file(tmp_path / "ours.csv")
+    assert Readings.from_file(tmp_path / "ours.csv").csv == readings.csv
+    columns = readings.to_numpy()
+    assert columns["time"][0] < 0.0 and set(columns) == {"time", *(str(it) for it in np.ravel(sensed["sensors.names"]))}
+    ran = program("estimate", *files, "--readings", str(table), "--json")
+    assert ran.returncode == 0, ran.stderr
+    estimate = sensed.estimate(readings)
+    assert estimate is not None
+    mean, low, high = estimate.velocity
+    assert low < mean < high and low < 12.0 < high
+    assert f"{mean!r}" in ran.stdout or json.dumps(mean) in ran.stdout
+    assert sensed.estimate(table) is not None
+    with pytest.raises(ParameterError, match="has no sensors"):
+        Column().sensor_readings("mid_car", velocity=5.0)
+
+
+def test_a_fleet_is_its_columns(root: Path, tmp_path: Path) -> None:
+    table = tmp_path / "columns.csv"
+    table.write_text("namespace,column_id,section.name,top.load\n/garage/a1,a1,HEB 220,4e5\n/garage/a2,a2,HEB 300,6e5\n")
+    fleet = Column.fleet(table=table)
+    assert [column["column_id"] for column in fleet.values()] == ["a1", "a2"]
+    first, second = fleet.values()
+    assert second["section.name"] == "HEB300" and second["top.load"] == 6e5
+    assert second.evaluate("van", velocity=8.0).max_v1 < first.evaluate("van", velocity=8.0).max_v1
+    shipped = Column.fleet(root / "config/fleet.yaml", table=root / "config/fleet.csv")
+    assert len(shipped) > 2
+    with pytest.raises(ParameterError, match="No such file"):
+        Column.fleet(tmp_path / "missing.yaml")
+
+
+def test_a_report_and_a_recording(steel: Column, program: Program, tmp_path: Path) -> None:
+    steel.report(tmp_path / "impact.html", "mid_car", velocity=10.0)
+    assert "mid_car" in (tmp_path / "impact.html").read_text()
+    steel.to_file(tmp_path / "column.yaml")
+    run_program("simulate", "--config", tmp_path / "column.yaml", "--velocity", "10", "--record", tmp_path / "recording")
+    messages = list(read_recording(tmp_path / "recording", "/impact_report"))
+    assert len(messages) == 1 and messages[0]["topic"] == "/impact_report"
+    result = steel.simulate(velocity=10.0)
+    assert messages[0]["message"]["max_v1"] == pytest.approx(result.max_v1, rel=1e-12)
+    assert recording_info(tmp_path / "recording")["topics"]
+    with pytest.raises(ProgramError, match="export ended with exit code 2"):
+        list(read_recording(tmp_path / "missing"))
+    with pytest.raises(ParameterError, match="out of range"):
+        steel.report(tmp_path / "wrong.html", "mid_car", velocity=90.0)
+
+
+def test_a_missing_program_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("COLUMN_TWIN_PROGRAM", "")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path))
+    with pytest.raises(ProgramError, match=r'pip install "column-twin\[program\]"'):
+        run_program("--version")

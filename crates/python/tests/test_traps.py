@@ -1,0 +1,158 @@
+"""What reads as one thing and would mean another: each raises, warns, or means what a reader expects."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from column_twin import Action, Column, IncompleteWarning, Map, ParameterError, ParameterWarning, Range, SimulationError
+
+
+def test_a_number_in_the_place_of_a_velocity_is_no_mass(steel: Column) -> None:
+    """`simulate("mid_car", 10.0)` was a car of 10 kg."""
+    for call in (steel.simulate, steel.evaluate, steel.capacity, steel.critical_velocities, steel.sensor_readings):
+        with pytest.raises(TypeError, match="positional argument"):
+            call("mid_car", 10.0)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="positional argument"):
+        steel.evaluate_batch([1500.0], [10.0])  # type: ignore[call-arg, arg-type]
+    with pytest.raises(TypeError, match="vehicle: expected a name such as 'mid_car', found list; .* mass=..., velocity="):
+        steel.evaluate_batch([1500.0], velocity=10.0)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="found float"):
+        steel.evaluate(10.0)  # type: ignore[arg-type]
+
+
+def test_a_lorry_of_ten_kilograms_is_told(steel: Column) -> None:
+    for mass in (8.0, 10.0, 49.0, 300.0):
+        with pytest.warns(ParameterWarning, match=f"impact.mass is that of a lorry_8t of {mass:g} kg: .* expected in kg") as found:
+            steel.evaluate("lorry_8t", mass=mass, velocity=5.0)
+        assert found[0].filename == __file__
+    with pytest.warns(ParameterWarning, match="element 1: impact.mass is that of a mid_car of 1.7 kg"):
+        steel.evaluate_batch("mid_car", mass=[1700.0, 1.7, 2.0], velocity=5.0)
+    with pytest.warns(ParameterWarning, match="mass: the smallest one is that of a lorry_8t of 6 kg"):
+        steel.map(mass=Range(6, 12, points=2), velocity=[1.0, 2.0], vehicle="lorry_8t")
+    with pytest.warns(ParameterWarning, match="impact.mass is that of a van of 3 kg"):
+        Column(vehicle__name="van", impact__mass=3.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # A rigid mass may be that of an experiment, and a lorry may be empty.
+        steel.evaluate("rigid", mass=10.0, velocity=5.0)
+        steel.evaluate("lorry_8t", mass=4000.0, velocity=5.0)
+
+
+def test_numbers_in_another_unit_are_told_with_theirs(steel: Column) -> None:
+    with pytest.raises(ParameterError, match="impact.velocity: `90.0` is out of range; allowed: 1e-6 to 60 m/s"):
+        steel.evaluate("mid_car", velocity=90.0)
+    with pytest.raises(ParameterError, match="element 1: .*\n.*`90.0` is out of range; allowed: 1e-6 to 60 m/s"):
+        steel.evaluate_batch("mid_car", velocity=[9.0, 90.0])
+    with pytest.raises(ParameterError, match="steel.yield_strength: `355.0` is out of range; .*1e6 to 1e10 Pa"):
+        Column(steel__yield_strength=355.0)
+    with pytest.raises(ParameterError, match="steel.young_modulus: `210000.0` is out of range; .*Pa"):
+        Column(steel__young_modulus=210_000.0)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_what_is_not_finite_is_found_by_its_index(steel: Column, wrong: float) -> None:
+    with pytest.raises(ParameterError, match="element 2: .*"):
+        steel.evaluate_batch("mid_car", velocity=[1.0, 2.0, wrong])
+    with pytest.raises(ParameterError, match="(?s)element 1: .*impact.mass"):
+        steel.evaluate_batch("mid_car", mass=[1500.0, wrong], velocity=1.0)
+    with pytest.raises(ParameterError, match="impact.mass"):
+        steel.evaluate("mid_car", mass=wrong, velocity=1.0)
+    with pytest.raises(ParameterError, match="top.load"):
+        Column(top__load=wrong)
+
+
+def test_a_range_says_that_it_is_one(steel: Column) -> None:
+    """`velocity=(5, 10, 15)` was 15 points from 5 to 10."""
+    with pytest.raises(ParameterError, match=r"Range\(5, 10, points=15\) .* or \[5, 10, 15\] for these three"):
+        steel.map(velocity=(5, 10, 15), mass=[1500.0], vehicle="van")
+    three = steel.map(velocity=[5, 10, 15], mass=[2000.0, 2500.0], vehicle="van")
+    assert list(three.columns.values) == [5.0, 10.0, 15.0]
+    fifteen = steel.map(velocity=Range(5, 10, points=15), mass=[2000.0, 2500.0], vehicle="van")
+    assert np.allclose(fifteen.columns.values, np.linspace(5.0, 10.0, 15), rtol=1e-14)
+    for points in (1, 2.5, True):
+        with pytest.raises(ParameterError, match="expected points, a whole number of at least 2"):
+            Range(5, 10, points=points)  # type: ignore[arg-type]
+
+
+def with_failures(column: Column) -> Map:
+    """A map on whose first axis the load grows beyond what the column can bear."""
+    with pytest.warns(IncompleteWarning, match="cells cannot be computed and are masked; the first, "):
+        return column.map(top__load=[2e5, 1e8], velocity=[2.0, 30.0], vehicle="van")
+
+
+def test_a_cell_that_failed_is_in_no_comparison(steel: Column) -> None:
+    """A cell without a result counted as at least `shore`, because its code is 255."""
+    damage = with_failures(steel)
+    failed = np.zeros(damage.cells.shape, dtype=bool)
+    for place in damage.failures:
+        failed[place] = True
+    assert failed.tolist() == [[False, False], [True, True]]
+    for action in Action:
+        assert (damage["action"] >= action).sum() + (damage["action"] < action).sum() == 2
+        assert (damage.cells["action"] >= action).sum() <= 2
+    assert np.isfinite(damage["max_v1"].max()) and np.ma.count(damage["max_v1"]) == 2
+    assert np.ma.getmaskarray(damage["reserve"]).tolist() == failed.tolist()
+
+
+def test_changes_warn_as_the_constructor_does(paper: Column) -> None:
+    with pytest.warns(ParameterWarning, match="`energy` is deprecated") as found:
+        changed = paper.with_changes(solver__scheme="energy")  # type: ignore[arg-type]
+    assert found[0].filename == __file__
+    assert changed["solver.scheme"] == "conserving_midpoint"
+
+
+def test_a_value_that_follows_from_others_is_read_as_what_it_is() -> None:
+    """`column["section.area"]` read 0.0."""
+    column = Column(section__name="HEB 300", steel__grade="S355", vehicle__name="mid_car")
+    properties = column.properties
+    assert column["section.area"] == properties.area == pytest.approx(149.1e-4, rel=1e-3)
+    assert column["steel.yield_strength"] == properties.yield_strength == 355e6
+    assert column["resistance.axial"] == column.resistance_axial == properties.resistance_axial
+    assert column["impact.mass"] == 1719.0 and column["solver.dt"] == column.step > 0.0
+    assert column["geometry.height"] == properties.height == 4.0
+    assert (properties.section, properties.steel) == ("HEB300", "S355")
+    assert properties.bending_stiffness == pytest.approx(210e9 * 25170e-8, rel=1e-3)
+    # What was given is as it was given, so that it makes the same column.
+    assert column.parameters["section.area"] == 0.0
+    assert Column(column.parameters) == column
+
+
+def test_a_column_is_read_as_a_mapping(steel: Column) -> None:
+    """`in` and `list()` asked for the parameter 0."""
+    assert "top.load" in steel and "top.laod" not in steel and 0 not in steel
+    assert list(steel) == list(steel.parameters) and len(steel) == len(steel.parameters)
+    assert dict(steel)["section.height"] == 0.22
+
+
+def test_a_file_has_all_parameters(steel: Column, tmp_path: Path) -> None:
+    column = steel.with_changes(top__load=1.0 / 3.0, vehicle__name="van")
+    column.to_file(tmp_path / "column.yaml")
+    assert Column.from_file(tmp_path / "column.yaml") == column
+
+
+def test_the_column_after_an_impact(steel: Column) -> None:
+    result = steel.simulate("lorry_8t", velocity=8.0)
+    assert result.residual_v1 is not None and result.residual_v1 > 1e-3
+    damaged = steel.after(result)
+    assert damaged.is_damaged and not steel.is_damaged and damaged != steel
+    assert damaged == steel.after(vehicle="lorry_8t", velocity=8.0)
+    # What the same column carries by its full simulation.
+    left = steel.capacity("lorry_8t", velocity=8.0)
+    assert damaged.capacity().force == pytest.approx(left.force, rel=1e-9)
+    # A second impact adds to the first.
+    again, once = damaged.evaluate("lorry_8t", velocity=8.0), steel.evaluate("lorry_8t", velocity=8.0)
+    assert again.capacity_ratio < once.capacity_ratio
+    batch = damaged.evaluate_batch("lorry_8t", velocity=[8.0, 2.0])
+    assert batch["capacity_ratio"][0] == again.capacity_ratio
+    with pytest.raises(ParameterError, match="found one of another"):
+        steel.with_changes(top__load=1e5).after(result)
+    with pytest.raises(ParameterError, match="found both"):
+        steel.after(result, velocity=3.0)
+    with pytest.raises(ParameterError, match="simulate: expected an undamaged column"):
+        damaged.simulate("van")
+    with pytest.raises(SimulationError, match="does not stand"):
+        steel.after(vehicle="lorry_8t", velocity=25.0)
