@@ -46,6 +46,8 @@
 // - results/: Results under the names that programs see, which are a stable interface: the JSON and the CSV of the command
 //   line, and the Python package
 // - ros/: The ROS 2 node: the twin's interface over ros2-client and RustDDS
+// - second_opinion/: The second opinion on an impact: the same hit on the same column, computed with the fibre beam of
+//   `column_beam` beside the two bars
 // - sensors/: A sensor as a thing on the column: what it measures, where, and how well
 // - shape/: The geometry that everything that draws the column shares: its joints, the outline of its section, the solid that
 //   this outline sweeps along the bent axis, the yield surface of its hinges, and the vehicle that hits it

@@ -23,6 +23,7 @@
 // - criteria.rs: The criteria as data: names, editions, tags, actions; and how each is evaluated
 // - criterion.rs: What a criterion says, and what has to be done if it is exceeded
 // - definition.rs: What a criterion consists of, without values
+// - effective.rs: The value that takes the place of a parameter whose 0 stands for what follows from others
 // - evaluation.rs: One impact on the undamaged column with all that an engineer needs to judge it
 // - input.rs: What an assessment judges, as plain data
 // - prepared.rs: The assessment of many impacts on one column: what does not depend on the impact is computed once, and only

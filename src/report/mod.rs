@@ -34,6 +34,7 @@
 // - recording_section.rs: What the report says of a recording as a whole: the overview of its impacts, its origin and its
 //   verification
 // - reported_impact.rs: One impact with everything that the report needs of it
+// - second_opinion_section.rs: The page of the report about the second opinion
 // - shape_drawing.rs: The shape of the column before and after the hit: to scale, and with its displacements magnified
 // - sketch.rs: The sketch of the first page: elevation and plan of column and hit, each to its scale
 // - svg.rs: Drawings to scale: lines, areas and texts in a small coordinate system, as SVG

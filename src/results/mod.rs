@@ -3,6 +3,7 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - beam_fields.rs: What the fibre beam says of an impact, under the names that programs see
 // - capacity_fields.rs: The capacity of a column under the names that programs see
 // - history_columns.rs: The columns of the history of one impact
 // - impact_fields.rs: The outcome of one impact under the names that programs see

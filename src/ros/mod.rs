@@ -14,7 +14,8 @@
 //   (<https://design.ros2.org/articles/ros_command_line_arguments.html>)
 // - client.rs: Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation
 // - client_error.rs: Why a client of the twin ends without what it was asked for
-// - clock_watch.rs: Warns if the node uses simulated time, but no message arrives on `/clock`
+// - clock_watch.rs: Warns if the node uses simulated time, but no message arrives on `/clock`, or none any more while a column
+//   responds
 // - counters.rs: Losses of the node itself, counted for `/diagnostics` and the log
 // - dds_threads.rs: The threads of the DDS library, and those of the node that use it
 // - detected.rs: Follows a twin whose sensors detect an impact, without a ROS installation

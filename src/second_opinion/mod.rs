@@ -16,6 +16,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - beam.rs: The column of the parameters as a fibre beam
+// - criteria.rs: What the criteria of a verdict need of the beam
+// - opinion.rs: What the beam says of an impact beside the two bars, and where its verdict counts
+
 mod beam;
 mod criteria;
 mod opinion;

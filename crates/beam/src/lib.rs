@@ -8,6 +8,7 @@
 // - contact.rs: The vehicle: its face, stiff contact springs between the face and the nodes behind it, and what moves the face
 // - damage.rs: What an impact leaves in the column: as little as possible, so that a fleet can keep it
 // - element.rs: The deformations of an element between two nodes, which turn and move by any amount
+// - energy.rs: The energy of a beam
 // - mesh.rs: Where the nodes are: close together where the column yields, further apart between
 // - newton.rs: Newton's method with a line search for a step in time or an increment of equilibrium
 // - opinion.rs: The second opinion: an impact on a column, computed as a beam
@@ -19,6 +20,7 @@
 // - torsion.rs: The torsional rigidity with which uniform torsion gives the twist that restrained warping leaves at the impact
 //   point
 // - tridiagonal.rs: Symmetric equations whose unknowns couple with those of the neighbouring node only
+// - web.rs: The fibres of a sheared web, with `sigma^2 + 3 tau^2` in their yield condition, some at once
 
 clippy::needless_range_loop,
     reason = "indices number degrees of freedom, which several matrices share"

@@ -9,6 +9,7 @@
 // - column.rs: A column for Python
 // - fault.rs: Faults as Python exceptions, with the texts that the command line prints
 // - risk.rs: Risk studies for Python
+// - sensors.rs: What the sensors of a column read, and what struck it by their readings
 // - study.rs: Damage maps and critical velocities for Python
 // - values.rs: Values from Python to Rust and back
 
