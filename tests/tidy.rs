@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "tidy/english.rs"]
+mod english;
 #[path = "tidy/file_lists.rs"]
 mod file_lists;
 #[path = "tidy/glossary.rs"]
