@@ -3,6 +3,7 @@
 //! Plastic strains are kept with single precision, which is 12 Pa of a plastic strain of 1e-3; the equilibrium is found anew
 //! before the next impact. So a column whose damage was stored and restored answers as one whose damage stayed in memory.
 
+use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::beam::{BARS, Beam, POINTS, State};
@@ -356,6 +357,7 @@ impl Damage {
             damage.sliders.push(from.numbers()?);
         }
         let rises = damage.heights.windows(2).all(|pair| pair[0] < pair[1]);
+        let begins = damage.heights[0] == 0.0;
         let mut next = 0;
         for _ in 0..yielded {
             let place = usize::from(u16::from_le_bytes(from.take()?));
@@ -374,7 +376,7 @@ impl Damage {
                     .collect(),
             });
         }
-        if !rises || from.at != bytes.len() {
+        if !begins || !rises || from.at != bytes.len() {
             return Err(DamageError::Numbers);
         }
         Ok(damage)
@@ -497,8 +499,35 @@ impl<'de> Deserialize<'de> for Damage {
                 .map(|pair| pair[0] << 4 | pair[1])
                 .collect()
         } else {
-            Vec::<u8>::deserialize(from)?
+            from.deserialize_byte_buf(Bytes)?
         };
         Self::from_bytes(&bytes).map_err(serde::de::Error::custom)
+    }
+}
+
+/// Bytes, or numbers where a format has no bytes.
+struct Bytes;
+
+impl<'de> Visitor<'de> for Bytes {
+    type Value = Vec<u8>;
+
+    fn expecting(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        to.write_str("the bytes of the damage of a beam")
+    }
+
+    fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> Result<Vec<u8>, E> {
+        Ok(bytes.to_vec())
+    }
+
+    fn visit_byte_buf<E: serde::de::Error>(self, bytes: Vec<u8>) -> Result<Vec<u8>, E> {
+        Ok(bytes)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut from: A) -> Result<Vec<u8>, A::Error> {
+        let mut bytes = Vec::new();
+        while let Some(byte) = from.next_element()? {
+            bytes.push(byte);
+        }
+        Ok(bytes)
     }
 }

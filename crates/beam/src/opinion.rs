@@ -37,9 +37,9 @@ pub struct Hit {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// No fibre has yielded.
+    /// No fibre has yielded, now or in an earlier impact.
     Elastic,
-    /// The column stands, bent.
+    /// The column stands, bent by this impact or by an earlier one.
     Plastic,
     /// The column gives way under its load.
     Collapse,

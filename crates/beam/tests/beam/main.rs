@@ -1,5 +1,6 @@
 //! The fibre beam against OpenSees, plane-stress finite elements, limit analyses and the buckling curves.
 
+mod bits;
 mod buckling;
 mod cost;
 mod plane;

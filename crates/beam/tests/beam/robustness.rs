@@ -329,3 +329,26 @@ fn sections_without_room_between_their_walls_and_numbers_that_are_none_are_rejec
         assert!(matches!(found, Err(BeamError::Column { .. })), "{found:?}");
     }
 }
+
+#[test]
+fn a_bollard_bends_in_space_and_in_the_plane() {
+    let mut it = column("HEB140", 235e6, 1e-3);
+    (it.length_below, it.length_above) = (0.6, 0.4);
+    it.top = Support::Free;
+    it.bumper_height = 0.2;
+    it.shear = true;
+    let model = BeamModel::new(&it).unwrap();
+    let mut peaks = Vec::new();
+    for degrees in [0.0, 0.001, 45.0, 90.0] {
+        let (found, _) = model
+            .simulate(&hit(1500.0, 3.0, None, degrees), None)
+            .unwrap();
+        println!("{degrees} {found:?}");
+        assert_eq!(found.outcome, Outcome::Plastic);
+        assert!(found.energy_error.abs() < 1e-8);
+        peaks.push(found.max_displacement_m);
+    }
+    // In space as in the plane but for mesh and step, and weakest about the weak axis.
+    assert!((peaks[1] / peaks[0] - 1.0).abs() < 0.02, "{peaks:?}");
+    assert!(peaks[0] < peaks[2] && peaks[2] < peaks[3], "{peaks:?}");
+}

@@ -1,0 +1,60 @@
+//! The same bits on every processor: with and without FMA and AVX, with any order of the lanes that a compiler may choose.
+//!
+//! `RUSTFLAGS="-C target-cpu=native" cargo test --release -p column_beam bits` must pass as well.
+
+use crate::reference::{column, hit, vehicle};
+use column_beam::{BeamModel, Torsion};
+
+/// Bits of peak, residual and remaining capacity about the strong axis; they change with any change of the model.
+const GOLDEN: [[u64; 3]; 3] = [
+    [
+        0x3fab_cb27_107e_bae7,
+        0x3faa_da18_5caa_a56c,
+        0x4143_6b44_e36b_34ca,
+    ],
+    [
+        0x3fa9_0eb2_0d22_58be,
+        0x3fa7_c2d3_dec1_dabf,
+        0x413a_0589_d8b7_818e,
+    ],
+    [
+        0x3f6f_5671_2f42_99ad,
+        0x3f56_32b0_ff5d_2441,
+        0x413a_24fd_5e83_5567,
+    ],
+];
+
+#[test]
+fn responses_have_the_same_bits_on_every_processor() {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    it.top_load = 0.5e6;
+    it.top_spring_stiffness = 1e7;
+    it.shear = true;
+    it.torsion = Torsion::Warping;
+    it.residual_stress = true;
+    it.bow = -1.0;
+    it.bumper_height = 0.2;
+    (it.length_below, it.length_above) = (0.5, 3.5);
+    let model = BeamModel::new(&it).unwrap();
+    let soft = Some(vehicle(1500.0, 1.5e6, Some(6e5)));
+    let hits = [
+        hit(1500.0, 6.0, None, 0.0),
+        hit(1500.0, 6.0, None, 20.0),
+        hit(1500.0, 15.0, soft, 45.0),
+    ];
+    let mut damage = None;
+    let mut found = Vec::new();
+    for hit in hits {
+        let (outcome, after) = model.simulate(&hit, damage.as_ref()).unwrap();
+        damage = after;
+        found.push(
+            [
+                outcome.max_displacement_m,
+                outcome.residual_displacement_m,
+                outcome.residual_capacity_n[0],
+            ]
+            .map(f64::to_bits),
+        );
+    }
+    assert_eq!(found, GOLDEN, "{found:#x?}");
+}
