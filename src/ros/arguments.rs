@@ -350,7 +350,7 @@ mod tests {
 
     /// What launch files and people write, and what they mistype.
     #[test]
-    fn forty_two_sets_of_ros_args_are_read_or_refused_as_in_rcl() {
+    fn forty_two_sets_of_ros_args_are_read_or_rejected_as_in_rcl() {
         let read = [
             "",
             "--ros-args",
@@ -383,7 +383,7 @@ mod tests {
             "--ros-args --log-file-name x",
             "run --config c.yaml --ros-args -p a:=1 -- --record",
         ];
-        let refused = [
+        let rejected = [
             "--ros-args -r",
             "--ros-args -r a",
             "--ros-args -r a:=",
@@ -397,12 +397,12 @@ mod tests {
             "--ros-args --no-such-argument",
             "--ros-args stray",
         ];
-        assert_eq!(read.len() + refused.len(), 42);
+        assert_eq!(read.len() + rejected.len(), 42);
         for line in read {
             let read = split(line);
             assert!(read.is_ok(), "{line}: {read:?}");
         }
-        for line in refused {
+        for line in rejected {
             assert!(split(line).is_err(), "{line}");
         }
     }

@@ -46,7 +46,7 @@ impl Endpoint {
     }
 }
 
-/// Checks that no topic and no service of a node has two types: rcl refuses that, and here each peer would match only one of them.
+/// Checks that no topic and no service of a node has two types: rcl rejects that, and here each peer would match only one of them.
 ///
 /// # Errors
 /// Rules of remapping give two of them one name.
@@ -82,7 +82,7 @@ mod tests {
 
     /// The node started, and its peers found one of the two types.
     #[test]
-    fn two_types_on_one_remapped_topic_are_refused() {
+    fn two_types_on_one_remapped_topic_are_rejected() {
         let onto = |rules: &[(&str, &str)]| {
             let rules: Vec<_> = rules
                 .iter()
