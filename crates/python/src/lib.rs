@@ -4,6 +4,7 @@
 //! Whatever computes for longer than microseconds releases the GIL.
 
 mod batch;
+mod checks;
 mod column;
 mod fault;
 mod risk;
