@@ -154,6 +154,25 @@ fn the_reference_and_the_keywords_of_python_are_up_to_date() {
     }
 }
 
+/// A lorry of 8 kg was simulated without a word.
+#[test]
+fn a_mass_in_tonnes_is_a_warning() {
+    let warnings = |mass: &str| {
+        let given = ["vehicle.name:=lorry_8t", &format!("impact.mass:={mass}")];
+        let sources = given.map(|text| Source::Override(parse_override(text)));
+        let (_, warnings) =
+            Parameters::load_in_order(&NodeName::default(), sources).expect("accepted");
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let found = warnings("8.0");
+    assert_eq!(found.len(), 1);
+    let expected = "-p impact.mass:=8.0: impact.mass is that of a lorry_8t of 8 kg: its own mass is 8000 kg, and the mass is expected in kg";
+    assert!(found[0].starts_with(expected), "{}", found[0]);
+    for mass in ["4000.0", "0.0", "20000.0"] {
+        assert_eq!(warnings(mass), [""; 0], "{mass}");
+    }
+}
+
 const WRONG: &str = r#"# Stütze A3
 column_twin:
   ros__parameters:

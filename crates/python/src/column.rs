@@ -11,16 +11,17 @@ use column_twin::assessment::{
 };
 use column_twin::column::{Impact, Model, PushDownPoint, SimulationError, State, push_down};
 use column_twin::parameters::{
-    CatalogueVehicle, FleetColumns, FleetSources, NodeName, Parameter, ParameterFaults, Parameters,
-    Source, Value,
+    CatalogueVehicle, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
+    Value,
 };
 use column_twin::results::{CapacityFields, HistoryColumns, ImpactFields};
-use column_twin::study::{BatchEnd, StudyColumn, StudyError, VehicleImpacts};
+use column_twin::study::{BatchEnd, StudyColumn, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{NUMBERS, ROW_BYTES, Row, abandonable, batch, interruptible};
+use crate::checks::Checks;
 use crate::fault;
 use crate::risk::{Request, risk};
 use crate::sensors;
@@ -497,32 +498,6 @@ impl From<rayon::ThreadPoolBuildError> for BatchFault {
 /// Longest response that is followed without a look at the signals \[s\]; it takes milliseconds.
 const LONG_RESPONSE: f64 = 10.0;
 
-/// Checks impacts of one vehicle by the one table of parameters, as the command line does.
-struct Checks {
-    mass: &'static Parameter,
-    velocity: &'static Parameter,
-    impacts: VehicleImpacts,
-    /// That of the catalogue whose mass is given.
-    vehicle: Option<&'static CatalogueVehicle>,
-}
-
-impl Checks {
-    /// The impact, if it is accepted; [`Column::fault_of`] says why not.
-    fn impact(&self, mass: Option<f64>, velocity: f64) -> Result<Impact, ()> {
-        let admits = |row: &Parameter, number| row.check(&Value::Double(number)).is_ok();
-        let in_range = admits(self.velocity, velocity)
-            && mass.is_none_or(|mass| mass.is_finite() && admits(self.mass, mass));
-        let impact = in_range.then(|| self.impacts.impact(mass, velocity).ok());
-        let impact = impact.flatten().filter(|it| it.check().is_ok());
-        impact.ok_or(())
-    }
-
-    /// Why nobody can have meant the mass that was given.
-    fn implausible(&self, impact: &Impact) -> Option<String> {
-        self.vehicle?.implausible_mass(impact.mass)
-    }
-}
-
 impl From<StudyColumn> for Column {
     fn from(study: StudyColumn) -> Self {
         Self {
@@ -581,19 +556,8 @@ impl Column {
 
     /// Checks of the impacts of this vehicle. Of an unknown one all faults of the impact are told.
     fn checks(&self, vehicle: Option<&str>, mass: Option<f64>, velocity: f64) -> PyResult<Checks> {
-        let Ok(impacts) = self.study.impacts_of(vehicle) else {
-            return Err(fault::input(self.fault_of(vehicle, mass, velocity)));
-        };
-        let row = |name| Parameter::named(name).expect("a row of the table");
-        let name = vehicle.unwrap_or(&self.parameters().settings().vehicle.name);
-        // Loading has warned of the mass among the parameters.
-        let given = CatalogueVehicle::of_crushed(name).filter(|_| mass.is_some());
-        Ok(Checks {
-            mass: row("impact.mass"),
-            velocity: row("impact.velocity"),
-            impacts,
-            vehicle: given,
-        })
+        Checks::new(&self.study, vehicle, mass.is_some())
+            .ok_or_else(|| fault::input(self.fault_of(vehicle, mass, velocity)))
     }
 
     /// What the table has against an impact, in its words; otherwise what the mechanics has.

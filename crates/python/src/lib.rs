@@ -14,6 +14,7 @@
 // - values.rs: Values from Python to Rust and back
 
 mod batch;
+mod checks;
 mod column;
 mod fault;
 mod risk;
