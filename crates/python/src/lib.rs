@@ -6,6 +6,7 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - batch.rs: Many impacts at once, in rows of bytes that numpy reads as a structured array
+// - checks.rs: Checks of impacts by the one table of parameters, as on the command line
 // - column.rs: A column for Python
 // - fault.rs: Faults as Python exceptions, with the texts that the command line prints
 // - risk.rs: Risk studies for Python
