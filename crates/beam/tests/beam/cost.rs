@@ -22,11 +22,6 @@ fn cost_of_opinions() {
                     it.bumper_height = 0.2;
                     (it.length_below, it.length_above) = (0.5, 3.5);
                 }
-                if let Ok(o) = std::env::var("ONLY")
-                    && o != format!("{name} {degrees} {live}")
-                {
-                    continue;
-                }
                 let front = soft.map(|force| vehicle(1500.0, 1.5e6, Some(force)));
                 let hit = hit(1500.0, 10.0, front, degrees);
                 let model = BeamModel::new(&it).unwrap();
