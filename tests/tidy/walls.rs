@@ -69,7 +69,7 @@ const ROOMS: &[Room] = &[
     room("keystore", "keystores for DDS security", &["bounded_file", "endpoints", "ros"], "columns"),
     room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "study", "senses", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
     room("main", "the program's entry", &["cli"], "everything else"),
-    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "study", "senses", "shape", "results"], "the twin, threads, DDS"),
+    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "study", "senses", "results"], "the twin, threads, DDS"),
 ];
 
 /// Files that import one another in a circle, inside one room.
