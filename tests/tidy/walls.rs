@@ -70,11 +70,7 @@ pub const ROOMS: &[Room] = &[
     room("keystore", "keystores for DDS security", &["bounded_file", "endpoints", "ros"], "columns"),
     room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "second_opinion", "study", "estimation", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
     room("main", "the program's entry", &["cli"], "everything else"),
-<<<<<<< HEAD
     room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "results", "study", "estimation"], "the twin, threads, DDS"),
-=======
-    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "study", "senses", "results"], "the twin, threads, DDS"),
->>>>>>> python
 ];
 
 /// Files that import one another in a circle, inside one room.
