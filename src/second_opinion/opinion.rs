@@ -129,9 +129,7 @@ impl SecondOpinion {
                 let undamaged = model.capacity_bowed(column.bows());
                 let left = match (beam.outcome, &damage) {
                     (BeamEnd::Elastic, _) => undamaged,
-                    (BeamEnd::Plastic, Some(damage)) => {
-                        model.capacity_left(column.bows(), damage, hit.impact.vehicle.is_some())
-                    }
+                    (BeamEnd::Plastic, Some(damage)) => model.capacity_left(column.bows(), damage),
                     _ => 0.0,
                 };
                 [undamaged, left]

@@ -126,10 +126,11 @@ impl BeamModel {
         self.pushed::<6, 6, 9>(bows, None)
     }
 
-    /// The same of a column that an impact has left with this damage, of a deformable vehicle or not \[N\].
+    /// The same of a column that impacts have left with this damage, bowed towards the side to which it is bent \[N\].
     #[must_use]
-    pub fn capacity_left(&self, bows: [f64; 2], damage: &Damage, deformable: bool) -> f64 {
-        self.pushed::<6, 6, 9>(bows, Some(damage), deformable)
+    pub fn capacity_left(&self, bows: [f64; 2], damage: &Damage) -> f64 {
+        let [y, z] = damage.sides();
+        self.pushed::<6, 6, 9>([y * bows[0], z * bows[1]], Some(damage))
     }
 
     /// The largest static force with which the column resists at the edges of the bumper, or at the impact point, while it is
