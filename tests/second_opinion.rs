@@ -130,7 +130,7 @@ fn compared(
         let ratio = number(&beam[field]) / number(&case[reference][key]);
         println!("{name} {further:?} {field}: {ratio:.4} of {reference}");
         // A NaN is wrong, too.
-        if !((ratio - 1.0).abs() <= *tolerance) {
+        if ratio.is_nan() || (ratio - 1.0).abs() > *tolerance {
             wrong.push(format!("{name} {further:?} {field}: {ratio}; beam {beam}"));
         }
     }
