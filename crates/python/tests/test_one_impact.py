@@ -38,12 +38,15 @@ def test_report_and_history_are_those_of_the_command_line(
     table = tmp_path / "history.csv"
     named = [] if vehicle is None else ["--vehicle", vehicle]
     config = str(root / "config/heb220_s355.yaml")
-    ran = program("simulate", "--config", config, *named, "--velocity", "7.5", "--json", "--csv", str(table))
+    # Python computes the two bars alone.
+    bars = ("-p", "beam.mode:=off")
+    ran = program("simulate", "--config", config, *named, *bars, "--velocity", "7.5", "--json", "--csv", str(table))
     assert ran.returncode == 0, ran.stderr
     result = steel.simulate(vehicle=vehicle, velocity=7.5)
     expected = json.loads(ran.stdout)
     found = dict(result.report)
     del expected["solve_time_s"], found["solve_time_s"]
+    assert expected.pop("beam") == "no second opinion: it is switched off (beam.mode: off)"
     assert found == expected
     with table.open() as file:
         header, *rows = csv.reader(file)

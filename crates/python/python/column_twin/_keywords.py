@@ -137,6 +137,8 @@ class ParameterKeywords(TypedDict, total=False):
     """epsilon: coefficient of restitution of Newton's impact law; 0 is perfectly inelastic, 1 perfectly elastic"""
     impact__transverse_force: Number
     """F: constant force on every vehicle in its direction of travel, before, during and after contact, shared by its masses in proportion; at most 100 m/s^2 times its mass. The weight m g of a mass that falls on a horizontal member [N]"""
+    impact__direction: Number
+    """phi: direction of travel of the vehicle in (-pi, pi]; 0 bends the column about its strong axis, positive turns towards the positive weak-axis direction. The two bars are plane and take the component of the motion in their plane, v cos phi; the fibre beam takes all of it. A number beyond (-pi, pi] is no direction: the two bars then take the whole velocity, and there is no second opinion [rad]"""
     vehicle__name: Text
     """vehicle of impacts that name none: the paper's rigid mass, or one of the catalogue; empty: the vehicle is given by numbers. If files and overrides give one of the numbers but no name, the name is empty"""
     vehicle__masses: Numbers
@@ -222,7 +224,7 @@ class ParameterKeywords(TypedDict, total=False):
     solver__scheme: Literal["midpoint", "conserving_midpoint"]
     """midpoint: the paper's midpoint rule as printed; conserving_midpoint: the midpoint rule that conserves energy"""
     solver__dt: Number
-    """time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the peak displacement below about 3.5e-4 [s]"""
+    """time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the peak displacement below 2e-4 for 99 of 100 columns, with the largest seen at 2e-3 [s]"""
     damping__ratio: Number
     """damping ratio of the elastic modes, relative to critical damping; the paper has no damping"""
     response__duration: Number
@@ -245,6 +247,24 @@ class ParameterKeywords(TypedDict, total=False):
     """the same for the height of the impact point. 0.2: bumpers of one kind of vehicle differ by as much, and brakes dip them [A] [m]"""
     assessment__range_front: Number
     """relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`"""
+    beam__mode: Literal["off", "second_opinion", "governing"]
+    """whether `simulate` computes the impact with the fibre beam, too. second_opinion: its verdict counts where both models differ, where the hit is out of the plane of the two bars, or where shear or the spread of yielding governs; governing: it always counts. The action is the more severe one of both. Nodes and studies such as maps do not use it"""
+    beam__elements: Whole
+    """elements of the fibre beam along the column; 0: automatic"""
+    beam__fibres: Whole
+    """layers of fibres of the web, and at least as many fibres across a flange; 0: automatic"""
+    beam__dt: Number
+    """time step of the fibre beam [s]"""
+    beam__shear: bool
+    """whether the web of the fibre beam deforms and yields in shear"""
+    beam__torsion: Literal["warping", "saint_venant", "none"]
+    """how the fibre beam resists twist. warping: St Venant's torsion and restrained warping; saint_venant: that torsion alone; none: the twist is suppressed"""
+    beam__residual_stress: bool
+    """whether the fibre beam has the residual stresses of rolling (ECCS)"""
+    beam__bow: Number
+    """initial bow of the fibre beam about each axis of `beam.bow_axes`, at most a twentieth of its height; 0: straight; negative: a thousandth of the height [m]"""
+    beam__bow_axes: Literal["both", "strong", "weak"]
+    """axes about which the fibre beam is bowed before the impact, and about which its capacity counts"""
     state__directory: Text
     """directory of the state file, which is named after the column and preserves the damage across restarts; empty: the damage is lost when the program ends"""
     real_time__priority: Whole
@@ -393,6 +413,8 @@ class AxisKeywords(TypedDict, total=False):
     """epsilon: coefficient of restitution of Newton's impact law; 0 is perfectly inelastic, 1 perfectly elastic"""
     impact__transverse_force: AxisNumbers
     """F: constant force on every vehicle in its direction of travel, before, during and after contact, shared by its masses in proportion; at most 100 m/s^2 times its mass. The weight m g of a mass that falls on a horizontal member [N]"""
+    impact__direction: AxisNumbers
+    """phi: direction of travel of the vehicle in (-pi, pi]; 0 bends the column about its strong axis, positive turns towards the positive weak-axis direction. The two bars are plane and take the component of the motion in their plane, v cos phi; the fibre beam takes all of it. A number beyond (-pi, pi] is no direction: the two bars then take the whole velocity, and there is no second opinion [rad]"""
     vehicle__spring_1__unloading_stiffness: AxisNumbers
     """spring 1: stiffness of unloading and reloading, at least the steepest slope of the curve; equal to the only slope, the spring is elastic [N/m]"""
     vehicle__spring_2__unloading_stiffness: AxisNumbers
@@ -446,7 +468,7 @@ class AxisKeywords(TypedDict, total=False):
     softening__residual: AxisNumbers
     """moment that remains, relative to that at the capping rotation"""
     solver__dt: AxisNumbers
-    """time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the peak displacement below about 3.5e-4 [s]"""
+    """time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the peak displacement below 2e-4 for 99 of 100 columns, with the largest seen at 2e-3 [s]"""
     damping__ratio: AxisNumbers
     """damping ratio of the elastic modes, relative to critical damping; the paper has no damping"""
     response__duration: AxisNumbers
@@ -467,6 +489,14 @@ class AxisKeywords(TypedDict, total=False):
     """the same for the height of the impact point. 0.2: bumpers of one kind of vehicle differ by as much, and brakes dip them [A] [m]"""
     assessment__range_front: AxisNumbers
     """relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`"""
+    beam__elements: AxisNumbers
+    """elements of the fibre beam along the column; 0: automatic"""
+    beam__fibres: AxisNumbers
+    """layers of fibres of the web, and at least as many fibres across a flange; 0: automatic"""
+    beam__dt: AxisNumbers
+    """time step of the fibre beam [s]"""
+    beam__bow: AxisNumbers
+    """initial bow of the fibre beam about each axis of `beam.bow_axes`, at most a twentieth of its height; 0: straight; negative: a thousandth of the height [m]"""
     real_time__priority: AxisNumbers
     """SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below; 0: normal scheduling"""
     real_time__threads: AxisNumbers
