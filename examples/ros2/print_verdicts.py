@@ -15,5 +15,5 @@ rclpy.init()
 node = rclpy.create_node("print_verdicts")
 node.create_subscription(
     ImpactReport, "impact_forecast",
-    lambda report: print(f"{report.column_id}: {ACTIONS.get(report.action, 'not assessed')}: {report.reason}", flush=True), LATCHED)
+    lambda report: print(f"{report.column_id}: {ACTIONS.get(report.action, 'not assessed')}: {report.action_reason}", flush=True), LATCHED)
 rclpy.spin(node)

@@ -77,7 +77,7 @@ def main():
         assert shown.startswith("gate: restrict: "), shown
         verdicts.end(signal.SIGINT)
 
-        imu = example("feed_imu.py", "/imu", "4")
+        imu = example("feed_imu.py", "/imu", "6")
         watch = start(sys.executable, "-c", DIAGNOSTICS)
         watch.wait_for("sensors OK")
         watch.end(signal.SIGINT)
