@@ -52,7 +52,7 @@ impl Parameters {
 
     /// Where a vehicle of this name strikes a column that is given by its height and by no impact point \[m above the base\]
     /// if its impact names no height; `None`: where the parameters have the impact point. An empty name is the vehicle of the
-    /// parameters. [`RIGID`] strikes where it would as the vehicle of the parameters.
+    /// parameters. [`RIGID`](super::RIGID) strikes where it would as the vehicle of the parameters.
     #[must_use]
     pub fn impact_height_of(&self, vehicle: &str) -> Option<f64> {
         let follows = self.settings.impact_point_follows_vehicle();
