@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the wheels of the library and of the program, and does one thing with them in a fresh virtual environment:
 #
-#   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/wheels, for glibc 2.17 and newer
+#   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/old_glibc_wheels, for glibc 2.17 and newer
 #   crates/python/tests/wheels.sh check               # what they need of glibc and of Python, and what they say of themselves
 #   crates/python/tests/wheels.sh source              # the library from its source distribution, in an empty folder
 #   crates/python/tests/wheels.sh install             # pip install of both, as a user does; the demonstration of the program
@@ -14,7 +14,8 @@ set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 repository=$(cd "$here/../../.." && pwd)
 target=${CARGO_TARGET_DIR:-$repository/target}
-wheels=$target/wheels
+# Not $target/wheels: maturin puts there what pip builds from the source distribution, and pip installs no two wheels of one package.
+wheels=$target/old_glibc_wheels
 tools=$("$here/environment.sh")
 unset PYTHONPATH PYTHONHOME
 
