@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use column_beam::{BeamModel, BeamOutcome, Hit, Outcome as BeamEnd};
+use column_beam::{BeamModel, BeamOutcome, Hit, Outcome as BeamEnd, is_in_plane};
 
 use super::beam::{NoSecondOpinion, beam_column};
 use super::criteria::input_of;
@@ -173,7 +173,6 @@ impl SecondOpinion {
             report.outcome != Outcome::Elastic,
             self.beam.outcome != BeamEnd::Elastic,
         ];
-        let is_out_of_plane = libm::sin(self.direction).abs() >= 1e-9;
         let has_another_peak = self
             .ratio_to_two_bars
             .is_some_and(|ratio| !(1.0 / BAND..=BAND).contains(&ratio));
@@ -183,7 +182,7 @@ impl SecondOpinion {
             .any(|web| web.plastic_angle.abs() > SHEAR_GOVERNS);
         [
             (WhyItCounts::Governing, mode == BeamMode::Governing),
-            (WhyItCounts::OutOfPlane, is_out_of_plane),
+            (WhyItCounts::OutOfPlane, self.is_out_of_plane()),
             (WhyItCounts::Collapse, gives_way[0] != gives_way[1]),
             (WhyItCounts::Yielding, yields[0] != yields[1]),
             (WhyItCounts::Peak, has_another_peak),
@@ -192,6 +191,11 @@ impl SecondOpinion {
         .into_iter()
         .filter_map(|(why, holds)| holds.then_some(why))
         .collect()
+    }
+
+    /// Whether the vehicle travels out of the plane of the two bars.
+    fn is_out_of_plane(&self) -> bool {
+        !is_in_plane(self.direction)
     }
 
     /// Why the verdict counts, as a part of a sentence; empty where it does not.
@@ -267,13 +271,13 @@ fn millimetres(metres: f64) -> String {
 impl Display for SecondOpinion {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let beam = &self.beam;
-        let across = |along: f64, across: f64| match libm::sin(self.direction).abs() < 1e-9 {
-            true => millimetres(along),
-            false => format!(
+        let across = |along: f64, across: f64| match self.is_out_of_plane() {
+            true => format!(
                 "{} along the hit and {} across it",
                 millimetres(along),
                 millimetres(across)
             ),
+            false => millimetres(along),
         };
         write!(
             f,

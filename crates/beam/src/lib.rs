@@ -46,5 +46,5 @@ mod web;
 
 pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
 pub use damage::{Damage, DamageError};
-pub use opinion::{BeamModel, BeamOutcome, Hit, Outcome};
+pub use opinion::{BeamModel, BeamOutcome, Hit, Outcome, is_in_plane};
 pub use section::{Shape, Steel};

@@ -24,6 +24,15 @@ const DEFORMABLE_STEP: u64 = 200_000;
 /// Factor of the elements and of the step of the coarser run that estimates the error.
 const COARSER: f64 = 2.0;
 
+/// Share of the velocity at right angles to the plane of the web that is round-off of a direction in that plane.
+const ROUND_OFF_OF_DIRECTION: f64 = 1e-9;
+
+/// Whether a vehicle that travels in this direction \[rad\] stays in the plane of the web.
+#[must_use]
+pub fn is_in_plane(direction: f64) -> bool {
+    libm::sin(direction).abs() < ROUND_OFF_OF_DIRECTION
+}
+
 /// A hit from a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Hit {
@@ -275,7 +284,7 @@ impl BeamModel {
     }
 
     fn is_plane(hit: &Hit, damage: Option<&Damage>) -> bool {
-        libm::sin(hit.direction).abs() < 1e-9 && damage.is_none_or(Damage::is_plane)
+        is_in_plane(hit.direction) && damage.is_none_or(Damage::is_plane)
     }
 
     fn pass(

@@ -23,9 +23,10 @@ pub fn with_half_the_step(properties: &ColumnProperties) -> Option<ColumnPropert
 }
 
 /// Estimated relative error of the peak `v1` of a response, from that of the same response with half the step: the
-/// relative difference times [`ERROR_PER_DIFFERENCE`], and [`COMMON_ERROR`]. The error of at least 99 in 100 responses is smaller. `None` where the two have nothing in common: in one of them the column
-/// collapses or is fractured, and not in the other, or one of the displacements is 0 or not a number. A column that flows by round-off
-/// only may be elastic with one step and plastic with the other.
+/// relative difference times [`ERROR_PER_DIFFERENCE`], and [`COMMON_ERROR`]. The error of at least 99 in 100 responses is
+/// smaller. `None` where the two have nothing in common: in one of them the column collapses or is fractured, and not in the
+/// other, or one of the displacements is 0 or not a number. A column that flows by round-off only may be elastic with one step
+/// and plastic with the other.
 ///
 /// The response with half the step may be advanced in pieces, by [`Response::advance`](super::Response::advance) on a model
 /// of [`with_half_the_step`].

@@ -2,8 +2,8 @@
 //!
 //! `RUSTFLAGS="-C target-cpu=native" cargo test --release -p column_beam bits` must pass as well.
 
-use crate::reference::{column, hit, vehicle};
-use column_beam::{BeamModel, Torsion};
+use crate::reference::{column, hit, hit_by_a_car, vehicle};
+use column_beam::BeamModel;
 
 /// Bits of peak, residual and remaining capacity about the strong axis; they change with any change of the model.
 const GOLDEN: [[u64; 3]; 3] = [
@@ -29,12 +29,7 @@ fn responses_have_the_same_bits_on_every_processor() {
     let mut it = column("HEB220", 355e6, 1e-3);
     it.top_load = 0.5e6;
     it.top_spring_stiffness = 1e7;
-    it.shear = true;
-    it.torsion = Torsion::Warping;
-    it.residual_stress = true;
-    it.bow = -1.0;
-    it.bumper_height = 0.2;
-    (it.length_below, it.length_above) = (0.5, 3.5);
+    hit_by_a_car(&mut it);
     let model = BeamModel::new(&it).unwrap();
     let soft = Some(vehicle(1500.0, 1.5e6, Some(6e5)));
     let hits = [

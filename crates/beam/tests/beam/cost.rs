@@ -1,7 +1,7 @@
 //! What an opinion costs: `cargo test --release -p column_beam cost -- --ignored --nocapture` on a quiet machine.
 
-use crate::reference::{column, cpu, hit, vehicle};
-use column_beam::{BeamModel, Torsion};
+use crate::reference::{column, cpu, hit, hit_by_a_car, vehicle};
+use column_beam::BeamModel;
 
 #[test]
 #[ignore = "a table for a quiet machine, without assertions on time"]
@@ -14,13 +14,7 @@ fn cost_of_opinions() {
                 it.top_load = 0.5e6;
                 it.top_spring_stiffness = 1e7;
                 if live {
-                    // As the program asks for it.
-                    it.shear = true;
-                    it.torsion = Torsion::Warping;
-                    it.residual_stress = true;
-                    it.bow = -1.0;
-                    it.bumper_height = 0.2;
-                    (it.length_below, it.length_above) = (0.5, 3.5);
+                    hit_by_a_car(&mut it);
                 }
                 let front = soft.map(|force| vehicle(1500.0, 1.5e6, Some(force)));
                 let hit = hit(1500.0, 10.0, front, degrees);

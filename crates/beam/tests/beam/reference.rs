@@ -32,6 +32,16 @@ pub fn support(name: &str) -> Support {
     }
 }
 
+/// Makes a column one that a car hits 0.5 m above its base, with everything that the program computes by default.
+pub fn hit_by_a_car(column: &mut BeamColumn) {
+    column.shear = true;
+    column.torsion = Torsion::Warping;
+    column.residual_stress = true;
+    column.bow = -1.0;
+    column.bumper_height = 0.2;
+    (column.length_below, column.length_above) = (0.5, 3.5);
+}
+
 /// As the references know a column: straight, without shear, residual stress and rate.
 pub fn column(name: &str, yield_strength: f64, hardening_ratio: f64) -> BeamColumn {
     BeamColumn {
