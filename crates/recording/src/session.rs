@@ -508,7 +508,9 @@ impl Session {
 
     /// Does what is due: hands data to the operating system, records losses. Has to be called regularly.
     pub fn tick(&mut self, now: Duration) {
-        if let Some(error) = self.syncing.take_failure() {
+        if let Some(current) = &self.writer
+            && let Some(error) = self.syncing.take_failure(current.writer.path())
+        {
             self.fail(&error, now);
         }
         if let Some(current) = &self.writer

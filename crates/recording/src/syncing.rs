@@ -1,5 +1,6 @@
 //! Makes data survive a loss of power, in a separate thread, because a disk may need half a second for it.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
@@ -22,7 +23,8 @@ struct Shared {
 #[derive(Debug, Default)]
 struct State {
     next: Option<Unsynced>,
-    failure: Option<RecordingError>,
+    /// The newest failure, with the recording that it concerns.
+    failure: Option<(PathBuf, RecordingError)>,
     stop: bool,
 }
 
@@ -51,9 +53,11 @@ impl Syncing {
         self.shared.changed.notify_one();
     }
 
-    /// The failure since the last call, if there was one.
-    pub fn take_failure(&self) -> Option<RecordingError> {
-        self.shared.lock().failure.take()
+    /// The failure since the last call, if there was one that concerns the recording `written`. The end of an earlier recording has been
+    /// reported, and its failures must not end the next one.
+    pub fn take_failure(&self, written: &Path) -> Option<RecordingError> {
+        let (path, error) = self.shared.lock().failure.take()?;
+        (path == written).then_some(error)
     }
 }
 
@@ -89,8 +93,37 @@ impl Shared {
             };
             drop(state);
             if let Err(error) = unsynced.sync() {
-                self.lock().failure = Some(error);
+                self.lock().failure = Some((unsynced.path, error));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::Storage;
+
+    /// The thread noticed that a directory had been removed only after the next recording had begun, and ended that one.
+    #[test]
+    fn a_failure_of_an_earlier_recording_does_not_end_the_next_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("removed.mcap");
+        let fail = || {
+            let syncing = Syncing::start("test").unwrap();
+            syncing.request(Unsynced {
+                storage: Storage::create(&path).unwrap(),
+                path: path.clone(),
+                directory: Some(folder.path().join("removed")),
+            });
+            std::fs::remove_file(&path).unwrap();
+            while syncing.shared.lock().failure.is_none() {
+                thread::yield_now();
+            }
+            syncing
+        };
+        let next = folder.path().join("next.mcap");
+        assert!(fail().take_failure(&next).is_none());
+        assert!(fail().take_failure(&path).is_some());
     }
 }

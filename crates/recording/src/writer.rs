@@ -493,6 +493,11 @@ impl Writer {
         &self.directory
     }
 
+    /// The file that is written in it.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// What the last seal in the file has signed; `None` without a seal.
     pub(crate) fn signed(&self) -> Option<Hash> {
         self.signed
