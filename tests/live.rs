@@ -254,7 +254,7 @@ fn the_range_of_the_verdict_follows_the_forecast() {
                     assert_eq!(it.range, None);
                     forecasts += 1;
                 }
-                Output::Ranged(it) => {
+                Output::Supplemented(it) => {
                     assert!(forecasts > 0, "behind the forecast");
                     assert!(ranged.replace(it.report.range).is_none(), "once");
                 }

@@ -79,10 +79,6 @@ pub fn run(
     if let Some(reason) = arguments.event.as_deref().and_then(event_id_fault) {
         return Err(Failure::plain(Exit::BadInput, format!("--event: {reason}")));
     }
-    if arguments.impact.specification().direction.is_some() {
-        let text = "--direction: an event has no direction; set impact.direction of the twin";
-        return Err(Failure::plain(Exit::BadInput, text));
-    }
     if !arguments.row.is_empty() {
         return run_row(arguments, ros, out);
     }

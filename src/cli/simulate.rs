@@ -392,7 +392,9 @@ impl Case {
         let mut thinning = HistoryThinning::new(report.steps, report.end_time);
         self.simulate(&mut |sample| thinning.push(sample))?;
         let vehicle = &self.parameters.settings().vehicle.name;
-        let report = ImpactReport::evaluated(evaluation, vehicle, &self.impact);
+        let impact = self.parameters.whole_impact();
+        let direction = self.parameters.direction();
+        let report = ImpactReport::evaluated(evaluation, vehicle, &impact, direction);
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = now.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(0));
         let items = viewer::from_samples("simulated", now, thinning.finish(), &report);

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use super::comparison::{Difference, Place};
 use super::verification::Verification;
-use crate::twin::{BackgroundTask, Command};
+use crate::twin::{BackgroundTask, Checkpoint, Command, JudgedImpact, OpinionState, Twin};
 
 /// Results that are kept for other columns of a fleet; the oldest is dropped.
 const MAX_KNOWN: usize = 64;
@@ -28,9 +28,10 @@ impl KnownResults {
         place: &Place<'_>,
         found: &mut Verification,
     ) -> Command {
-        use Command::{CriticalVelocities, VerdictRange};
+        use Command::{CriticalVelocities, SecondOpinion, VerdictRange};
         let computed = task.and_then(|task| self.of(task));
         let what = match recorded {
+            SecondOpinion(_) => "second opinion",
             VerdictRange(_) => "range of the verdict",
             _ => "critical velocities",
         };
@@ -40,6 +41,9 @@ impl KnownResults {
                 Some(CriticalVelocities { vehicles: own }),
             ) => place.first_difference(recorded, own),
             (VerdictRange(recorded), Some(VerdictRange(own))) => {
+                place.first_difference(recorded, own)
+            }
+            (SecondOpinion(recorded), Some(SecondOpinion(own))) => {
                 place.first_difference(recorded, own)
             }
             (recorded, own) => place.first_difference(&Some(recorded), &own.as_ref()),
@@ -57,6 +61,38 @@ impl KnownResults {
         }
         // A twin that has nothing to be computed leaves the result aside.
         computed.unwrap_or_else(|| recorded.clone())
+    }
+
+    /// Compares the second opinion and the damage of the beam that a checkpoint holds with those of the last impact, where the checkpoint
+    /// says what that was.
+    pub fn check_opinion(
+        &self,
+        checkpoint: &Checkpoint,
+        twin: &Twin,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) {
+        let is_known = |it: &JudgedImpact| it.opinion == OpinionState::Known;
+        if !checkpoint.judged.as_ref().is_some_and(is_known) {
+            return;
+        }
+        let task = twin.opinion_task_at_rest().map(Box::new);
+        let own = match task.and_then(|it| self.of(BackgroundTask::SecondOpinion(it))) {
+            Some(Command::SecondOpinion(result)) => twin.kept_at_rest(&result),
+            _ => None,
+        };
+        let life = &checkpoint.life;
+        let opinion = life
+            .last_impact
+            .as_ref()
+            .and_then(|it| it.second_opinion.clone());
+        let recorded = Some((opinion, life.beam.clone()));
+        if let Some(difference) = place.first_difference(&recorded, &own) {
+            found.note_difference(Difference {
+                field: format!("second opinion{}", difference.field),
+                ..difference
+            });
+        }
     }
 
     fn of(&self, task: BackgroundTask) -> Option<Command> {

@@ -204,6 +204,8 @@ impl Replayer {
                     let recorded = Command::VerdictRange(Arc::clone(range));
                     self.known.check(&recorded, task, place, found);
                 }
+                self.known
+                    .check_opinion(checkpoint, &replayed.twin, place, found);
                 replayed.outputs = self.keeps_outputs.then(Vec::new);
                 self.replayed = Some(replayed);
             }
@@ -241,6 +243,11 @@ impl Replayer {
             Command::CriticalVelocities { .. } => {
                 let task = replayed.twin.critical_velocity_task();
                 let task = task.map(Box::new).map(BackgroundTask::CriticalVelocities);
+                self.known.check(&record.command, task, &place, found)
+            }
+            Command::SecondOpinion(_) => {
+                let task = replayed.twin.opinion_task();
+                let task = task.map(Box::new).map(BackgroundTask::SecondOpinion);
                 self.known.check(&record.command, task, &place, found)
             }
             Command::VerdictRange(_) => {

@@ -71,7 +71,10 @@ pub fn record_impact(
         .filter(|_| origin >= 0)
         .ok_or(SimulatedRecordingError::Origin(origin))?;
     let settings = parameters.settings();
-    let impact = ImpactSpecification::from(parameters.whole_impact());
+    let impact = ImpactSpecification {
+        direction: Some(parameters.direction()).filter(|it| *it != 0.0),
+        ..parameters.whole_impact().into()
+    };
     let command = ImpactCommand {
         event_id: SIMULATED_EVENT.to_owned(),
         column_id: settings.column_id.clone(),

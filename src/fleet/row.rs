@@ -166,6 +166,7 @@ fn impact(message: &RowImpactEvent, index: usize, stamp: Option<Time>) -> Impact
         gap,
         restitution,
         height,
+        direction,
         column_ids,
         ..
     } = message;
@@ -183,6 +184,7 @@ fn impact(message: &RowImpactEvent, index: usize, stamp: Option<Time>) -> Impact
         gap: *gap,
         restitution: *restitution,
         height: *height,
+        direction: *direction,
     }
 }
 

@@ -184,7 +184,7 @@ impl OutputQueues {
             Output::State(_) => states,
             Output::Forecast(_)
             | Output::Report(_)
-            | Output::Ranged(_)
+            | Output::Supplemented(_)
             | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)

@@ -21,6 +21,7 @@ pub struct RowImpactEvent {
     pub gap: f64,
     pub restitution: f64,
     pub height: f64,
+    pub direction: f64,
     pub column_ids: Vec<String>,
     pub offsets: Vec<f64>,
     pub distances: Vec<f64>,

@@ -42,6 +42,7 @@ pub struct PredictImpactRequest {
     pub gap: f64,
     pub restitution: f64,
     pub height: f64,
+    pub direction: f64,
 }
 
 /// The prediction.

@@ -3,7 +3,7 @@
 //! The mechanics knows neither header nor column nor event, which are left empty. The conversions allocate nothing.
 
 use crate::column::{
-    self, End, HingeSample, HingeState, Impact, ImpactSpecification, Outcome, Phase, Report, Sample,
+    self, End, HingeSample, HingeState, ImpactSpecification, Outcome, Phase, Report, Sample,
 };
 
 use super::column_twin_msgs::{
@@ -160,11 +160,12 @@ impl From<&Report> for ImpactReport {
 impl ImpactReport {
     /// The report with what hit the column.
     #[must_use]
-    pub fn of_impact(self, vehicle: &str, impact: &Impact) -> Self {
+    pub fn of_impact(self, vehicle: &str, mass: f64, velocity: f64, direction: f64) -> Self {
         Self {
             vehicle: vehicle.to_owned(),
-            mass: impact.mass,
-            velocity: impact.velocity,
+            mass,
+            velocity,
+            direction,
             ..self
         }
     }
@@ -187,6 +188,7 @@ impl From<&ImpactSpecification> for ImpactEvent {
             gap: impact.gap.unwrap_or(f64::NAN),
             restitution: impact.restitution.unwrap_or(f64::NAN),
             height: impact.height.unwrap_or(f64::NAN),
+            direction: impact.direction.unwrap_or(f64::NAN),
             ..Self::default()
         }
     }
@@ -200,7 +202,7 @@ impl From<&ImpactEvent> for ImpactSpecification {
             gap: given(event.gap),
             restitution: given(event.restitution),
             height: given(event.height),
-            direction: None,
+            direction: given(event.direction),
         }
     }
 }
@@ -213,7 +215,7 @@ impl From<&PredictImpactRequest> for ImpactSpecification {
             gap: given(request.gap),
             restitution: given(request.restitution),
             height: given(request.height),
-            direction: None,
+            direction: given(request.direction),
         }
     }
 }

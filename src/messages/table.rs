@@ -36,6 +36,7 @@ interfaces! {
     column_twin_msgs Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
     column_twin_msgs Message Measurement = Measurement in "msg/Measurement.msg";
     column_twin_msgs Message RowImpactEvent = RowImpactEvent in "msg/RowImpactEvent.msg";
+    column_twin_msgs Message SecondOpinion = SecondOpinion in "msg/SecondOpinion.msg";
     column_twin_msgs Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
     column_twin_msgs Request CorrectDamage = CorrectDamageRequest in "srv/CorrectDamage.srv";
     column_twin_msgs Response CorrectDamage = CorrectDamageResponse in "srv/CorrectDamage.srv";

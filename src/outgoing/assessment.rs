@@ -4,10 +4,15 @@ use crate::assessment::{
     Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange,
 };
 use crate::column::Impact;
-use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
+use crate::messages::column_twin_msgs::{
+    AssessmentCriterion, ImpactReport, PerMass, SecondOpinion, TwinStatus,
+};
 use crate::study::VehicleLimits;
 use crate::time::seconds;
-use crate::twin::{Assessed, Prediction, ReportOutput, Status};
+use crate::twin::{Assessed, Prediction, ReportOutput, Status, Striking};
+
+/// Why a prediction has no second opinion.
+const NOT_PREDICTED: &str = "no second opinion: a prediction is that of the two bars alone";
 
 /// Why a column has to be inspected whose state file could not be used.
 const UNKNOWN_DAMAGE: &str = "the state file with the damage from before could not be used, so the column may have more damage \
@@ -21,7 +26,8 @@ impl From<&ReportOutput> for ImpactReport {
             dt: seconds(output.step_nanos),
             compute_time: output.compute_time,
             ..Self::from(&output.report)
-                .of_impact(&output.striking.vehicle, &output.striking.impact)
+                .struck_by(&output.striking)
+                .with_opinion(&output.opinion, output.assessed.as_deref())
                 .assessed(output.assessed.as_deref())
                 .ranged(output.range.as_deref())
         }
@@ -36,8 +42,9 @@ impl From<&Prediction> for ImpactReport {
             error_estimate: prediction.error_estimate.unwrap_or(f64::NAN),
             dt: seconds(prediction.step_nanos),
             compute_time: prediction.compute_time,
+            beam: SecondOpinion::none(NOT_PREDICTED),
             ..Self::from(&prediction.report)
-                .of_impact(&prediction.striking.vehicle, &prediction.striking.impact)
+                .struck_by(&prediction.striking)
                 .assessed(prediction.assessed.as_deref())
         }
     }
@@ -46,21 +53,37 @@ impl From<&Prediction> for ImpactReport {
 impl ImpactReport {
     /// The prediction of an impact that was simulated without a twin. Leaves header, column and event empty.
     #[must_use]
-    pub fn evaluated(evaluation: &ImpactEvaluation, vehicle: &str, impact: &Impact) -> Self {
+    pub fn evaluated(
+        evaluation: &ImpactEvaluation,
+        vehicle: &str,
+        impact: &Impact,
+        direction: f64,
+    ) -> Self {
         let assessed = evaluation.remaining.zip(evaluation.assessment.clone());
         let assessed = assessed.map(|(remaining, assessment)| Assessed {
             remaining,
             assessment,
+            second_opinion: None,
         });
         Self {
             kind: Self::PREDICTION,
             error_estimate: evaluation.error_estimate.unwrap_or(f64::NAN),
             dt: evaluation.step,
             ..Self::from(&evaluation.report)
-                .of_impact(vehicle, impact)
+                .of_impact(vehicle, impact.mass, impact.velocity, direction)
                 .assessed(assessed.as_ref())
                 .ranged(evaluation.range.as_ref().map(|it| &it.ends))
         }
+    }
+
+    /// The report with what hit the column.
+    pub(super) fn struck_by(self, striking: &Striking) -> Self {
+        self.of_impact(
+            &striking.vehicle,
+            striking.impact.mass,
+            striking.velocity(),
+            striking.direction(),
+        )
     }
 
     /// The report with its assessment; without one the action is unknown.
@@ -186,6 +209,7 @@ impl<'a> Numbers<'a> {
         let Some(Assessed {
             remaining,
             assessment,
+            ..
         }) = assessed
         else {
             return Self {

@@ -19,6 +19,7 @@ mod descriptions;
 mod estimate;
 mod joint_states;
 mod markers;
+mod second_opinion;
 #[cfg(feature = "live")]
 mod tap;
 mod withdrawn;
@@ -38,8 +39,8 @@ use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
-    DamageCorrection, Journal, Lengths, Output, RangedReport, RejectionCode, ReportOutput,
-    RestingColumn, StateOutput, Status, TwinPhase, WithdrawnForecast,
+    DamageCorrection, Journal, Lengths, Output, RejectionCode, ReportOutput, RestingColumn,
+    StateOutput, Status, SupplementedReport, TwinPhase, WithdrawnForecast,
 };
 #[cfg(feature = "viewer")]
 pub(crate) use assessment::action_code;
@@ -273,10 +274,12 @@ impl Outgoing {
                     self.report(report, ImpactReport::RESULT),
                 ));
             }
-            Output::Ranged(RangedReport { report, is_result }) => put(match is_result {
-                true => Message::ImpactReport(self.report(report, ImpactReport::RESULT)),
-                false => Message::ImpactForecast(self.report(report, ImpactReport::FORECAST)),
-            }),
+            Output::Supplemented(SupplementedReport { report, is_result }) => {
+                put(match is_result {
+                    true => Message::ImpactReport(self.report(report, ImpactReport::RESULT)),
+                    false => Message::ImpactForecast(self.report(report, ImpactReport::FORECAST)),
+                })
+            }
             Output::Withdrawn(withdrawn) => {
                 put(Message::ImpactForecast(self.withdrawn(withdrawn)));
             }

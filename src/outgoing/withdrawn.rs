@@ -1,7 +1,7 @@
 //! A forecast that no longer holds, or that will never be there, as a message.
 
 use crate::column::{HINGES, WEBS};
-use crate::messages::column_twin_msgs::{BaseForces, ImpactReport, PerHinge};
+use crate::messages::column_twin_msgs::{BaseForces, ImpactReport, PerHinge, SecondOpinion};
 use crate::twin::{ForecastEnd, WithdrawnForecast};
 
 impl ImpactReport {
@@ -47,6 +47,7 @@ impl ImpactReport {
             residual_capacity: f64::NAN,
             capacity_ratio: f64::NAN,
             reserve: f64::NAN,
+            beam: SecondOpinion::none(reason),
             action: Self::ACTION_UNKNOWN,
             action_reason: reason.to_owned(),
             range_least: Self::ACTION_UNKNOWN,
@@ -74,8 +75,7 @@ impl From<&WithdrawnForecast> for ImpactReport {
         };
         Self {
             error_estimate: error_estimate.unwrap_or(f64::NAN),
-            ..Self::without_results(kind, end_code(*end), reason)
-                .of_impact(&impact.striking.vehicle, &impact.striking.impact)
+            ..Self::without_results(kind, end_code(*end), reason).struck_by(&impact.striking)
         }
     }
 }

@@ -358,7 +358,7 @@ impl Gathered {
         // Whatever else is accepted may change the column.
         self.critical_velocities = match &record.command {
             Command::CriticalVelocities { vehicles } => Some(Arc::clone(vehicles)),
-            Command::VerdictRange(_) => self.critical_velocities.take(),
+            Command::SecondOpinion(_) | Command::VerdictRange(_) => self.critical_velocities.take(),
             _ => None,
         };
         let is_at_rest = record.position.step.is_none() && !record.taken_back;
@@ -431,7 +431,8 @@ impl Gathered {
                 gap: Some(impact.gap),
                 restitution: Some(impact.restitution),
                 height: None,
-                direction: None,
+                // The sensors say what happened in the plane of the two bars.
+                direction: Some(0.0),
             },
         };
         if earlier.is_none() {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::twin::{Command, Journal, Notice, Output, Rejected, RejectedInput};
+use crate::twin::{BeamResult, Command, Journal, Notice, Output, Rejected, RejectedInput};
 
 use super::live_columns::LiveColumns;
 use super::notice_log::log;
@@ -65,9 +65,10 @@ impl OutputLog {
                 it.event_id,
                 it.compute_time
             ),
-            Output::Ranged(it) => tracing::debug!(
-                "range of the verdict on impact {:?}{of}: {:?}",
+            Output::Supplemented(it) => tracing::debug!(
+                "impact {:?}{of} once more: second opinion {:?}, range of the verdict {:?}",
                 it.report.event_id,
+                it.report.opinion,
                 it.report.range
             ),
             Output::Status(status) => tracing::debug!("status{of}: {:?}", status.phase),
@@ -90,6 +91,10 @@ impl OutputLog {
                     Command::CriticalVelocities { vehicles } => {
                         format!("critical velocities of {} vehicles", vehicles.len())
                     }
+                    Command::SecondOpinion(found) => match &**found {
+                        BeamResult::Answer(_) => "second opinion".to_owned(),
+                        BeamResult::None(reason) => reason.to_string(),
+                    },
                     Command::VerdictRange(range) => format!("range of the verdict: {range}"),
                     Command::Estimate(it) => format!("estimate {} of {:?}", it.update, it.event_id),
                     Command::DecideEstimate(it) => match it.accept {

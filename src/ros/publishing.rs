@@ -237,7 +237,7 @@ impl Publishing {
             | Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
-            | Output::Ranged(_)
+            | Output::Supplemented(_)
             | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)

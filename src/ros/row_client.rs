@@ -135,6 +135,7 @@ fn event(options: &RowImpactOptions) -> RowImpactEvent {
         gap,
         restitution,
         height,
+        direction,
         column_id: _,
     } = options.request.event(String::new());
     RowImpactEvent {
@@ -146,6 +147,7 @@ fn event(options: &RowImpactOptions) -> RowImpactEvent {
         gap,
         restitution,
         height,
+        direction,
         column_ids: options.column_ids.clone(),
         offsets: options.offsets.clone(),
         distances: options.distances.clone(),

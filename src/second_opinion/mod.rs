@@ -22,10 +22,14 @@
 // - criteria.rs: What the criteria of a verdict need of the beam
 // - opinion.rs: What the beam says of an impact beside the two bars, and where its verdict counts
 
+mod answer;
 mod beam;
 mod criteria;
 mod opinion;
 
+pub use answer::{BeamAnswer, BeamTask};
 pub use beam::{NoSecondOpinion, beam_column};
-pub use column_beam::{BeamColumn, BeamError, BeamModel, BeamOutcome, Hit, Outcome as BeamEnd};
+pub use column_beam::{
+    BeamColumn, BeamError, BeamModel, BeamOutcome, Damage as BeamDamage, Hit, Outcome as BeamEnd,
+};
 pub use opinion::{BAND, Evaluated, SecondOpinion, WhyItCounts, evaluate};

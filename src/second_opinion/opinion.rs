@@ -2,15 +2,18 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use column_beam::{BeamModel, BeamOutcome, Hit, Outcome as BeamEnd, is_in_plane};
+use column_beam::{BeamOutcome, Outcome as BeamEnd, is_in_plane};
+use serde::{Deserialize, Serialize};
 
-use super::beam::{NoSecondOpinion, beam_column};
+use super::answer::{BeamAnswer, BeamTask};
+use super::beam::NoSecondOpinion;
 use super::criteria::input_of;
 use crate::assessment::{
-    Action, ActionRange, Assessment, ImpactEvaluation, ResidualCapacity, assess, respond_and_rest,
+    Action, ActionRange, Assessment, AssessmentInput, ImpactEvaluation, OtherModel,
+    ResidualCapacity, assess, respond_and_rest,
 };
 use crate::column::{Outcome, Report, SimulationError, share_in_plane};
-use crate::parameters::{BeamMode, BowAxes, Parameters, readable};
+use crate::parameters::{BeamMode, Parameters, readable};
 
 /// Factor by which the peak displacements of both models may differ, up or down, before the verdict of the beam counts for that
 /// reason. Where nothing yields, the phase of the vibration alone makes a difference of 15 %.
@@ -23,7 +26,8 @@ const LEAST_SHARE: f64 = 1e-3;
 const SHEAR_GOVERNS: f64 = 1e-3;
 
 /// What the beam says of an impact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SecondOpinion {
     /// What it has computed.
     pub beam: BeamOutcome,
@@ -37,13 +41,17 @@ pub struct SecondOpinion {
     /// Why its verdict counts; empty where that of the two bars stands alone.
     pub counts: Vec<WhyItCounts>,
     /// Its verdict by the criteria that the two bars are judged with; `None` without the capacities of the two bars.
+    // It follows from the rest.
+    #[serde(skip)]
     pub assessment: Option<Assessment>,
     /// Whether its verdict is the one that holds, because it counts and is more severe.
+    #[serde(skip)]
     pub decides: bool,
 }
 
 /// Why the verdict of the beam counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum WhyItCounts {
     /// `beam.mode` is `governing`.
     Governing,
@@ -111,46 +119,50 @@ impl SecondOpinion {
         report: &Report,
         remaining: Option<ResidualCapacity>,
     ) -> Result<Self, NoSecondOpinion> {
-        let given = &parameters.settings().beam;
-        if given.mode == BeamMode::Off {
-            return Err(NoSecondOpinion::SwitchedOff);
-        }
-        let hit = Hit {
-            impact: parameters.whole_impact(),
-            direction: parameters.direction(),
-        };
-        let column = beam_column(parameters)?;
-        let model = BeamModel::new(&column)?;
-        let (beam, damage) = model.simulate(&hit, None)?;
-        let capacity = match given.bow_axes {
-            BowAxes::Strong => [beam.undamaged_capacity_n[0], beam.residual_capacity_n[0]],
-            BowAxes::Weak => [beam.undamaged_capacity_n[1], beam.residual_capacity_n[1]],
-            BowAxes::Both => {
-                let undamaged = model.capacity_bowed(column.bows());
-                let left = match (beam.outcome, &damage) {
-                    (BeamEnd::Elastic, _) => undamaged,
-                    (BeamEnd::Plastic, Some(damage)) => model.capacity_left(column.bows(), damage),
-                    _ => 0.0,
-                };
-                [undamaged, left]
-            }
-        };
-        let ratio = beam.max_displacement_m / report.max_v1;
-        let is_seen = share_in_plane(hit.direction) > LEAST_SHARE && ratio.is_finite();
+        let task = BeamTask::of_parameters(parameters)?;
+        let answer = task.compute()?;
+        let mut opinion = Self::new(&answer, task.direction(), parameters, report);
+        opinion.assessment = remaining
+            .and_then(|remaining| input_of(parameters, report, remaining))
+            .map(|input| assess(&opinion.seen_by_the_beam(&input)));
+        Ok(opinion)
+    }
+
+    /// What this answer of the beam to a hit in this direction \[rad\] says beside the report of the two bars; its verdict is still
+    /// to be found.
+    #[must_use]
+    pub fn new(
+        answer: &BeamAnswer,
+        direction: f64,
+        parameters: &Parameters,
+        report: &Report,
+    ) -> Self {
+        let ratio = answer.beam.max_displacement_m / report.max_v1;
+        let is_seen = share_in_plane(direction) > LEAST_SHARE && ratio.is_finite();
         let mut opinion = Self {
-            beam,
-            direction: hit.direction,
-            capacity,
+            beam: answer.beam,
+            direction,
+            capacity: answer.capacity,
             ratio_to_two_bars: is_seen.then_some(ratio),
             counts: Vec::new(),
             assessment: None,
             decides: false,
         };
-        opinion.counts = opinion.why(given.mode, report);
-        opinion.assessment = remaining
-            .and_then(|remaining| input_of(parameters, report, remaining, &opinion.beam, capacity))
-            .map(|input| assess(&input));
-        Ok(opinion)
+        opinion.counts = opinion.why(parameters.settings().beam.mode, report);
+        opinion
+    }
+
+    /// The same opinion with its verdict, by all on which the verdict of the two bars depends; where it counts and is more severe,
+    /// that of the two bars becomes it.
+    #[must_use]
+    pub fn weighed(&self, input: &AssessmentInput, bars: &mut Assessment) -> Self {
+        let mut opinion = Self {
+            assessment: Some(assess(&self.seen_by_the_beam(input))),
+            decides: false,
+            ..self.clone()
+        };
+        opinion.weigh(bars, None);
+        opinion
     }
 
     /// Makes the verdict of the two bars, and its range, the more severe one of both, where that of the beam counts.
@@ -191,6 +203,21 @@ impl SecondOpinion {
         .into_iter()
         .filter_map(|(why, holds)| holds.then_some(why))
         .collect()
+    }
+
+    /// All on which its verdict depends, from that of the two bars.
+    fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
+        let beam = &self.beam;
+        let stands = beam.outcome != BeamEnd::Collapse;
+        let residual = libm::hypot(beam.residual_displacement_m, beam.residual_sideways_m);
+        bars.by_another_model(&OtherModel {
+            collapsed: !stands,
+            yielded: beam.outcome != BeamEnd::Elastic,
+            residual: stands.then_some(residual),
+            peak: libm::hypot(beam.max_displacement_m, beam.max_sideways_m),
+            capacity: self.capacity,
+            base_shear: beam.base_shear_n,
+        })
     }
 
     /// Whether the vehicle travels out of the plane of the two bars.

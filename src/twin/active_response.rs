@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::assessed::{Assessed, LastImpact};
 use super::begun_impact::BegunImpact;
 use super::forecast::Forecast;
+use super::opinion_state::KnownBeamDamage;
 use super::output::{Output, Outputs, StateOutput, StrikingVehicle};
 use super::plant::Plant;
 use super::status::{Lengths, TwinPhase};
@@ -24,6 +25,8 @@ pub(super) struct ActiveResponse {
     pub silent_until: Option<Nanos>,
     /// The range of the verdict in the forecast, once it is known.
     pub range: Option<Arc<VerdictRange>>,
+    /// The damage that the beam leaves, once it is known.
+    pub beam_after: Option<KnownBeamDamage>,
 }
 
 /// A response that is over.
@@ -45,6 +48,8 @@ pub(super) struct BeforeResponse {
     pub assessed: Option<Arc<Assessed>>,
     /// The impact before.
     pub last_impact: Option<LastImpact>,
+    /// The damage as the beam knew it.
+    pub beam: KnownBeamDamage,
 }
 
 impl ActiveResponse {

@@ -12,6 +12,7 @@ use crate::assessment::{
 };
 use crate::column::{Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport};
 use crate::parameters::Parameters;
+use crate::second_opinion::SecondOpinion;
 
 /// Increments of a push-down between two looks at the budget.
 const INCREMENTS: u64 = 16;
@@ -35,6 +36,9 @@ pub struct LastImpact {
     /// What it and the impacts before it have put into the base; `None` in states of programs that know no connections.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<BaseDemand>,
+    /// What the beam says of it; `None` where there is no second opinion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_opinion: Option<Arc<SecondOpinion>>,
     /// Whether its response was computed to its end. Otherwise the damage may be more than is known, and nothing is assessed.
     pub is_complete: bool,
 }
@@ -48,12 +52,16 @@ impl LastImpact {
         base_before: Option<&BaseDemand>,
     ) -> Self {
         Self {
-            impact: AssessedImpact::from(&striking.impact),
+            impact: AssessedImpact {
+                direction: striking.direction(),
+                ..AssessedImpact::from(&striking.impact)
+            },
             max_v1: report.max_v1,
             utilisation: Some(Utilisation::of_report(report)),
             vehicle: report.vehicle,
             error_estimate,
             base: Some(BaseDemand::of(report).after(base_before)),
+            second_opinion: None,
             is_complete: report.end != End::NotConverged,
         }
     }
@@ -64,8 +72,10 @@ impl LastImpact {
 pub struct Assessed {
     /// Undamaged and present capacity, and what they mean for the load.
     pub remaining: ResidualCapacity,
-    /// Action and criteria.
+    /// Action and criteria, by both models where there is a second opinion.
     pub assessment: Assessment,
+    /// The second opinion with its verdict; `None` where there is none, or not yet.
+    pub second_opinion: Option<Arc<SecondOpinion>>,
 }
 
 /// Capacities of a column: undamaged, and as it is.
@@ -212,10 +222,29 @@ pub(super) fn assessed(
         let utilisation = last.utilisation.into_iter().chain(input.utilisation);
         input.utilisation = utilisation.reduce(Utilisation::or_larger);
     }
+    let mut assessment = assess(&input);
+    let opinion = last.and_then(|last| last.second_opinion.as_ref());
     Arc::new(Assessed {
         remaining,
-        assessment: assess(&input),
+        second_opinion: opinion.map(|it| Arc::new(it.weighed(&input, &mut assessment))),
+        assessment,
     })
+}
+
+/// The same assessment after the last impact has got its second opinion.
+pub(super) fn assessed_again(
+    known: &Assessed,
+    parameters: &Parameters,
+    at_rest: &Plant,
+    last: &LastImpact,
+) -> Arc<Assessed> {
+    let ResidualCapacity { undamaged, now, .. } = known.remaining;
+    assessed(
+        parameters,
+        at_rest,
+        Some(last),
+        &Capacities { undamaged, now },
+    )
 }
 
 /// The assessment of a column at rest, computed at once; `None` if the column or its last response cannot be computed. The undamaged capacity is kept

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::assessed::Assessed;
+use super::opinion_state::OpinionState;
 use super::output::ReportOutput;
 use super::striking::Striking;
 use crate::assessment::BaseDemand;
@@ -23,6 +24,8 @@ pub(super) struct BegunImpact {
     pub step_nanos: u64,
     /// What earlier impacts have put into the base.
     pub base_before: Option<BaseDemand>,
+    /// Where the second opinion on it stands.
+    pub opinion: OpinionState,
 }
 
 impl BegunImpact {
@@ -44,6 +47,7 @@ impl BegunImpact {
             compute_time: seconds(compute_nanos),
             is_superseded: false,
             range: None,
+            opinion: self.opinion.clone(),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::damage_correction::{DamageCorrection, ResidualMeasurement};
+use super::opinion_state::BeamResult;
 use super::rejection::Rejection;
 use crate::assessment::VerdictRange;
 use crate::column::ImpactSpecification;
@@ -59,6 +60,10 @@ pub enum Command {
     /// [`Twin::range_task`](super::Twin::range_task). Forecast or report are given out once more with it. It is a command, so that
     /// the journal tells from when on.
     VerdictRange(Arc<VerdictRange>),
+    /// The second opinion on the present or the last impact is known, which another thread has computed from
+    /// [`Twin::opinion_task`](super::Twin::opinion_task). Forecast or report are given out once more with it, and with the verdict of
+    /// both models. It is a command, so that the journal tells from when on.
+    SecondOpinion(Arc<BeamResult>),
     /// What the sensors say about an impact, which another thread has computed. It is a command, so that the journal tells
     /// from when on, and what made it so.
     Estimate(Arc<EstimateRecord>),

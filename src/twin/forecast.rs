@@ -98,6 +98,10 @@ impl Forecast {
         self.predicted.as_ref()
     }
 
+    pub fn predicted_mut(&mut self) -> Option<&mut Predicted> {
+        self.predicted.as_mut()
+    }
+
     pub fn take_predicted(&mut self) -> Option<Predicted> {
         self.predicted.take()
     }

@@ -28,8 +28,11 @@
 //!   under way.
 //! - Critical velocities belong to one column at rest with one assessment and one set of parameters; they are forgotten when
 //!   any of these changes, and not shown during a response.
-//! - The range of a verdict belongs to one impact on a column at rest without damage. It is computed behind the forecast, and
-//!   forecast or report are given out once more with it ([`Output::Ranged`]). It is not awaited any more once another impact, a
+//! - The second opinion of the fibre beam on an impact on a column at rest is computed behind the forecast. With it, forecast or
+//!   report are given out once more ([`Output::Supplemented`]), and the assessment is that of both models from then on. The beam has
+//!   a damage of its own; from the first impact on that it does not see through to its end, there is no second opinion until a reset.
+//! - The range of a verdict belongs to one impact on a column at rest without damage. It is computed behind the second opinion, and
+//!   forecast or report are given out once more with it. It is not awaited any more once another impact, a
 //!   reset, a correction of the damage or a change of parameters comes.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
 //!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
@@ -96,6 +99,8 @@ mod forecast;
 mod journal;
 mod judged_impact;
 mod lifecycle;
+mod opinion;
+mod opinion_state;
 mod output;
 mod parameter_set;
 mod plant;
@@ -125,9 +130,12 @@ pub use judged_impact::JudgedImpact;
 #[cfg(feature = "record")]
 pub(crate) use lifecycle::vehicle_name;
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
+pub use opinion::OpinionTask;
+pub use opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
 pub use output::{
     EstimateOutput, ForecastEnd, MergedEvent, Notice, NoticeLevel, Output, Outputs,
-    ParametersChanged, RangedReport, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
+    ParametersChanged, ReportOutput, StateOutput, StrikingVehicle, SupplementedReport,
+    WithdrawnForecast,
 };
 pub use plant::Condition;
 #[cfg(all(test, feature = "record"))]

@@ -7,6 +7,7 @@ use super::command::Accepted;
 use super::damage_correction::DamageCorrection;
 use super::estimates::Decision;
 use super::journal::Journal;
+use super::opinion_state::OpinionState;
 use super::registry::Rejected;
 use super::saved_state::SavedState;
 use super::status::Lengths;
@@ -29,8 +30,8 @@ pub enum Output {
     Forecast(ReportOutput),
     /// What an impact has done; `stamp` is the event's.
     Report(ReportOutput),
-    /// A forecast or a report once more, now that the range of its verdict is known.
-    Ranged(RangedReport),
+    /// A forecast or a report once more, now that the second opinion on it or the range of its verdict is known.
+    Supplemented(SupplementedReport),
     /// The forecast of an accepted impact no longer holds, or there will be none; in both cases no report follows.
     Withdrawn(WithdrawnForecast),
     /// What the sensors say about an impact: with every estimate, and when it was decided whether it is an impact of the twin.
@@ -106,12 +107,15 @@ pub struct ReportOutput {
     pub is_superseded: bool,
     /// Between which actions the verdict lies; `None` where it is not known, or not yet.
     pub range: Option<Arc<VerdictRange>>,
+    /// Where the second opinion stands: once it is known, `assessed` has it.
+    pub opinion: OpinionState,
 }
 
-/// A forecast or a result with the range of its verdict. Nothing else differs from what was given out before.
+/// A forecast or a result with what was computed behind it: the second opinion, and with it the verdict of both models, or the range
+/// of the verdict. Nothing else differs from what was given out before.
 #[derive(Debug, Clone)]
-pub struct RangedReport {
-    /// With the range.
+pub struct SupplementedReport {
+    /// With it.
     pub report: ReportOutput,
     /// Whether it is a result.
     pub is_result: bool,

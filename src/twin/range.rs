@@ -12,9 +12,9 @@ use super::active_response::ActiveResponse;
 use super::assessed::Assessed;
 use super::begun_impact::BegunImpact;
 use super::judged_impact::JudgedImpact;
+use super::opinion_state::{KnownBeamDamage, OpinionState};
 use super::output::ReportOutput;
 use super::plant::{Condition, Plant};
-use super::striking::Striking;
 use crate::assessment::{Action, ActionRange, VerdictRange};
 use crate::column::{ColumnProperties, Impact};
 use crate::parameters::Parameters;
@@ -77,7 +77,7 @@ impl RangeTask {
     }
 }
 
-/// The last impact with the range of its verdict.
+/// The last impact with what was computed behind its verdict.
 #[derive(Debug)]
 pub(super) struct Judged {
     pub impact: JudgedImpact,
@@ -86,9 +86,15 @@ pub(super) struct Judged {
 }
 
 impl Judged {
-    /// Of a response that has ended with this report; `None` if its verdict has no range.
-    pub fn new(response: &ActiveResponse, output: &ReportOutput) -> Option<Box<Self>> {
-        if !has_range(&response.before) || output.assessed.is_none() {
+    /// Of a response that has ended with this report; `None` if its verdict has neither a range nor a second opinion.
+    pub fn new(
+        response: &ActiveResponse,
+        output: &ReportOutput,
+        beam_before: &KnownBeamDamage,
+    ) -> Option<Box<Self>> {
+        let has_range = has_range(&response.before);
+        let has_opinion = !matches!(output.opinion, OpinionState::None(_));
+        if !(has_range || has_opinion) || output.assessed.is_none() {
             return None;
         }
         let ReportOutput {
@@ -100,6 +106,7 @@ impl Judged {
             step_nanos,
             compute_time,
             range,
+            opinion,
             ..
         } = output.clone();
         Some(Box::new(Self {
@@ -108,10 +115,17 @@ impl Judged {
                 event_id,
                 vehicle: striking.vehicle,
                 impact: striking.impact,
+                travel: striking.travel,
                 report,
                 error_estimate,
                 step_nanos,
+                has_range,
                 range,
+                opinion,
+                beam_before: match has_opinion {
+                    true => beam_before.clone(),
+                    false => KnownBeamDamage::Undamaged,
+                },
             },
             compute_time,
         }))
@@ -130,10 +144,7 @@ impl Judged {
         ReportOutput {
             stamp: it.stamp,
             event_id: Arc::clone(&it.event_id),
-            striking: Striking {
-                vehicle: Arc::clone(&it.vehicle),
-                impact: it.impact,
-            },
+            striking: it.striking(),
             report: it.report,
             assessed,
             error_estimate: it.error_estimate,
@@ -141,6 +152,7 @@ impl Judged {
             compute_time: self.compute_time,
             is_superseded: false,
             range: it.range.clone(),
+            opinion: it.opinion.clone(),
         }
     }
 }
@@ -155,7 +167,8 @@ fn has_range(before: &Plant) -> bool {
 impl ActiveResponse {
     /// The assessment in the complete forecast, if the range of that is not known yet.
     pub(super) fn assessed_without_range(&self) -> Option<&Arc<Assessed>> {
-        if self.range.is_some() || self.forecast.is_running() || !has_range(&self.before) {
+        let is_ready = self.impact.opinion != OpinionState::Awaited && !self.forecast.is_running();
+        if self.range.is_some() || !is_ready || !has_range(&self.before) {
             return None;
         }
         self.forecast.predicted()?.assessed.as_ref()
@@ -178,8 +191,8 @@ impl ActiveResponse {
         ))
     }
 
-    /// The forecast with the range of its verdict.
-    pub(super) fn ranged_forecast(&self) -> Option<ReportOutput> {
+    /// The forecast with what was computed behind it.
+    pub(super) fn supplemented_forecast(&self) -> Option<ReportOutput> {
         let predicted = self.forecast.predicted()?;
         Some(ReportOutput {
             range: self.range.clone(),

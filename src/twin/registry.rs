@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
 use super::damage_correction::DamageCorrection;
+use super::opinion_state::KnownBeamDamage;
 use super::rejection::{Rejection, RejectionCode, truncated};
 use super::seen_ids::SeenIds;
 use super::striking::Striking;
@@ -60,6 +61,9 @@ pub struct Life {
     pub corrections_since_reset: u32,
     /// The last of them.
     pub last_correction: Option<DamageCorrection>,
+    /// The damage as the beam knows it.
+    #[serde(default, skip_serializing_if = "KnownBeamDamage::is_undamaged")]
+    pub beam: KnownBeamDamage,
     /// Whether the column may have a damage that the twin does not know, because its state file could not be used.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_damage_unknown: bool,

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::assessed::LastImpact;
 use super::damage_correction::DamageCorrection;
+use super::opinion_state::KnownBeamDamage;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
@@ -63,6 +64,9 @@ pub struct SavedState {
     /// The last of them; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_correction: Option<DamageCorrection>,
+    /// The damage as the beam knows it.
+    #[serde(default, skip_serializing_if = "KnownBeamDamage::is_undamaged")]
+    pub beam: KnownBeamDamage,
     /// Whether the column may have a further damage, because an earlier state file could not be used; until the next reset.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_damage_unknown: bool,
@@ -144,6 +148,7 @@ impl SavedState {
             last_impact,
             corrections_since_reset,
             last_correction,
+            beam,
             is_damage_unknown,
         } = registry.life.clone();
         Self {
@@ -163,6 +168,7 @@ impl SavedState {
             last_impact,
             corrections_since_reset,
             last_correction,
+            beam,
             is_damage_unknown,
             seen_ids: registry.seen_ids(),
         }
@@ -178,6 +184,10 @@ impl SavedState {
             last_impact: self.last_impact.clone(),
             corrections_since_reset: self.corrections_since_reset,
             last_correction: self.last_correction,
+            beam: match (&self.beam, self.has_yielded()) {
+                (KnownBeamDamage::Undamaged, true) => KnownBeamDamage::not_saved(),
+                (known, _) => known.clone(),
+            },
             is_damage_unknown: self.is_damage_unknown,
         }
     }
@@ -188,6 +198,11 @@ impl SavedState {
     /// The column is impossible.
     pub(super) fn plant(&self, properties: &ColumnProperties) -> Result<Plant, ModelError> {
         Plant::restored(properties, &self.standing(), self.condition.clone())
+    }
+
+    /// Whether a hinge or a web of the two bars has yielded.
+    fn has_yielded(&self) -> bool {
+        self.plastic != PerBar::<PlasticFlow>::default() || self.webs.is_some()
     }
 
     /// The column at rest that was saved.

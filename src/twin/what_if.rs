@@ -1,6 +1,6 @@
 //! What an impact would do to the column as it is: a snapshot of the twin that answers without touching it.
 
-use super::striking::Striking;
+use super::striking::{Striking, Travel};
 use std::sync::Arc;
 
 use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assessed};
@@ -172,23 +172,28 @@ impl ColumnSnapshot {
         let invalid = |reason| Rejection::new(RejectionCode::VehicleInvalid, reason);
         let bumper_height = self.parameters.bumper_named(vehicle);
         let (name, vehicle) = self.vehicle_named(vehicle).map_err(invalid)?;
+        let direction = specification.direction;
+        let direction = direction.unwrap_or(self.parameters.direction());
         let directed = ImpactSpecification {
-            direction: specification
-                .direction
-                .or(Some(self.parameters.direction())),
+            direction: Some(direction),
             ..*specification
         };
         let impact = directed
             .complete(&self.parameters.whole_impact(), vehicle, bumper_height)
             .map_err(|error| invalid(error.to_string()))?;
-        self.checked(name, impact)
+        self.checked(Striking {
+            vehicle: name,
+            impact,
+            travel: Travel::of(specification.velocity, direction),
+        })
     }
 
     /// A complete impact, every number checked against the one table.
     ///
     /// # Errors
     /// All numbers that are not finite or out of range; the vehicle is too far away.
-    pub(super) fn checked(&self, vehicle: Arc<str>, impact: Impact) -> Result<Striking, Rejection> {
+    pub(super) fn checked(&self, striking: Striking) -> Result<Striking, Rejection> {
+        let impact = &striking.impact;
         // A mass that is left open is that of a deformable vehicle, which is complete by now.
         let open = (impact.mass == 0.0 || impact.mass.is_nan()).then(|| {
             let mass = impact.mass;
@@ -196,7 +201,7 @@ impl ColumnSnapshot {
         });
         let faults: Vec<_> = [
             open.or_else(|| fault_of("mass", "impact.mass", impact.mass)),
-            fault_of("velocity", "impact.velocity", impact.velocity),
+            fault_of("velocity", "impact.velocity", striking.velocity()),
             fault_of("gap", "impact.gap", impact.gap).map(with_hint_at_nan),
             fault_of("restitution", "impact.restitution", impact.restitution).map(with_hint_at_nan),
         ]
@@ -207,8 +212,8 @@ impl ColumnSnapshot {
             let faults = faults.join("; ");
             return Err(Rejection::new(RejectionCode::ImpactOutOfRange, faults));
         }
-        self.check_approach(&impact)?;
-        Ok(Striking { vehicle, impact })
+        self.check_approach(impact)?;
+        Ok(striking)
     }
 
     /// Where an impact of this vehicle meets the column \[m above the base\]: where its specification says, otherwise where the

@@ -122,7 +122,7 @@ impl ViewerItem {
             },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),
             // Notices tell in words what has happened.
-            Output::Ranged(_)
+            Output::Supplemented(_)
             | Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)

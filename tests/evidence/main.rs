@@ -26,6 +26,7 @@ mod node;
 #[path = "../../crates/recording/tests/recording/random_damage.rs"]
 mod random_damage;
 mod range;
+mod second_opinion;
 mod recomputed_estimates;
 mod recorded_twin;
 mod replayed;

@@ -303,6 +303,12 @@ impl RecordedTwin {
         self.execute(Command::CriticalVelocities { vehicles });
     }
 
+    /// The second opinion on the present or the last impact has been computed.
+    pub fn know_opinion(&mut self) {
+        let task = self.twin.opinion_task().expect("awaited");
+        self.execute(Command::SecondOpinion(task.compute()));
+    }
+
     /// The range of the verdict on the present or the last impact has been computed.
     pub fn know_range(&mut self) {
         let task = self.twin.range_task().expect("awaited");

@@ -241,7 +241,7 @@ fn the_range_of_the_verdict_follows_the_forecast_of_each_column() {
         let hit = impact(column, "a", START);
         fleet.handle.submit(column, hit).expect("room");
     }
-    let is_ranged = |output: &Output| matches!(output, Output::Ranged(_));
+    let is_ranged = |output: &Output| matches!(output, Output::Supplemented(_));
     let is_told = |output: &Output| matches!(output, Output::Status(it) if it.range.is_some());
     let mut now = START;
     let ranges = of_all(COLUMNS, 1, is_ranged);
@@ -264,7 +264,7 @@ fn the_range_of_the_verdict_follows_the_forecast_of_each_column() {
         let ranged: Vec<_> = received
             .iter()
             .filter_map(|it| match it {
-                Output::Ranged(it) => Some(it.report.range.clone()),
+                Output::Supplemented(it) => Some(it.report.range.clone()),
                 _ => None,
             })
             .collect();

@@ -27,6 +27,7 @@ fn row(columns: &[&str]) -> RowImpactEvent {
         gap: f64::NAN,
         restitution: f64::NAN,
         height: f64::NAN,
+        direction: f64::NAN,
         column_ids: columns.iter().map(|it| (*it).to_owned()).collect(),
         offsets: Vec::new(),
         distances: vec![5.0; columns.len()],

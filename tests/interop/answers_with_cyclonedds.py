@@ -40,6 +40,7 @@ class ImpactEvent(IdlStruct, typename="column_twin_msgs::msg::dds_::ImpactEvent_
     gap: types.float64
     restitution: types.float64
     height: types.float64
+    direction: types.float64
 
 
 @dataclass
@@ -66,7 +67,7 @@ def main():
             print("sent", number, flush=True)
             events.write(ImpactEvent(
                 Header(Time(now // 10**9, now % 10**9), ""), sys.argv[1], str(number), "", 10.0, 0.5,
-                math.nan, math.nan, math.nan))
+                math.nan, math.nan, math.nan, math.nan))
         waitset.wait(duration(milliseconds=50))
         for report in reports.take(N=100):
             # Not one when the node's writer is lost.

@@ -12,6 +12,7 @@ mod parameters;
 mod range;
 mod response;
 mod second_impact;
+mod second_opinion;
 mod vehicles;
 
 use column_twin::column::ImpactSpecification;

@@ -27,7 +27,7 @@ impl Outputs for Counted {
             Output::Rejected(_) => self.rejected += 1,
             Output::Status(_) => self.statuses += 1,
             Output::Save(_) => self.saved += 1,
-            Output::Ranged(_)
+            Output::Supplemented(_)
             | Output::Withdrawn(_)
             | Output::Estimate(_)
             | Output::Replaced(_)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::assessment::{ActionRange, ImpactEvaluation, VerdictRange, respond_and_rest};
 use column_twin::parameters::Value;
 use column_twin::twin::{
-    Accepted, BackgroundTask, Checkpoint, Command, Output, RangedReport, Twin,
+    Accepted, BackgroundTask, Checkpoint, Command, Output, SupplementedReport, Twin,
 };
 
 use super::{Bench, MS, event, parameters};
@@ -21,9 +21,9 @@ fn computed(bench: &Bench) -> Arc<VerdictRange> {
     task.compute(&mut || true).expect("not abandoned")
 }
 
-fn ranged(bench: &Bench) -> Vec<&RangedReport> {
+fn ranged(bench: &Bench) -> Vec<&SupplementedReport> {
     let all = bench.out.iter().filter_map(|it| match it {
-        Output::Ranged(ranged) => Some(ranged),
+        Output::Supplemented(ranged) => Some(ranged),
         _ => None,
     });
     all.collect()

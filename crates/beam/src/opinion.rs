@@ -1,7 +1,7 @@
 //! The second opinion: an impact on a column, computed as a beam.
 
 use column_mechanics::Impact;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError};
@@ -62,8 +62,10 @@ pub struct BeamOutcome {
     /// Peak displacement at right angles to it, as a magnitude \[m\].
     pub max_sideways_m: f64,
     /// What remains along the direction \[m\]; NaN after a collapse.
+    #[serde(deserialize_with = "nan_where_null")]
     pub residual_displacement_m: f64,
-    /// What remains at right angles, as a magnitude \[m\].
+    /// What remains at right angles, as a magnitude \[m\]; NaN after a collapse.
+    #[serde(deserialize_with = "nan_where_null")]
     pub residual_sideways_m: f64,
     /// When the peak displacement is reached \[s\].
     pub max_displacement_time_s: f64,
@@ -75,7 +77,8 @@ pub struct BeamOutcome {
     pub residual_capacity_n: [f64; 2],
     /// Largest base shear along the direction, as a mean over 1 ms \[N\].
     pub base_shear_n: f64,
-    /// Estimated relative error of the peak displacement, from a run with fewer elements and longer steps.
+    /// Estimated relative error of the peak displacement, from a run with fewer elements and longer steps; NaN where it is not known.
+    #[serde(deserialize_with = "nan_where_null")]
     pub error_estimate: f64,
     /// Elements along the column.
     pub elements: usize,
@@ -85,6 +88,11 @@ pub struct BeamOutcome {
     pub evaluations: u64,
     /// Change of the whole energy over the energy of the vehicle: what the solution of the equations has lost.
     pub energy_error: f64,
+}
+
+/// JSON has no NaN, which is written as null.
+fn nan_where_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// A column prepared for hits.

@@ -1,8 +1,8 @@
-//! The one thread that computes what columns await in the background, with the lowest priority: ranges of verdicts, and the critical
-//! velocities of columns at rest.
+//! The one thread that computes what columns await in the background, with the lowest priority: second opinions, ranges of verdicts,
+//! and the critical velocities of columns at rest.
 //!
-//! Columns that differ by their names only have the same results, which are computed once. Ranges come first, then columns that
-//! have been hit. For the others, of which a fleet has many after the start, the thread takes only a part of a processor, because they
+//! Columns that differ by their names only have the same results, which are computed once. Second opinions come first, the newest before the others, then ranges, then columns
+//! that have been hit. For the others, of which a fleet has many after the start, the thread takes only a part of a processor, because they
 //! are not urgent. What a column no longer awaits is abandoned, after the response that is being computed. The solver threads and this
 //! one share queues without locks only: a thread with the lowest priority must not hold a lock that they need. A pop may spin while a
 //! push is preempted, which is rare.
@@ -109,7 +109,7 @@ impl Background {
     /// Asks for a result for a column; `None` if there is no room.
     pub fn want(&self, column: u32, task: BackgroundTask) -> Option<Arc<Wanted>> {
         let kind = task.kind();
-        let is_counted = usize::from(kind != BackgroundKind::Range);
+        let is_counted = usize::from(kind.is_of_critical_velocities());
         // Before the thread can take it out of the count.
         self.unknown.fetch_add(is_counted, Ordering::Relaxed);
         let wanted = Arc::new(Wanted {
@@ -147,14 +147,20 @@ impl Background {
 
     fn run(&self, tell: &dyn Fn()) {
         let mut found: VecDeque<(BackgroundTask, Command)> = VecDeque::new();
+        let mut opinions = Vec::new();
         let mut rested = processor_time();
         while !self.stop.load(Ordering::SeqCst) {
-            let Some(wanted) = self.wanted.iter().find_map(ArrayQueue::pop) else {
+            // The newest first: who has just been hit is looked at now.
+            while let Some(opinion) = self.wanted[BackgroundKind::SecondOpinion as usize].pop() {
+                opinions.push(opinion);
+            }
+            let others = || self.wanted.iter().find_map(ArrayQueue::pop);
+            let Some(wanted) = opinions.pop().or_else(others) else {
                 self.notifier.wait(MAX_SLEEP);
                 continue;
             };
             let command = self.result(&wanted, &mut found, &mut rested);
-            let is_counted = usize::from(wanted.task.kind() != BackgroundKind::Range);
+            let is_counted = usize::from(wanted.task.kind().is_of_critical_velocities());
             // There is room: a column wants nothing more of a queue before it has taken its result.
             let _ = self.known.push(Box::new((wanted, command)));
             self.unknown.fetch_sub(is_counted, Ordering::Relaxed);
@@ -200,8 +206,9 @@ impl Background {
             return;
         }
         let end = monotonic_nanos().saturating_add(REST * computed);
-        let [ranges, hit, _] = &self.wanted;
-        while ranges.is_empty() && hit.is_empty() && !self.stop.load(Ordering::SeqCst) {
+        let [opinions, ranges, hit, _] = &self.wanted;
+        let is_idle = || opinions.is_empty() && ranges.is_empty() && hit.is_empty();
+        while is_idle() && !self.stop.load(Ordering::SeqCst) {
             let left = end.saturating_sub(monotonic_nanos());
             if left == 0 {
                 break;

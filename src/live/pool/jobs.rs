@@ -212,10 +212,11 @@ impl Shared {
             }
         }
         let is_quiet = twin.is_quiet(now);
-        // The range of a verdict is wanted during the response already.
-        let is_range_due =
-            twin.awaits_range() && slot.wanted[BackgroundKind::Range as usize].is_none();
-        if is_quiet || is_range_due {
+        // The second opinion and the range of a verdict are wanted during the response already.
+        let is_unasked = |kind| slot.wanted[kind as usize].is_none();
+        let is_due = (twin.awaits_opinion() && is_unasked(BackgroundKind::SecondOpinion))
+            || (twin.awaits_range() && is_unasked(BackgroundKind::Range));
+        if is_quiet || is_due {
             for task in twin.background_tasks() {
                 let wanted = &mut slot.wanted[task.kind() as usize];
                 if wanted.is_none() {

@@ -295,6 +295,7 @@ impl FleetPublishing {
                     vehicle,
                     mass,
                     velocity,
+                    direction,
                     ..
                 } = impact;
                 self.send_not_recorded(
@@ -307,6 +308,7 @@ impl FleetPublishing {
                         vehicle,
                         mass,
                         velocity,
+                        direction,
                         ..ImpactReport::without_results(ImpactReport::NO_FORECAST, end, &reason)
                     }),
                 );

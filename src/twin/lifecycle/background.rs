@@ -6,10 +6,12 @@ use crate::twin::background::BackgroundTask;
 impl Twin {
     /// What is to be computed in the background, the most urgent first.
     pub fn background_tasks(&self) -> impl Iterator<Item = BackgroundTask> {
+        let opinion = self.opinion_task().map(Box::new);
+        let opinion = opinion.map(BackgroundTask::SecondOpinion);
         let range = self.range_task().map(Box::new).map(BackgroundTask::Range);
         let critical = || self.critical_velocity_task();
         let critical = std::iter::once_with(critical).flatten();
-        range.into_iter().chain(
+        opinion.into_iter().chain(range).chain(
             critical
                 .map(Box::new)
                 .map(BackgroundTask::CriticalVelocities),
@@ -20,7 +22,10 @@ impl Twin {
     #[must_use]
     pub fn awaits(&self, task: &BackgroundTask) -> bool {
         match task {
-            // One response has one range.
+            // One response has one second opinion and one range.
+            BackgroundTask::SecondOpinion(task) => {
+                self.awaits_opinion() && self.journal.responses == task.response
+            }
             BackgroundTask::Range(task) => {
                 self.awaits_range() && self.journal.responses == task.response
             }

@@ -208,7 +208,7 @@ impl Twin {
         self.registry.check_event_id(&record.event_id)?;
         check_not_ahead(stamp, now, self.parameters.current())?;
         let snapshot = self.snapshot();
-        let striking = snapshot.checked(vehicle_name(record), record.best)?;
+        let striking = snapshot.checked(striking_of(record))?;
         let height = snapshot.height_of_estimates();
         let struck = snapshot.strike(striking.impact, height)?;
         let pending = PendingImpact {
@@ -260,7 +260,7 @@ impl Twin {
             false => response.impact.stamp,
         };
         let snapshot = self.snapshot_of(before.clone());
-        let striking = snapshot.checked(vehicle_name(record), record.best)?;
+        let striking = snapshot.checked(striking_of(record))?;
         if stamp == response.impact.stamp && striking == response.impact.striking {
             return Ok(None);
         }
@@ -281,7 +281,7 @@ impl Twin {
         &mut self,
         record: &EstimateRecord,
     ) -> Result<Option<(PendingImpact, Struck)>, Rejection> {
-        let striking = self.snapshot().checked(vehicle_name(record), record.best)?;
+        let striking = self.snapshot().checked(striking_of(record))?;
         let Some(pending) = self.registry.pending_mut(&record.event_id) else {
             let reason =
                 "another impact, a reset or a change of the column has come after its response";
@@ -300,7 +300,9 @@ impl Twin {
     ) {
         let mut text = format!(
             "impact \"{}\" is replaced by its later estimate: {} kg, {} m/s",
-            pending.event_id, pending.striking.impact.mass, pending.striking.impact.velocity
+            pending.event_id,
+            pending.striking.impact.mass,
+            pending.striking.velocity()
         );
         if self.response.is_none()
             && let Some(last) = self.last.take()
@@ -309,6 +311,7 @@ impl Twin {
                 self.at_rest = before.at_rest;
                 self.assessed = before.assessed;
                 self.registry.life.last_impact = before.last_impact;
+                self.registry.life.beam = before.beam;
                 self.take_back(last.response, before.plastic_work);
             }
             self.forget_other_critical_velocities();
@@ -428,6 +431,15 @@ impl Twin {
             .reject_request(what, rejection.clone(), source, now);
         out.put(Output::Rejected(rejected));
         rejection
+    }
+}
+
+/// What hits the column according to an estimate, in the plane of the two bars, which is all that the sensors say.
+fn striking_of(record: &EstimateRecord) -> Striking {
+    Striking {
+        vehicle: vehicle_name(record),
+        impact: record.best,
+        travel: None,
     }
 }
 

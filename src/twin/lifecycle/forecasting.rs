@@ -84,6 +84,7 @@ impl Twin {
             let mut saved = self.saved_state_of(&expected, now);
             saved.plastic_work_since_reset += plastic_work;
             saved.last_impact = Some(last);
+            saved.beam = saved.beam.while_awaited(&expected);
             // Before the forecast, so that who has it finds the damage after a crash.
             out.put(Output::Save(Arc::new(saved)));
             if let Some(response) = &mut self.response {

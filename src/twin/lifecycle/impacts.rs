@@ -230,6 +230,7 @@ impl Twin {
             ..
         } = pending;
         self.withdraw_unknown_range();
+        let opinion = self.opinion_at_the_beginning(&before, &struck, &striking);
         self.registry.life.last_event_id = Arc::clone(&event_id);
         self.journal.responses += 1;
         let period = 1e9 / self.parameters.current().settings().publish_rate;
@@ -248,12 +249,14 @@ impl Twin {
                 parameters,
                 step_nanos: struck.model.properties.step_nanos,
                 base_before: self.registry.life.base_before(),
+                opinion,
             },
             before,
             timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
             forecast: Forecast::new(ahead),
             silent_until: None,
             range: None,
+            beam_after: None,
         }));
         self.status.set_changed();
     }

@@ -23,6 +23,7 @@ mod forecasting;
 mod impacts;
 mod reconfiguration;
 mod reproduction;
+mod second_opinion;
 mod verdict_range;
 
 #[cfg(feature = "record")]
@@ -37,6 +38,7 @@ use super::critical::KnownCriticalVelocities;
 use super::estimates::Estimates;
 use super::forecast::{Predicted, SupersededForecasts};
 use super::journal::{Journal, JournalClock, StatusRecord};
+use super::opinion_state::OpinionState;
 use super::output::{NoticeLevel, Output, Outputs, ReportOutput, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
@@ -263,6 +265,7 @@ impl Twin {
                 Ok(Accepted::Applied)
             }
             Command::CriticalVelocities { vehicles } => Ok(self.take_critical_velocities(vehicles)),
+            Command::SecondOpinion(found) => Ok(self.take_opinion(found)),
             Command::VerdictRange(range) => Ok(self.take_range(range)),
             Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
             Command::DecideEstimate(decision) => {
@@ -281,13 +284,17 @@ impl Twin {
             }
         };
         let rejection = result.as_ref().err().cloned();
-        let has_range = matches!(command, Command::VerdictRange(_))
-            && result.as_ref().is_ok_and(|it| *it == Accepted::Applied);
+        let is_applied = result.as_ref().is_ok_and(|it| *it == Accepted::Applied);
+        let has_opinion = is_applied && matches!(command, Command::SecondOpinion(_));
+        let has_range = is_applied && matches!(command, Command::VerdictRange(_));
         out.put(Output::Journal(
             self.journal.command(command, rejection, position, now),
         ));
         self.superseded.put_withdrawn(out);
         self.put_estimate(out);
+        if has_opinion {
+            self.put_opinion(now, out);
+        }
         if has_range {
             self.put_ranged(now, out);
         }
@@ -487,14 +494,18 @@ impl Twin {
             .take_predicted()
             .filter(|it| it.report == report);
         let error_estimate = predicted.as_ref().and_then(|it| it.error_estimate);
-        let last = LastImpact::new(
+        let mut last = LastImpact::new(
             &response.impact.striking,
             &report,
             error_estimate,
             response.impact.base_before.as_ref(),
         );
         let assessed = match predicted {
-            Some(predicted) => predicted.assessed,
+            Some(predicted) => {
+                let opinion = predicted.assessed.as_ref();
+                last.second_opinion = opinion.and_then(|it| it.second_opinion.clone());
+                predicted.assessed
+            }
             None => assess_at_once(
                 &response.impact.parameters,
                 &settled,
@@ -511,7 +522,14 @@ impl Twin {
                 response.timeline.compute_nanos(),
             )
         };
-        let judged = Judged::new(&response, &output);
+        let beam_before = &self.registry.life.beam;
+        let judged = Judged::new(&response, &output, beam_before);
+        response
+            .beam_after
+            .get_or_insert_with(|| match &response.impact.opinion {
+                OpinionState::None(reason) => beam_before.without_opinion(&settled, reason),
+                OpinionState::Awaited | OpinionState::Known => beam_before.while_awaited(&settled),
+            });
         out.put(Output::Report(output));
         out.verdict(
             "result",
@@ -569,9 +587,13 @@ impl Twin {
     ) {
         let added = response.timeline.plant().state.ledger.plastic_work;
         self.solver.newton_iterations += response.newton_iterations();
+        let life = &mut self.registry.life;
+        let beam = response.beam_after.clone();
+        let beam = beam.unwrap_or_else(|| life.beam.clone());
         self.last = Some(LastResponse {
             response,
             before: Some(Box::new(BeforeResponse {
+                beam: std::mem::replace(&mut life.beam, beam),
                 plastic_work: self.registry.life.plastic_work_since_reset,
                 at_rest: std::mem::replace(&mut self.at_rest, settled),
                 assessed: self.assessed.clone(),

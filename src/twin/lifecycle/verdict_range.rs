@@ -6,7 +6,8 @@ use super::Twin;
 use crate::assessment::VerdictRange;
 use crate::time::Nanos;
 use crate::twin::command::Accepted;
-use crate::twin::output::{NoticeLevel, Output, Outputs, RangedReport};
+use crate::twin::opinion_state::OpinionState;
+use crate::twin::output::{NoticeLevel, Output, Outputs, SupplementedReport};
 use crate::twin::range::RangeTask;
 
 impl Twin {
@@ -21,7 +22,10 @@ impl Twin {
 
     fn has_unknown_range(&self) -> bool {
         let judged = self.judged.as_ref();
-        judged.is_some_and(|it| it.impact.range.is_none())
+        judged.is_some_and(|it| {
+            let it = &it.impact;
+            it.has_range && it.range.is_none() && it.opinion != OpinionState::Awaited
+        })
     }
 
     /// What is to be computed before [`Command::VerdictRange`](super::Command::VerdictRange) can be given: the range of the verdict
@@ -42,7 +46,11 @@ impl Twin {
             self.journal.responses,
             self.parameters.current(),
             &self.at_rest.model.properties,
-            self.judged.as_ref()?.impact.impact,
+            self.judged
+                .as_ref()
+                .filter(|it| it.impact.has_range)?
+                .impact
+                .impact,
             self.assessed.as_ref()?,
         ))
     }
@@ -64,22 +72,33 @@ impl Twin {
         Accepted::Applied
     }
 
+    /// The forecast or the report of the impact once more, with what was computed behind it.
+    pub(super) fn supplemented(&self) -> Option<SupplementedReport> {
+        Some(match (&self.response, &self.judged) {
+            (Some(response), _) => SupplementedReport {
+                report: response.supplemented_forecast()?,
+                is_result: false,
+            },
+            (None, judged) => SupplementedReport {
+                report: judged.as_ref()?.output(self.assessed.clone()),
+                is_result: true,
+            },
+        })
+    }
+
     /// Gives out the forecast or the report of the impact once more, with the range of its verdict.
     pub(super) fn put_ranged(&self, now: Nanos, out: &mut impl Outputs) {
-        let (report, is_result) = match (&self.response, &self.judged) {
-            (Some(response), _) => (response.ranged_forecast(), false),
-            (None, Some(judged)) => (Some(judged.output(self.assessed.clone())), true),
-            (None, None) => (None, true),
+        let Some(again) = self.supplemented() else {
+            return;
         };
-        let Some(report) = report else { return };
-        if let Some(range) = &report.range {
+        if let Some(range) = &again.report.range {
             let text = format!(
                 "range of the verdict on impact \"{}\": {range}",
-                report.event_id
+                again.report.event_id
             );
             out.notice(NoticeLevel::Info, now, text);
         }
-        out.put(Output::Ranged(RangedReport { report, is_result }));
+        out.put(Output::Supplemented(again));
     }
 
     /// Forgets the range of the verdict on the last impact, which no longer is that of the column.
@@ -87,9 +106,9 @@ impl Twin {
         self.judged = None;
     }
 
-    /// Another impact begins: a range of the verdict on the last one that is not known yet is not awaited any more.
+    /// Another impact begins: a second opinion on the last one, or a range of its verdict, that is not known yet is not awaited any more.
     pub(super) fn withdraw_unknown_range(&mut self) {
-        if self.has_unknown_range() {
+        if self.has_unknown_range() || self.awaits_opinion() {
             self.forget_range();
         }
     }

@@ -106,7 +106,7 @@ static Bytes impact_event(const std::string& column, const std::string& event) {
   const auto nanos = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
   cdr << static_cast<int32_t>(nanos / 1000000000) << static_cast<uint32_t>(nanos % 1000000000);
   const double open = std::nan("");
-  cdr << std::string() << column << event << std::string("rigid") << 100.0 << 0.5 << open << open << open;
+  cdr << std::string() << column << event << std::string("rigid") << 100.0 << 0.5 << open << open << open << open;
   return Bytes(memory, memory + cdr.getSerializedDataLength());
 }
 

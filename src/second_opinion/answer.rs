@@ -1,0 +1,109 @@
+//! What the beam computes of one hit: all that takes time, as plain data that another thread can compute.
+
+use std::sync::Arc;
+
+use column_beam::{BeamColumn, BeamModel, BeamOutcome, BowAxes, Damage, Hit, Outcome as BeamEnd};
+use serde::{Deserialize, Serialize};
+
+use super::beam::{NoSecondOpinion, beam_column};
+use crate::column::Impact;
+use crate::parameters::{BeamMode, Parameters};
+
+/// A hit on a column that is to be computed with the beam.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamTask {
+    column: BeamColumn,
+    hit: Hit,
+    before: Option<Arc<Damage>>,
+}
+
+/// What the beam has computed of a hit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BeamAnswer {
+    /// Response and capacities.
+    pub beam: BeamOutcome,
+    /// Largest axial force that the undamaged column bears, and the one that the impact leaves \[N\], bowed about the axes of
+    /// `beam.bow_axes`: about both at once, or held about the other one.
+    pub capacity: [f64; 2],
+    /// The damage that remains; `None` after a collapse.
+    pub damage: Option<Arc<Damage>>,
+}
+
+impl BeamTask {
+    /// The hit of the parameters on the undamaged column.
+    ///
+    /// # Errors
+    /// Why there is no second opinion.
+    pub fn of_parameters(parameters: &Parameters) -> Result<Self, NoSecondOpinion> {
+        let properties = parameters.column_properties();
+        let lengths = [properties.length_below, properties.length_above];
+        let impact = parameters.whole_impact();
+        Self::new(parameters, lengths, impact, parameters.direction(), None)
+    }
+
+    /// The hit of a vehicle in this direction \[rad\] on the column of the parameters with these lengths below and above the impact
+    /// point \[m\] and the damage of earlier hits. The impact has the whole speed of the vehicle.
+    ///
+    /// # Errors
+    /// Why there is no second opinion.
+    pub fn new(
+        parameters: &Parameters,
+        [length_below, length_above]: [f64; 2],
+        impact: Impact,
+        direction: f64,
+        before: Option<Arc<Damage>>,
+    ) -> Result<Self, NoSecondOpinion> {
+        if parameters.settings().beam.mode == BeamMode::Off {
+            return Err(NoSecondOpinion::SwitchedOff);
+        }
+        Ok(Self {
+            column: BeamColumn {
+                length_below,
+                length_above,
+                bumper_height: impact.bumper_height,
+                ..beam_column(parameters)?
+            },
+            hit: Hit { impact, direction },
+            before,
+        })
+    }
+
+    /// Direction in which the vehicle travels \[rad\].
+    #[must_use]
+    pub fn direction(&self) -> f64 {
+        self.hit.direction
+    }
+
+    /// Computes it.
+    ///
+    /// # Errors
+    /// Why there is no second opinion.
+    pub fn compute(&self) -> Result<BeamAnswer, NoSecondOpinion> {
+        let Self {
+            column,
+            hit,
+            before,
+        } = self;
+        let model = BeamModel::new(column)?;
+        let (beam, damage) = model.simulate(hit, before.as_deref())?;
+        let capacity = match column.bow_axes {
+            BowAxes::Strong => [beam.undamaged_capacity_n[0], beam.residual_capacity_n[0]],
+            BowAxes::Weak => [beam.undamaged_capacity_n[1], beam.residual_capacity_n[1]],
+            BowAxes::Both => {
+                let undamaged = model.capacity_bowed(column.bows());
+                let left = match (beam.outcome, &damage) {
+                    (BeamEnd::Elastic, _) => undamaged,
+                    (BeamEnd::Plastic, Some(damage)) => model.capacity_left(column.bows(), damage),
+                    _ => 0.0,
+                };
+                [undamaged, left]
+            }
+        };
+        Ok(BeamAnswer {
+            beam,
+            capacity,
+            damage: damage.map(Arc::new),
+        })
+    }
+}

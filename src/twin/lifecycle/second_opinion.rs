@@ -1,0 +1,223 @@
+//! The second opinion on the present or the last impact: asked for, taken, and forgotten.
+
+use std::sync::Arc;
+
+use super::Twin;
+use crate::second_opinion::SecondOpinion;
+use crate::time::Nanos;
+use crate::twin::assessed::{LastImpact, assessed_again};
+use crate::twin::begun_impact::BegunImpact;
+use crate::twin::command::Accepted;
+use crate::twin::opinion::{OpinionTask, opinion_on};
+use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
+use crate::twin::output::{NoticeLevel, Output, Outputs, Verdicts};
+use crate::twin::plant::{Plant, Struck};
+use crate::twin::striking::Striking;
+
+impl Twin {
+    /// Whether there is an [`opinion_task`](Self::opinion_task), without making it.
+    #[must_use]
+    pub fn awaits_opinion(&self) -> bool {
+        match (&self.response, &self.judged) {
+            (Some(response), _) => response.awaits_opinion(),
+            (None, Some(judged)) => {
+                judged.impact.opinion == OpinionState::Awaited && self.assessed.is_some()
+            }
+            (None, None) => false,
+        }
+    }
+
+    /// What is to be computed before [`Command::SecondOpinion`](super::Command::SecondOpinion) can be given: the second opinion on the
+    /// present or the last impact is not known, and its forecast is complete.
+    #[must_use]
+    pub fn opinion_task(&self) -> Option<OpinionTask> {
+        match &self.response {
+            Some(response) => {
+                response.opinion_task(self.journal.responses, &self.registry.life.beam)
+            }
+            None => self
+                .opinion_task_at_rest()
+                .filter(|_| self.awaits_opinion()),
+        }
+    }
+
+    /// The hit of the last impact for the beam, whether its answer is known or not; `None` where there is none.
+    #[must_use]
+    pub fn opinion_task_at_rest(&self) -> Option<OpinionTask> {
+        let judged = &self.judged.as_ref()?.impact;
+        OpinionTask::new(
+            self.journal.responses,
+            self.parameters.current(),
+            &self.at_rest.model.properties,
+            &judged.striking(),
+            &judged.beam_before,
+        )
+        .ok()
+    }
+
+    /// What the twin keeps of the last impact by this result of its [`opinion_task_at_rest`](Self::opinion_task_at_rest): the opinion
+    /// and the damage of the beam.
+    #[must_use]
+    pub fn kept_at_rest(
+        &self,
+        found: &BeamResult,
+    ) -> Option<(Option<Arc<SecondOpinion>>, KnownBeamDamage)> {
+        let impact = &self.judged.as_ref()?.impact;
+        Some(match found {
+            BeamResult::None(reason) => {
+                let beam = impact.beam_before.without_opinion(&self.at_rest, reason);
+                (None, beam)
+            }
+            BeamResult::Answer(answer) => {
+                let parameters = self.parameters.current();
+                let opinion = opinion_on(answer, &impact.striking(), parameters, &impact.report);
+                (Some(opinion), KnownBeamDamage::after(answer))
+            }
+        })
+    }
+
+    /// Where the second opinion on an impact stands that begins now, on the column `before` it.
+    pub(super) fn opinion_at_the_beginning(
+        &self,
+        before: &Plant,
+        struck: &Struck,
+        striking: &Striking,
+    ) -> OpinionState {
+        if before.state.impactor.is_some() {
+            return OpinionState::None(MOVING.into());
+        }
+        let task = OpinionTask::new(
+            0,
+            self.parameters.current(),
+            &struck.model.properties,
+            striking,
+            &self.registry.life.beam,
+        );
+        match task {
+            Ok(_) => OpinionState::Awaited,
+            Err(reason) => OpinionState::None(reason),
+        }
+    }
+
+    /// Takes what the beam has found of the present or the last impact. If nothing is awaited by now, it is left aside.
+    pub(super) fn take_opinion(&mut self, found: &BeamResult) -> Accepted {
+        if !self.awaits_opinion() {
+            return Accepted::Unchanged;
+        }
+        match &mut self.response {
+            Some(response) => {
+                let BegunImpact {
+                    striking,
+                    parameters,
+                    ..
+                } = &response.impact;
+                let Some(predicted) = response.forecast.predicted_mut() else {
+                    return Accepted::Unchanged;
+                };
+                let opinion = match found {
+                    BeamResult::None(reason) => OpinionState::None(Arc::clone(reason)),
+                    BeamResult::Answer(answer) => {
+                        let opinion = opinion_on(answer, striking, parameters, &predicted.report);
+                        let last = LastImpact {
+                            second_opinion: Some(opinion),
+                            ..LastImpact::new(
+                                striking,
+                                &predicted.report,
+                                predicted.error_estimate,
+                                response.impact.base_before.as_ref(),
+                            )
+                        };
+                        predicted.assessed = predicted
+                            .assessed
+                            .as_ref()
+                            .map(|it| assessed_again(it, parameters, &predicted.at_rest, &last));
+                        OpinionState::Known
+                    }
+                };
+                response.impact.opinion = opinion;
+                response.beam_after = Some(match found {
+                    BeamResult::None(reason) => self
+                        .registry
+                        .life
+                        .beam
+                        .without_opinion(&predicted.at_rest, reason),
+                    BeamResult::Answer(answer) => KnownBeamDamage::after(answer),
+                });
+            }
+            None => self.take_opinion_at_rest(found),
+        }
+        self.status.set_changed();
+        Accepted::Applied
+    }
+
+    fn take_opinion_at_rest(&mut self, found: &BeamResult) {
+        let Some(((opinion, beam), judged)) = self.kept_at_rest(found).zip(self.judged.as_mut())
+        else {
+            return;
+        };
+        let life = &mut self.registry.life;
+        life.beam = beam;
+        judged.impact.opinion = match found {
+            BeamResult::None(reason) => OpinionState::None(Arc::clone(reason)),
+            BeamResult::Answer(_) => OpinionState::Known,
+        };
+        if let Some(last) = life.last_impact.as_mut().filter(|_| opinion.is_some()) {
+            last.second_opinion = opinion;
+            let parameters = self.parameters.current();
+            let assessed = self.assessed.as_ref();
+            self.assessed = assessed.map(|it| assessed_again(it, parameters, &self.at_rest, last));
+        }
+        // A recording that begins at rest begins with the last checkpoint, and needs no command before it.
+        self.journal.set_checkpoint_due();
+    }
+
+    /// Gives out the forecast or the report of the impact once more, with the second opinion.
+    pub(super) fn put_opinion(&self, now: Nanos, out: &mut impl Outputs) {
+        let Some(again) = self.supplemented() else {
+            return;
+        };
+        let event_id = &again.report.event_id;
+        if let OpinionState::None(reason) = &again.report.opinion {
+            out.notice(
+                NoticeLevel::Warning,
+                now,
+                format!("impact \"{event_id}\": {reason}"),
+            );
+        }
+        if let Some(opinion) = self.known_opinion() {
+            let text = format!("second opinion on impact \"{event_id}\": {opinion}");
+            out.notice(NoticeLevel::Info, now, text);
+            if opinion.decides {
+                let assessed = again.report.assessed.as_deref();
+                out.verdict("second opinion", event_id, assessed, now);
+            }
+        }
+        if again.is_result {
+            // The damage that the beam leaves, and its verdict.
+            self.save(now, out);
+        }
+        out.put(Output::Supplemented(again));
+    }
+
+    /// The second opinion on the present or the last impact, if it is known.
+    fn known_opinion(&self) -> Option<&Arc<SecondOpinion>> {
+        let assessed = match &self.response {
+            Some(response) => response.forecast.predicted()?.assessed.as_ref(),
+            None => self.assessed.as_ref(),
+        };
+        assessed?.second_opinion.as_ref()
+    }
+
+    /// The beam no longer knows the damage of the column, for this reason.
+    pub(super) fn forget_beam(&mut self, reason: &str) {
+        let life = &mut self.registry.life;
+        life.beam = KnownBeamDamage::Unknown(format!("no second opinion: {reason}").into());
+        if let Some(last) = &mut life.last_impact {
+            last.second_opinion = None;
+        }
+    }
+}
+
+/// Why an impact on a moving column has no second opinion.
+pub(super) const MOVING: &str =
+    "no second opinion: the column was still moving after an earlier impact";

@@ -1,0 +1,105 @@
+//! The second opinion on an impact: what the fibre beam says beside the two bars. The twin tells what is to be computed once the
+//! forecast is complete, and publishes forecast or report once more with the result, by which the action is the more severe one of
+//! both models; another thread computes it.
+//!
+//! The beam has a damage of its own, which each second opinion carries on. An impact that the beam does not see through to its end,
+//! for whatever reason, leaves a damage that the beam does not know: from then on there is none until a reset.
+
+use std::sync::Arc;
+
+use super::active_response::ActiveResponse;
+use super::begun_impact::BegunImpact;
+use super::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
+use super::striking::Striking;
+use crate::column::{ColumnProperties, Impact, Report};
+use crate::parameters::Parameters;
+use crate::second_opinion::{BeamAnswer, BeamTask, NoSecondOpinion, SecondOpinion};
+
+/// A hit that is to be computed with the beam, as plain data for another thread.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpinionTask {
+    /// Number of the response.
+    pub(super) response: u64,
+    task: BeamTask,
+}
+
+impl OpinionTask {
+    /// Computes it.
+    #[must_use]
+    pub fn compute(&self) -> Arc<BeamResult> {
+        Arc::new(match self.task.compute() {
+            Ok(answer) => BeamResult::Answer(Box::new(answer)),
+            Err(reason) => BeamResult::None(reason.to_string().into()),
+        })
+    }
+
+    /// Whether the result is that of another task.
+    #[must_use]
+    pub fn has_the_result_of(&self, other: &Self) -> bool {
+        self.task == other.task
+    }
+
+    /// # Errors
+    /// Why there is no second opinion, in words.
+    pub(super) fn new(
+        response: u64,
+        parameters: &Parameters,
+        struck: &ColumnProperties,
+        striking: &Striking,
+        before: &KnownBeamDamage,
+    ) -> Result<Self, Arc<str>> {
+        let lengths = [struck.length_below, struck.length_above];
+        let impact = Impact {
+            velocity: striking.velocity(),
+            transverse_force: parameters.whole_impact().transverse_force,
+            ..striking.impact
+        };
+        let in_words = |reason: NoSecondOpinion| Arc::from(reason.to_string());
+        let task = BeamTask::new(
+            parameters,
+            lengths,
+            impact,
+            striking.direction(),
+            before.before()?,
+        )
+        .map_err(in_words)?;
+        Ok(Self { response, task })
+    }
+}
+
+/// What the beam says of an impact, beside the report of the two bars.
+pub(super) fn opinion_on(
+    answer: &BeamAnswer,
+    striking: &Striking,
+    parameters: &Parameters,
+    report: &Report,
+) -> Arc<SecondOpinion> {
+    let direction = striking.direction();
+    Arc::new(SecondOpinion::new(answer, direction, parameters, report))
+}
+
+impl ActiveResponse {
+    /// Whether the second opinion is to be computed now: it follows the complete forecast.
+    pub(super) fn awaits_opinion(&self) -> bool {
+        self.impact.opinion == OpinionState::Awaited
+            && !self.forecast.is_running()
+            && self.forecast.predicted().is_some()
+    }
+
+    pub(super) fn opinion_task(
+        &self,
+        response: u64,
+        before: &KnownBeamDamage,
+    ) -> Option<OpinionTask> {
+        if !self.awaits_opinion() {
+            return None;
+        }
+        let BegunImpact {
+            parameters,
+            striking,
+            ..
+        } = &self.impact;
+        let struck = &self.timeline.plant().model.properties;
+        OpinionTask::new(response, parameters, struck, striking, before).ok()
+    }
+}

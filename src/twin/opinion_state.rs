@@ -1,0 +1,103 @@
+//! Where the second opinion on an impact stands, and the damage of the column as the beam knows it.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::plant::Plant;
+use crate::second_opinion::{BeamAnswer, BeamDamage};
+
+/// Where the second opinion on an impact stands.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OpinionState {
+    /// It is being computed, or will be.
+    Awaited,
+    /// It is known: the assessment has it.
+    Known,
+    /// There is none, for this reason, in words.
+    None(Arc<str>),
+}
+
+/// The damage of the column as the beam knows it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum KnownBeamDamage {
+    /// No impact has damaged the column.
+    #[default]
+    Undamaged,
+    /// What the impacts so far have left.
+    Damaged(Arc<BeamDamage>),
+    /// The column has, or may have, a damage that the beam has not computed, for this reason, in words.
+    Unknown(Arc<str>),
+}
+
+/// What the beam has found: a command carries it to the twin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BeamResult {
+    /// Its answer.
+    Answer(Box<BeamAnswer>),
+    /// It has none, for this reason, in words.
+    None(Arc<str>),
+}
+
+impl KnownBeamDamage {
+    /// Whether no impact has damaged the column.
+    #[must_use]
+    pub fn is_undamaged(&self) -> bool {
+        *self == Self::Undamaged
+    }
+
+    /// # Errors
+    /// Why the damage is not known.
+    pub(super) fn before(&self) -> Result<Option<Arc<BeamDamage>>, Arc<str>> {
+        match self {
+            Self::Undamaged => Ok(None),
+            Self::Damaged(damage) => Ok(Some(Arc::clone(damage))),
+            Self::Unknown(reason) => Err(Arc::clone(reason)),
+        }
+    }
+
+    /// What is to be assumed until the beam has computed the impact that has left this column.
+    pub(super) fn while_awaited(&self, left: &Plant) -> Self {
+        match left.is_damaged() {
+            true => Self::Unknown(
+                "no second opinion: the fibre beam was not done with an earlier impact when the program was stopped or the next \
+                 impact came"
+                    .into(),
+            ),
+            false => self.clone(),
+        }
+    }
+
+    /// After an impact on which there is no second opinion, for this reason, and that has left this column.
+    pub(super) fn without_opinion(&self, left: &Plant, reason: &str) -> Self {
+        match (left.is_damaged(), self) {
+            (true, Self::Undamaged | Self::Damaged(_)) => Self::Unknown(
+                format!(
+                    "no second opinion: the fibre beam did not compute an earlier impact ({reason})"
+                )
+                .into(),
+            ),
+            (true, Self::Unknown(_)) | (false, _) => self.clone(),
+        }
+    }
+
+    /// Of a damaged column whose state file says nothing of the beam.
+    pub(super) fn not_saved() -> Self {
+        Self::Unknown(
+            "no second opinion: the state file has no damage of the fibre beam; it was written by a program without one".into(),
+        )
+    }
+
+    /// After an impact to which the beam gave this answer.
+    pub(super) fn after(answer: &BeamAnswer) -> Self {
+        match &answer.damage {
+            Some(damage) => Self::Damaged(Arc::clone(damage)),
+            None => Self::Unknown(
+                "no second opinion: by the fibre beam the column has collapsed already".into(),
+            ),
+        }
+    }
+}
