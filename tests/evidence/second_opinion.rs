@@ -17,8 +17,9 @@ const SECOND: i64 = 1_000 * MS;
 fn hit(twin: &mut RecordedTwin, id: &str, direction: f64) {
     let mut event = event(id, twin.now);
     event.vehicle = "rigid".to_owned();
-    event.velocity = 6.0;
-    event.direction = direction;
+    event.impact.velocity = 6.0;
+    event.impact.height = Some(1.0);
+    event.impact.direction = Some(direction);
     twin.hit(event);
 }
 
