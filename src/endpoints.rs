@@ -90,14 +90,14 @@ pub const MAX_DEPTH_OF_A_FLEET: usize = 8192;
 
 impl Endpoint {
     /// The depth with which a reader of a topic that the columns of a fleet share loses nothing when all of them are hit at once, while
-    /// it takes nothing until all responses are over: for each column its forecasts (the first one, with its error, with its range, and
-    /// their withdrawal), its reports (the first one, and with the range), or each status between two states of rest. A report takes
-    /// 6 kB. States come by the thousands and are not among them.
+    /// it takes nothing until all responses are over: for each column its forecasts (the first one, with its error, with the second
+    /// opinion, with its range, and their withdrawal), its reports (the first one, with the second opinion, and with the range), or each
+    /// status between two states of rest. A report takes 6 kB. States come by the thousands and are not among them.
     #[must_use]
     pub fn depth_of_a_fleet(&self, columns: usize) -> usize {
         let of_each = match self.name {
-            "impact_forecast" => 4,
-            "impact_report" => 2,
+            "impact_forecast" => 5,
+            "impact_report" => 3,
             "twin_status" => 10,
             _ => 0,
         };

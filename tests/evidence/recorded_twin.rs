@@ -309,8 +309,11 @@ impl RecordedTwin {
         self.execute(Command::SecondOpinion(task.compute()));
     }
 
-    /// The range of the verdict on the present or the last impact has been computed.
+    /// The range of the verdict on the present or the last impact has been computed, and the second opinion before it.
     pub fn know_range(&mut self) {
+        if self.twin.awaits_opinion() {
+            self.know_opinion();
+        }
         let task = self.twin.range_task().expect("awaited");
         let range = task.compute(&mut || true).expect("not abandoned");
         self.execute(Command::VerdictRange(range));
