@@ -40,7 +40,7 @@ pub struct EstimateArgs {
     /// Write a report in HTML; an existing file is replaced
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Draw the forecast and, for each sensor, what was measured against what is predicted, as SVG and PNG
+    /// Draw the forecast and, for each sensor, the readings and their prediction, as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
     figures: Option<PathBuf>,
     /// Print the estimate as JSON (SI units), with its history, and nothing else

@@ -22,7 +22,7 @@ Example: the column of a parameter file, in a namespace, on this machine only
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin run --config config/heb220_s355.yaml \\
     --ros-args -r __ns:=/garage -p top.load:=4.0e5
 
-The arguments after --ros-args are those of every ROS 2 node: -r, -p, --params-file, --log-level.
+The arguments after --ros-args are the same as for every ROS 2 node: -r, -p, --params-file, --log-level.
 Parameter files that name several columns and not this node make a fleet: see column-twin fleet.
 With -p record.mode:=always the node records everything that it receives and sends, in the directory
 given by -p record.directory:=DIR. Recordings are sealed with the key of -p record.seal_key:=FILE, or

@@ -183,7 +183,7 @@ fn became(detected: &DetectedImpact, impacts: &[ReportedImpact]) -> Markup {
         ..
     } = &impacts[index];
     let vehicle = match vehicle.as_str() {
-        "" | RIGID => "rigid mass or vehicle by numbers",
+        "" | RIGID => "rigid mass or user-defined vehicle",
         name => name,
     };
     let length = |value: f64| Unit::length(value).show(value);

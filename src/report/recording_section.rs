@@ -97,7 +97,7 @@ fn critical_velocities(vehicles: &[VehicleLimits]) -> Markup {
                 tbody {
                     @for it in vehicles {
                         tr {
-                            th scope="row" { @if it.vehicle.is_empty() { "by numbers" } @else { (it.vehicle) } }
+                            th scope="row" { @if it.vehicle.is_empty() { "user-defined" } @else { (it.vehicle) } }
                             td.number { (short(it.mass)) " kg" }
                             td.number { (velocity(it.restrict)) }
                             td.number { (velocity(it.evacuate)) }

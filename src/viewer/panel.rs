@@ -47,7 +47,7 @@ pub fn with_critical_velocities(panel: &str, vehicles: &[VehicleLimits]) -> Stri
         .iter()
         .map(|it| {
             let name = match &*it.vehicle {
-                "" => "by numbers".to_owned(),
+                "" => "user-defined".to_owned(),
                 name => escaped(name),
             };
             let velocities = format!("{} / {}", velocity(it.restrict), velocity(it.evacuate));
@@ -347,7 +347,7 @@ mod tests {
         let text = with_critical_velocities("## Result\n", &vehicles);
         assert_eq!(heading(&text), "## Result");
         assert!(
-            text.contains("| by numbers, 1500 kg | 0.0 / 3.5 |"),
+            text.contains("| user-defined, 1500 kg | 0.0 / 3.5 |"),
             "{text}"
         );
         assert!(text.contains("| mid\\_car, 1500 kg | 2.0 / - |"), "{text}");

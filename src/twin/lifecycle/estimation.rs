@@ -65,7 +65,7 @@ impl Twin {
                 "it becomes an impact when ~/confirm_estimate accepts it"
             }
             AcceptEstimates::Automatic => {
-                "it becomes an impact when its estimate is sure enough, at the latest with the final one"
+                "it becomes an impact when its estimate is reliable enough, at the latest with the final one"
             }
         };
         let text = format!(

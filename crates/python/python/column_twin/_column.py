@@ -351,7 +351,7 @@ class Column:
         fields = json.loads(report)
         if velocity is None:
             velocity = float(self._native.get("impact.velocity"))
-        who = fields["vehicle"] or "a vehicle by numbers"
+        who = fields["vehicle"] or "a user-defined vehicle"
         of = "" if mass is None else f" of {mass:g} kg"
         result = Result(f"{self._title()}, {who}{of} at {velocity:g} m/s", history, fields)
         result._impact, result._struck = (vehicle, mass, velocity), self._native.to_json()
@@ -656,7 +656,7 @@ class Column:
         return Capacity(json.loads(report), PushDown(*(np.frombuffer(it, dtype=np.float64) for it in curve)))
 
     def _title(self) -> str:
-        """The section, or the name of the column where the section is given by numbers."""
+        """The section, or the name of the column where the section is user-defined."""
         height = float(self._native.get("geometry.length_below")) + float(self._native.get("geometry.length_above"))
         name = self._native.get("section.name") or self._native.get("column_id") or "column"
         damaged = ", damaged" if self.is_damaged else ""
