@@ -351,7 +351,7 @@ impl Place {
         let command = command
             // The program that `cargo run` would run.
             .replace("cargo run --release --", "column-twin")
-            .replace("DIR", "recorded")
+            .replace("FOLDER", "recorded")
             .replace(RECORDING_OF_A_FLEET, "FLEET/*")
             .replace("/var/lib/column_twin", "var")
             .replace(

@@ -54,7 +54,7 @@ pub struct EstimateArgs {
 const EXAMPLE: &str = "\
 The column is assumed to be undamaged before the impact. docs/estimation.md describes the method and its limits.
 
-Example: simulate what the sensors of a column read when a car hits it, and estimate the car from that
+Example: simulate the readings of sensors when a car hits the column, and estimate the car from that
   column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
     --vehicle mid_car --velocity 12 --readings readings.csv
   column-twin estimate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\

@@ -90,7 +90,7 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
         (Ok(found), _) if found.is_contradicted() => (
             Exit::Failed,
             format!(
-                "{bag} differs from its recomputation: {} differences, {} messages missing; the report says where",
+                "{bag} differs from its recomputation: {} differences, {} messages missing; the report shows where",
                 found.differences,
                 found.missing()
             ),
@@ -106,14 +106,14 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
         (Ok(_), _) if recorded.seal.fault().is_some() => (
             Exit::Failed,
             format!(
-                "{bag}: {}; the report contains what is left",
+                "{bag}: {}; the report contains the remainder",
                 recorded.seal.fault().unwrap_or_default()
             ),
         ),
         (Ok(_), Some(why)) => (
             Exit::Lossy,
             format!(
-                "{bag} is {why}; the report contains what can be read; save it with: column-twin repair {bag}"
+                "{bag} is {why}; the report contains the readable part; save it with: column-twin repair {bag}"
             ),
         ),
         (Ok(_), None) => return Ok(()),

@@ -67,7 +67,7 @@ pub(super) fn end_of_run(end: RunEnd) -> Result<(), Failure> {
     let mut lost = Vec::new();
     if end.lost_in_recording > 0 {
         lost.push(format!(
-            "{} messages are missing in the recordings; see the log for when and why, and `column-twin info` for what was recorded",
+            "{} messages are missing in the recordings; see the log for when and why, and `column-twin info` for the contents",
             end.lost_in_recording
         ));
     }

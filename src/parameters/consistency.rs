@@ -272,7 +272,7 @@ fn estimates_know_the_column(settings: &Settings, found: &mut Vec<Inconsistency>
             found.push(Inconsistency {
                 names: vec![name, "sensors.names"],
                 message: format!(
-                    "{what}, which the estimation of impacts from sensors does not know; give no sensors.names, or change it"
+                    "{what}, which the estimation of impacts from sensors does not include; give no sensors.names, or change it"
                 ),
             });
         }

@@ -97,7 +97,7 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the \
                   heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a \
                   height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later \
-                  file or section, on the command line, or by a change of both at once",
+                  file or section, on the command line, or by a change of both together",
     },
     Parameter {
         name: "geometry.length_below",

@@ -213,7 +213,7 @@ fn vehicle_in_words(impact: &ReportedImpact) -> String {
     let mass = significant(impact.impact.mass, 4);
     let Some(vehicle) = &impact.impact.vehicle else {
         return format!(
-            "rigid mass of {mass} kg, restitution {}: it does not crush, which overestimates what a real vehicle does",
+            "rigid mass of {mass} kg, restitution {}: it does not crush, which overestimates the effect of a real vehicle",
             significant(impact.impact.restitution, 3)
         );
     };

@@ -87,11 +87,11 @@ fn verdict(kind: &str, announced: &Announcement) -> String {
 fn action(report: &ImpactReport) -> String {
     let action = match report.action {
         ImpactReport::ACTION_NONE => "none, no deciding criterion is exceeded",
-        ImpactReport::ACTION_INSPECT => "inspect, an engineer has to examine the column",
+        ImpactReport::ACTION_INSPECT => "inspect: have an engineer examine the column",
         ImpactReport::ACTION_RESTRICT => "RESTRICT use and load until the column is examined",
         ImpactReport::ACTION_SHORE => "SHORE the column now",
         ImpactReport::ACTION_EVACUATE => "EVACUATE",
-        _ => "not assessed, only an inspection can tell",
+        _ => "not assessed: have an engineer examine the column",
     };
     let mut text = format!("**Action: {action}.**");
     // The reason begins with the name of the criterion that decides.
@@ -169,7 +169,7 @@ fn vehicle(drawing: &Drawing) -> String {
     if !body.is_real() {
         return format!(
             "**Vehicle: rigid mass, as in the paper.** \
-             It does not crush: forces and displacements are far above those of a real vehicle. \
+             It does not crush: forces and displacements are far above the values of a real vehicle. \
              The block ({length} m long) is a symbol, not to scale.\n"
         );
     }

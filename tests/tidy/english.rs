@@ -1,6 +1,6 @@
 //! The English of the documents for users: patterns that a native speaker reads twice are rare.
 
-use super::{pages, prose, read};
+use super::{code_of, files_below, pages, prose, read};
 
 /// Pages of the book that no user needs: the history, and the pages for developers.
 const NOT_FOR_USERS: [&str; 4] = [
@@ -169,6 +169,89 @@ fn documents_for_users_avoid_patterns_that_need_a_second_reading() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The texts in the code of a source file: errors, log, output and report.
+fn texts_in(code: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut rest = code;
+    while let Some((_, after)) = rest.split_once('"') {
+        let mut escaped = false;
+        let is_end = |it: char| {
+            let ends = it == '"' && !escaped;
+            escaped = it == '\\' && !escaped;
+            ends
+        };
+        let Some(end) = after.find(is_end) else { break };
+        // A backslash at the end of a line continues the text.
+        let lines: Vec<_> = after[..end].split("\\\n").map(str::trim_start).collect();
+        found.push(lines.concat());
+        rest = &after[end + 1..];
+    }
+    // Fewer words are names.
+    found.retain(|text| text.split_whitespace().count() > 3);
+    found
+}
+
+/// Most occurrences of each pattern in 1000 words of errors, log, output and report: as many as there were when they were last
+/// edited. The patterns are those of `PATTERNS`, in their order.
+const PER_THOUSAND_IN_TEXTS: [f64; PATTERNS.len()] = [0.9, 0.2, 0.6, 0.5, 0.15, 0.1];
+
+#[test]
+fn errors_logs_and_outputs_avoid_them_too() {
+    let mut files = files_below("src");
+    files.extend(files_below("crates"));
+    files.retain(|path| {
+        let text = path.to_string_lossy();
+        text.ends_with(".rs")
+            && text.contains("src/")
+            && !text.contains("tests")
+            && !text.contains("figures/validation/")
+    });
+    let texts: Vec<_> = files
+        .iter()
+        .flat_map(|path| {
+            texts_in(&code_of(&read(path)))
+                .into_iter()
+                .map(move |it| (path, it.to_lowercase()))
+        })
+        .collect();
+    let words: usize = texts
+        .iter()
+        .map(|(_, text)| text.split_whitespace().count())
+        .sum();
+    assert!(words > 20_000, "{words} words");
+    for (pattern, per_thousand) in PATTERNS.iter().zip(PER_THOUSAND_IN_TEXTS) {
+        let places: Vec<_> = texts
+            .iter()
+            .filter(|(_, text)| occurrences(text, pattern) > 0)
+            .map(|(path, text)| format!("  {}: {text}", path.display()))
+            .collect();
+        let most = (per_thousand * words as f64 / 1000.0) as usize;
+        println!(
+            "{}: {} in {words} words, at most {most}",
+            pattern.name,
+            places.len()
+        );
+        assert!(
+            places.len() <= most,
+            "{} ({}): {} texts of {words} words, at most {most}; {}\n{}",
+            pattern.name,
+            pattern.words.join(", "),
+            places.len(),
+            pattern.instead,
+            places.join("\n")
+        );
+    }
+}
+
+#[test]
+fn texts_are_found_with_their_continuations() {
+    let code = "f(\"one two three \\\n   four\", \"a \\\"quoted\\\" word here\", \"short\")";
+    assert_eq!(
+        texts_in(code),
+        ["one two three four", "a \\\"quoted\\\" word here"]
+    );
 }
 
 #[test]

@@ -184,7 +184,7 @@ fn table_columns() -> Vec<TableColumn> {
         number(
             format!("critical_velocity_{it}_m_s"),
             "m/s",
-            "highest velocity found below that of this action; 0: the lowest velocity leads to it; none: no velocity does",
+            "highest velocity found below the lowest one of this action; 0: the lowest velocity leads to it; none: no velocity does",
         )
     }));
     columns.push(whole(

@@ -227,7 +227,7 @@ fn limits() -> String {
         "
 Where the two-bar model is off:
 
-- The first millisecond: bending waves do not exist in two rigid bars; the contact force averaged over 1 ms is {low} to {high} times that of the fibre beam.
+- The first millisecond: bending waves do not exist in two rigid bars; the contact force averaged over 1 ms is {low} to {high} times the force in the fibre beam.
 - The peak contact force of a rigid vehicle has no limit as the step shrinks; only its average over 1 ms means something.
 - The moment at the base under a high load: axial inertia is missing.
 - The speed at which the column collapses is about {collapse_speed:.0} % too high, which is on the unsafe side; no case of the table shows it.

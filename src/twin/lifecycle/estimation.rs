@@ -404,7 +404,7 @@ impl Twin {
         };
         if let Some(newest) = self.estimates.newest_mut() {
             let text = format!(
-                "the impact \"{}\" that the sensors have detected is that of impact event \"{event_id}\", which the twin follows",
+                "the impact \"{}\" that the sensors have detected is the same as impact event \"{event_id}\", which the twin follows",
                 newest.record.event_id
             );
             out.notice(NoticeLevel::Info, now, text);

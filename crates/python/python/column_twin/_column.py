@@ -141,9 +141,9 @@ class Column:
         velocity: float | None = None,
         details: str | os.PathLike[str] | None = None,
     ) -> None:
-        """Writes the report of one impact for people: one HTML file with verdict, sketches, checks and figures.
+        """Writes the HTML report of one impact, one file with verdict, sketches, checks and figures.
 
-        The program `column-twin` writes it: `pip install "column-twin[program]"`. All parameters go to a JSON file beside it.
+        The program `column-twin` writes it: `pip install "column-twin[program]"`. All parameters go to a JSON file next to it.
 
         Args:
             path: HTML file; an existing one is replaced.
@@ -598,7 +598,7 @@ class Column:
             scenario: `motorway`, `urban`, `courtyard`, `parking_garage`, or one of `scenarios`.
             vehicles_per_day: vehicles that pass the column [1/d].
             years: period for which the probabilities hold [a].
-            distance: of the column from the edge of the road [m]; default: that of the scenario.
+            distance: of the column from the edge of the road [m]; default: the distance of the scenario.
             distributions: other distributions of inputs, such as `speed_km_h=lognormal:12:5`.
             scenarios: file of scenarios of your own, as config/risk.json.
             samples: vehicles that are drawn.

@@ -38,7 +38,7 @@ class ParameterKeywords(TypedDict, total=False):
     site__y: Number
     """position of the column in the plan of its fleet, upwards in the picture; see `site.x` [m]"""
     geometry__height: Number
-    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both at once [m]"""
+    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both together [m]"""
     geometry__length_below: Number
     """L_a: height of the impact point above the base [m]"""
     geometry__length_above: Number
@@ -334,7 +334,7 @@ class AxisKeywords(TypedDict, total=False):
     site__y: AxisNumbers
     """position of the column in the plan of its fleet, upwards in the picture; see `site.x` [m]"""
     geometry__height: AxisNumbers
-    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both at once [m]"""
+    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both together [m]"""
     geometry__length_below: AxisNumbers
     """L_a: height of the impact point above the base [m]"""
     geometry__length_above: AxisNumbers
