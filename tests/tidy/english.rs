@@ -10,8 +10,12 @@ const NOT_FOR_USERS: [&str; 4] = [
     "SECURITY.md",
 ];
 
-/// Pages whose fenced text is prose: the comments of messages, and the help.
-const FENCED_PROSE: [&str; 2] = ["docs/messages.md", "docs/commands.md"];
+/// Pages whose fenced text is prose: the comments of messages, the help, and docstrings.
+const FENCED_PROSE: [&str; 3] = [
+    "docs/messages.md",
+    "docs/commands.md",
+    "docs/python_reference.md",
+];
 
 /// Words that are rare, and the ones to write in their place.
 struct Pattern {

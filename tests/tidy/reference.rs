@@ -403,7 +403,7 @@ const LIMITS_HEAD: &str = "\
 # Limits and prior
 
 This page is generated from the constants of the source; do not edit it.
-A limit that an input exceeds leads to a rejection or an error that states the limit; nothing is cut off without a word.
+An input beyond a limit is rejected, with the limit in the error; a longer output is shortened.
 [parameters.md](parameters.md) has the ranges of the parameters, and [ARCHITECTURE.md](../ARCHITECTURE.md#queues) the queues.
 ";
 
