@@ -52,7 +52,8 @@ pub struct EstimateArgs {
 }
 
 const EXAMPLE: &str = "\
-The column is assumed to be undamaged before the impact. docs/estimation.md describes the method and its limits.
+The column is assumed to be undamaged before the impact. docs/estimation.md describes the method
+and its limits.
 
 Example: simulate the readings of sensors when a car hits the column, and estimate the car from that
   column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\

@@ -20,7 +20,8 @@ pub struct KeystoreArgs {
 }
 
 const EXAMPLE: &str = "\
-This program was built without DDS security, which needs OpenSSL 3 (Debian: libssl-dev and pkg-config):
+This program was built without DDS security, which needs OpenSSL 3 (Debian: libssl-dev and
+pkg-config):
   cargo build --release --features security
 
 Example: with such a program

@@ -33,20 +33,22 @@ pub struct ReportArgs {
 }
 
 const EXAMPLE: &str = "\
-Writes one HTML file that any browser opens without a network and prints on A4. Each impact has four pages: the
-required action and the places to inspect, with sketch and title block; the checks; the column after
-the hit; the uncertainty. An annex holds the figures and the result of the verification by
-recomputation. All parameters go to a JSON file next to it.
+Writes one HTML file that any browser opens without a network and prints on A4. Each impact has
+four pages: the required action and the places to inspect, with sketch and title block; the
+checks; the column after the hit; the uncertainty. An annex holds the figures and the result of
+the verification by recomputation. All parameters go to a JSON file next to it.
 
 The file of --report-details has lines such as project: Car park North. Missing lines are left
-blank, to be filled in by hand: project, site, client, document, revision, date, author, checker, hit_direction.
+blank, to be filled in by hand: project, site, client, document, revision, date, author,
+checker, hit_direction.
 
 Example: record a simulated impact, and report about it
   column-twin simulate --record impact && column-twin report impact -o impact.html
 
-Exit codes: 0 done, and everything that could be checked is equal to the recomputation, 1 failed, or the
-recording differs from its recomputation or its seal does not hold (the report shows where), 2 bad
-input or usage, 3 done, but the recording could not be verified or is not complete.";
+Exit codes: 0 done, and everything that could be checked is equal to the recomputation, 1
+failed, or the recording differs from its recomputation or its seal does not hold (the report
+shows where), 2 bad input or usage, 3 done, but the recording could not be verified or is not
+complete.";
 
 /// Writes the report and prints where it is.
 pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> {

@@ -36,8 +36,9 @@ again from the recorded measurements and compared with impact_estimate, and /par
 the parameters. The journal counts the messages on all other topics. Log and publish times are
 compared with the times in the journal.
 
-A message may be missing only if the recording declares the loss: in twin_status, by its recorder,
-by a damaged file, or by a crash that cut off its end. The output lists the data that cannot be recomputed.
+A message may be missing only if the recording declares the loss: in twin_status, by its
+recorder, by a damaged file, or by a crash that cut off its end. The output lists the data that
+cannot be recomputed.
 
 The recording of a fleet is verified column by column, and every finding names its column. Columns
 that have executed no command are not in the recording. The columns in fleet_status are compared
@@ -57,10 +58,10 @@ Example: make a key, seal recordings with it, and demand that a recording is sea
   column-twin simulate --record impact -p record.seal_key:=seal_key.pem
   column-twin verify impact --trusted-key seal_key_public.pem
 
-Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording differs,
-more messages are missing than it declares as lost, nothing could be checked, or less than half of a
-damaged recording, or the seal does not hold or is not as demanded, 2 the recording cannot be read or
-has no journal of this version, or a key cannot be read.";
+Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording
+differs, more messages are missing than it declares as lost, nothing could be checked, or less
+than half of a damaged recording, or the seal does not hold or is not as demanded, 2 the
+recording cannot be read or has no journal of this version, or a key cannot be read.";
 
 /// Verifies the recording and prints the result.
 pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> {

@@ -60,10 +60,10 @@ Starts the node on 127.0.0.1 in an unused DDS domain, sends it an impact, shows 
 arrives, records it, draws the figures, verifies the recording by recomputation, and exits. Nothing
 leaves this machine.
 
-With --sensors the node receives no impact event: the readings of three sensors are played to it, with
-noise, from a signal of an independently written fibre-beam model (1.5 t at 36 km/h). The node detects
-the impact, estimates vehicle and outcome with 90 % intervals while the data arrive, and converts the
-estimate into an impact event once it is reliable enough.
+With --sensors the node receives no impact event: the readings of three sensors are played to
+it, with noise, from a signal of an independently written fibre-beam model (1.5 t at 36 km/h).
+The node detects the impact, estimates vehicle and outcome with 90 % intervals while the data
+arrive, and converts the estimate into an impact event once it is reliable enough.
 
 Examples: a lorry; an impact that only the sensors detect
   column-twin demo --vehicle lorry_8t --velocity 8

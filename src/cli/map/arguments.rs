@@ -97,7 +97,8 @@ Example: the third of 16 parts of a large map, for a batch system
 Example: the weakest columns of a fleet for a lorry, one row for each
   column-twin map --params-file config/fleet.yaml --columns config/fleet.csv --vehicle lorry_8t --csv weakest.csv
 
-Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done in part: interrupted, or some impacts could not be computed.";
+Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done in part: interrupted, or some impacts
+could not be computed.";
 
 /// Metadata of the files, in order.
 pub(super) type MapMetadata = Vec<(&'static str, String)>;
