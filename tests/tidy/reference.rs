@@ -607,7 +607,13 @@ fn the_options_in_documents_exist() {
     let mut faults = Vec::new();
     let mut count = 0;
     for page in super::pages() {
-        if ["CHANGELOG.md", "docs/commands.md"].contains(&page.as_str()) {
+        if [
+            "CHANGELOG.md",
+            "docs/commands.md",
+            "docs/python_reference.md",
+        ]
+        .contains(&page.as_str())
+        {
             continue;
         }
         for (command, option) in documented_options(&read(&page), &subcommands) {
