@@ -5,6 +5,7 @@
 #
 # viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments,
 # viewer_car.png a column that a real car hits, at the peak.
+# risk_*.svg and estimate_forecast.svg are the figures of docs/results.md.
 # report.png is the first page of the report about the default impact of config/heb220_s355.yaml, as printed.
 # The script needs Rust, Python, Chromium with the DejaVu fonts, poppler-utils, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
 # graphics card, Debian's mesa-vulkan-drivers is sufficient.
@@ -50,3 +51,12 @@ chromium --headless --no-sandbox --user-data-dir="$work/chromium" --no-pdf-heade
   exit 1
 }
 printf '%s\n' "$folder/report.png"
+
+program=${CARGO_TARGET_DIR:-target}/release/column-twin
+sensors=(--config config/heb220_s355.yaml --config config/sensors_industrial.yaml)
+"$program" risk --config config/heb220_s355.yaml --scenario urban --distance 3 --vehicles-per-day 10000 --samples 2000 --measures \
+  --figures "$work/risk" >"$work/log"
+"$program" simulate "${sensors[@]}" --vehicle mid_car --velocity 12 --readings "$work/readings.csv" >"$work/log"
+"$program" estimate "${sensors[@]}" --readings "$work/readings.csv" --figures "$work/estimate" >"$work/log"
+cp "$work/risk/risk_probability.svg" "$work/risk/risk_measures.svg" "$work/estimate/estimate_forecast.svg" "$folder"
+printf '%s\n' "$folder/risk_probability.svg" "$folder/risk_measures.svg" "$folder/estimate_forecast.svg"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A thousand columns of a building, each hit by every vehicle at many speeds, on a Dask cluster.
 
-    pip install column-twin "dask[distributed]"
+    pip install ./crates/python "dask[distributed]"
     python examples/building_on_dask.py
     python examples/building_on_dask.py --columns 40 --check      # a smaller building, compared with one process
 

@@ -145,7 +145,7 @@ endpoints! {
     IMPACT_FORECAST = "impact_forecast" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10);
     /// Outcome of an impact.
     IMPACT_REPORT = "impact_report" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10);
-    /// What the sensors say about an impact; latched, so that a late subscriber has the newest estimate, and no stale one.
+    /// An impact, estimated from the sensors; latched, so that a late subscriber has the newest estimate, and no stale one.
     IMPACT_ESTIMATE = "impact_estimate" "column_twin_msgs/msg/ImpactEstimate" Out Qos::latched(1);
     /// State of the twin.
     TWIN_STATUS = "twin_status" "column_twin_msgs/msg/TwinStatus" Out Qos::latched(1);
@@ -153,8 +153,8 @@ endpoints! {
     FLEET_STATUS = "fleet_status" "column_twin_msgs/msg/FleetStatus" Out Qos::latched(20);
     /// The hinges as joints.
     JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10);
-    /// The deformed column; latched, so that late viewers show it as the last response left it. Nothing is published
-    /// before the first response.
+    /// The deformed column; latched, so that late viewers show it as the last response left it. At rest it is published once per second
+    /// until the first response.
     MARKERS = "markers" "visualization_msgs/msg/MarkerArray" Out Qos::latched(1);
     /// Health of the node.
     DIAGNOSTICS = "/diagnostics" "diagnostic_msgs/msg/DiagnosticArray" Out Qos::reliable(10);

@@ -1,5 +1,5 @@
-//! Runs every command of README.md, launch_notes.md and the guide as documented. A command that is not run here needs an entry below:
-//! either another check runs it, or a reason says why it cannot be run.
+//! Runs every command of every page of the book (`docs/SUMMARY.md`) as documented, and compares docs/commands.md with the help of the
+//! program. A command that is not run here needs an entry below: either another check runs it, or a reason says why it cannot be run.
 #![cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
@@ -121,6 +121,22 @@ const COMMANDS: &[(&str, How)] = &[
         "column-twin measure",
         Elsewhere("tests/ros/measurements.rs", "\"measure\""),
     ),
+    ("column-twin demo", Elsewhere(".ci/run", "demonstrate_in")),
+    (
+        "column-twin keystore",
+        Elsewhere(
+            "tests/security/commands.rs",
+            "a_keystore_is_made_extended_shown_and_renewed",
+        ),
+    ),
+    (
+        "crates/python/tests/wheels.sh",
+        Elsewhere(".ci/run", "crates/python/tests/wheels.sh"),
+    ),
+    (
+        "cargo test --test tidy",
+        Elsewhere(".ci/run", "cargo test --release\n"),
+    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
@@ -131,6 +147,10 @@ const COMMANDS: &[(&str, How)] = &[
     ("ros2 service", Cannot(NEEDS_ROS)),
     ("ros2 param", Cannot(NEEDS_ROS)),
     ("ros2 node", Cannot(NEEDS_ROS)),
+    (
+        "ros2 security",
+        Elsewhere("tests/security/permissions.rs", "column_twin.policy.xml"),
+    ),
     ("rviz2", Cannot(NEEDS_ROS)),
     (
         "pip install ./",
@@ -139,9 +159,22 @@ const COMMANDS: &[(&str, How)] = &[
             "`pip install` as a user does it",
         ),
     ),
+    (
+        "pip install \"./crates/python",
+        Elsewhere(
+            "crates/python/tests/wheels.sh",
+            "`pip install` as a user does it",
+        ),
+    ),
     ("pip install rerun-sdk", Cannot(NEEDS_SCREEN)),
     ("ssh -L", Cannot("needs another machine")),
     ("cpupower", Cannot("needs a tool of the kernel, and root")),
+    // Parts of commands in sentences.
+    ("column-twin simulate --readings FILE", Name),
+    ("column-twin estimate --figures FOLDER", Name),
+    ("column-twin impact --vehicle mid_car@0.41", Name),
+    ("column-twin verify --trusted-key", Name),
+    ("column-twin verify --require-seal", Name),
     // Run here.
     ("export ROS_AUTOMATIC_DISCOVERY_RANGE", Ends),
     (
@@ -149,7 +182,9 @@ const COMMANDS: &[(&str, How)] = &[
         Stays("to watch: rerun"),
     ),
     ("column-twin run", Stays("is ready in domain")),
+    ("column-twin fleet", Stays("is ready in domain")),
     ("column-twin watch", Stays("watching")),
+    ("awk", Ends),
     ("column-twin impact", Ends),
     ("column-twin simulate", Ends),
     ("column-twin risk", Ends),
@@ -174,6 +209,13 @@ const COMMANDS: &[(&str, How)] = &[
 ];
 
 fn how(command: &str) -> How {
+    find(command).unwrap_or_else(|| {
+        panic!("`{command}` is documented and not run: add it to tests/documented_commands.rs")
+    })
+}
+
+/// How a command is treated; `None` if the table does not say.
+fn find(command: &str) -> Option<How> {
     // `column-twin verify` in a sentence is a name.
     if command.split(' ').count() < 3
         && ["column-twin", "rerun", "ros2 bag"]
@@ -183,17 +225,14 @@ fn how(command: &str) -> How {
         let is_whole =
             ["column-twin run", "column-twin watch", "column-twin idl"].contains(&command);
         if !is_whole {
-            return Name;
+            return Some(Name);
         }
     }
     let found = COMMANDS
         .iter()
         .filter(|(begins, _)| command.starts_with(begins));
     let longest = found.max_by_key(|(begins, _)| begins.len());
-    let Some((_, how)) = longest else {
-        panic!("`{command}` is documented and not run: add it to tests/documented_commands.rs");
-    };
-    *how
+    longest.map(|(_, how)| *how)
 }
 
 fn root() -> &'static Path {
@@ -244,6 +283,9 @@ MC4CAQAwBQYDK2VwBCIEIGrJEbjRgeB96JKCHzdL3tOtD6suGiIer9pIoWzHeQC5
 -----END PRIVATE KEY-----
 ";
 
+/// The recording that docs/fleet.md verifies.
+const RECORDING_OF_A_FLEET: &str = "recordings/column_twin_2026_11_21-07_40_00";
+
 /// A folder as a reader of the documents would have it: the files, and the programs in the PATH.
 struct Place {
     folder: TempDir,
@@ -257,6 +299,8 @@ impl Place {
         let link =
             |to: PathBuf, name: &str| std::os::unix::fs::symlink(to, at(name)).expect("a link");
         link(root().join("config"), "config");
+        // The column of the reader.
+        link(root().join("config/heb220_s355.yaml"), "FILE");
         let column = std::fs::read_to_string(at("config/heb220_s355.yaml")).expect("there");
         for name in ["a1", "a2"] {
             let column = column.replace("column_id: heb220_s355", &format!("column_id: {name}"));
@@ -281,12 +325,34 @@ impl Place {
         place
     }
 
+    /// Leaves one recording of a fleet, in which the column a3 was hit.
+    fn record_a_fleet(&self) {
+        let domain = Domain::fresh();
+        let fleet = "column-twin fleet --params-file config/fleet.yaml --ros-args -p record.mode:=events 1>&2";
+        let shell = self.shell(&domain, fleet);
+        let mut running = Program::spawn(&domain, self.folder.path(), shell);
+        running.wait_for("is ready in domain");
+        let hit = "column-twin impact --column a3 --mass 1500 --velocity 5";
+        let hit = self.shell(&domain, hit).output().expect("runs");
+        assert!(
+            hit.status.success(),
+            "{}",
+            String::from_utf8_lossy(&hit.stderr)
+        );
+        running.wait_for("result of impact");
+        let (status, _, log) = running.terminate();
+        assert!(status.success(), "{log:#?}");
+        let [made, kept] = ["recordings", "FLEET"].map(|name| self.folder.path().join(name));
+        std::fs::rename(made, kept).expect("a recording");
+    }
+
     /// A command of the document, with writable paths and a free port.
     fn shell(&self, domain: &Domain, command: &str) -> Command {
         let command = command
             // The program that `cargo run` would run.
             .replace("cargo run --release --", "column-twin")
-            .replace("DIR", "recorded")
+            .replace("FOLDER", "recorded")
+            .replace(RECORDING_OF_A_FLEET, "FLEET/*")
             .replace("/var/lib/column_twin", "var")
             .replace(
                 "viewer.mode:=serve",
@@ -314,8 +380,13 @@ impl Place {
     }
 }
 
-fn run_all_of(document: &str) {
+/// Runs the commands of a document, and returns what failed.
+fn faults_of(document: &str) -> Vec<String> {
     let place = Place::new();
+    if document == "docs/fleet.md" {
+        place.record_a_fleet();
+    }
+    let mut failed = Vec::new();
     for block in blocks(document) {
         let domain = Domain::fresh();
         let mut staying = Vec::new();
@@ -327,11 +398,12 @@ fn run_all_of(document: &str) {
                 Ends => {
                     let output = place.shell(&domain, &command).output().expect("runs");
                     let errors = String::from_utf8_lossy(&output.stderr);
-                    assert!(
-                        output.status.success(),
-                        "`{command}` ends with {}: {errors}",
-                        output.status
-                    );
+                    if !output.status.success() {
+                        failed.push(format!(
+                            "{document}: `{command}` ends with {}: {errors}",
+                            output.status
+                        ));
+                    }
                 }
                 Stays(says) => {
                     let shell = place.shell(&domain, &format!("{command} 1>&2"));
@@ -355,6 +427,12 @@ fn run_all_of(document: &str) {
             assert!(status.success(), "`{command}` ends with {status}: {log:#?}");
         }
     }
+    failed
+}
+
+fn run_all_of(document: &str) {
+    let faults = faults_of(document);
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 #[test]
@@ -377,31 +455,159 @@ fn every_command_of_the_studies_is_run() {
     run_all_of("docs/study.md");
 }
 
+/// The pages of the book, by their paths in the repository.
+fn pages() -> Vec<String> {
+    let summary = std::fs::read_to_string(root().join("docs/SUMMARY.md")).expect("the contents");
+    let links = summary.split("](").skip(1);
+    let pages = links.filter_map(|it| it.split_once(')')).map(|(link, _)| {
+        link.strip_prefix("../")
+            .map_or_else(|| format!("docs/{link}"), str::to_owned)
+    });
+    pages.collect()
+}
+
+/// The pages with a test of their own, above.
+const APART: [&str; 4] = [
+    "README.md",
+    "docs/guide.md",
+    "launch_notes.md",
+    "docs/study.md",
+];
+
+/// The pages that are no instructions: the history, the help, and docstrings.
+const NO_INSTRUCTIONS: [&str; 3] = [
+    "CHANGELOG.md",
+    "docs/commands.md",
+    "docs/python_reference.md",
+];
+
+/// The pages whose commands are run.
+fn instructions() -> Vec<String> {
+    let mut pages = pages();
+    pages.retain(|page| !NO_INSTRUCTIONS.contains(&page.as_str()));
+    assert!(pages.len() > 20, "{pages:?}");
+    pages
+}
+
 #[test]
-fn every_help_shows_an_example() {
-    let help = |arguments: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
-            .args(arguments)
-            .output();
-        String::from_utf8(output.expect("runs").stdout).expect("text")
-    };
+fn every_command_of_the_other_pages_is_run() {
+    let pages = instructions();
+    let others = pages.iter().filter(|it| !APART.contains(&it.as_str()));
+    let faults: Vec<_> = others.flat_map(|page| faults_of(page)).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// Most commands that no check runs, with their reasons in the table above: the tools of an installed ROS 2, long builds and benchmarks.
+const MOST_NOT_RUN: usize = 60;
+
+#[test]
+fn the_commands_that_no_check_runs_are_counted() {
+    let mut counts = [0; 4];
+    let (mut not_run, mut unknown) = (Vec::new(), Vec::new());
+    for page in &instructions() {
+        for command in blocks(page).into_iter().flatten() {
+            let Some(how) = find(&command) else {
+                unknown.push(format!("{page}: {command}"));
+                continue;
+            };
+            let (slot, reason) = match how {
+                Ends | Stays(_) => (0, ""),
+                Elsewhere(..) => (1, ""),
+                Cannot(reason) => (2, reason),
+                Name => (3, ""),
+            };
+            counts[slot] += 1;
+            if slot == 2 {
+                not_run.push(format!("{page}: {command}: {reason}"));
+            }
+        }
+    }
+    assert!(
+        unknown.is_empty(),
+        "neither run nor in the table: {unknown:#?}"
+    );
+    let [here, elsewhere, cannot, names] = counts;
+    println!("{here} commands run here, {elsewhere} elsewhere, {cannot} nowhere; {names} names");
+    assert!(cannot <= MOST_NOT_RUN, "{cannot}: {not_run:#?}");
+    let own: Vec<_> = not_run
+        .iter()
+        .filter(|it| it.contains(": column-twin "))
+        .collect();
+    assert!(own.is_empty(), "the program can always be run: {own:#?}");
+}
+
+fn help(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
+        .args(arguments)
+        .env_remove("COLUMNS")
+        .output();
+    String::from_utf8(output.expect("runs").stdout).expect("text")
+}
+
+/// The names of the commands.
+fn commands() -> Vec<String> {
     let all = help(&["--help"]);
-    let commands = all
-        .split_once("Commands:")
-        .expect("a list")
-        .1
-        .split("\n\n")
-        .next()
-        .expect("a list");
-    let names: Vec<_> = commands
+    let listed = all.split_once("Commands:").expect("a list").1;
+    let listed = listed.split("\n\n").next().expect("a list");
+    let lines = listed
         .lines()
-        .filter(|line| line.starts_with("  ") && !line.starts_with("    "))
+        .filter(|line| line.starts_with("  ") && !line.starts_with("    "));
+    let names: Vec<_> = lines
         .filter_map(|line| line.split_whitespace().next())
         .filter(|name| *name != "help")
+        .map(str::to_owned)
         .collect();
     assert!(names.len() >= 11, "{names:?}");
-    for name in names {
-        let text = help(&[name, "--help"]);
+    names
+}
+
+const COMMANDS_PAGE: &str = "\
+# Commands and exit codes
+
+This page is generated from the help of the program; do not edit it.
+`column-twin SUBCOMMAND --help` prints the same text.
+
+## Exit codes
+
+0 means done: a collapse of the column is a result and no error.
+1 means failed, 2 bad input or usage, and 3 done in part: data were lost, the command was interrupted, or a part could not be computed or verified.
+The table states the meaning for each command.
+
+";
+
+#[test]
+fn the_page_of_the_commands_is_up_to_date() {
+    let mut codes = "| command | exit codes |\n|---|---|\n".to_owned();
+    let mut texts = format!(
+        "\n## column-twin\n\n```text\n{}\n```\n",
+        help(&["--help"]).trim()
+    );
+    for name in commands() {
+        let text = help(&[&name, "--help"]);
+        let ends = text.split_once("Exit codes: ").expect("exit codes").1;
+        let ends = ends.split_whitespace().collect::<Vec<_>>().join(" ");
+        codes += &format!("| [`{name}`](#column-twin-{name}) | {ends} |\n");
+        let lines: Vec<_> = text.trim().lines().map(str::trim_end).collect();
+        texts += &format!(
+            "\n## column-twin {name}\n\n```text\n{}\n```\n",
+            lines.join("\n")
+        );
+    }
+    let page = format!("{COMMANDS_PAGE}{codes}{texts}");
+    let path = root().join("docs/commands.md");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(&path, &page).expect("the page can be written");
+    }
+    assert!(
+        std::fs::read_to_string(&path).unwrap_or_default() == page,
+        "docs/commands.md differs from the help; update it with\n    UPDATE_DOCS=1 cargo test --release --test documented_commands"
+    );
+}
+
+#[test]
+fn every_help_shows_an_example() {
+    for name in commands() {
+        let text = help(&[&name, "--help"]);
         assert!(text.contains("Example"), "{name}: {text}");
         assert!(
             text.contains(&format!("column-twin {name}")),

@@ -166,7 +166,7 @@ fn a_mass_in_tonnes_is_a_warning() {
     };
     let found = warnings("8.0");
     assert_eq!(found.len(), 1);
-    let expected = "-p impact.mass:=8.0: impact.mass is that of a lorry_8t of 8 kg: its own mass is 8000 kg, and the mass is expected in kg";
+    let expected = "-p impact.mass:=8.0: impact.mass is the mass of a lorry_8t of 8 kg: its own mass is 8000 kg, and the mass is expected in kg";
     assert!(found[0].starts_with(expected), "{}", found[0]);
     for mass in ["4000.0", "0.0", "20000.0"] {
         assert_eq!(warnings(mass), [""; 0], "{mass}");

@@ -16,7 +16,7 @@ const ANNEX_C_STIFFNESS: f64 = 300e3;
 
 /// What to give where the dimensions of the section are not known.
 const NO_DIMENSIONS: NotEvaluated = NotEvaluated::Missing(Cow::Borrowed(
-    "the section is given by numbers and the dimensions of its plates are not known; give section.name without overriding its \
+    "the section is user-defined and the dimensions of its plates are not known; give section.name without overriding its \
      properties",
 ));
 

@@ -19,13 +19,13 @@ pub(crate) const PART_OF_LENGTH: &str = "L";
 pub enum Action {
     /// No criterion that decides is exceeded.
     None,
-    /// An engineer has to examine the column.
+    /// Have an engineer examine the column.
     Inspect,
-    /// People and additional loads have to be kept away from the column until an engineer has examined it.
+    /// Keep people and additional loads away from the column until an engineer has examined it.
     Restrict,
-    /// The load has to be taken off the column at once.
+    /// Take the load off the column immediately.
     Shore,
-    /// Everybody has to leave the part of the building that the column carries.
+    /// Evacuate the part of the building that the column carries.
     Evacuate,
 }
 

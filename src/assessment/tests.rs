@@ -196,7 +196,7 @@ fn what_cannot_be_evaluated_is_listed_with_its_reason() {
     }
     assert!(
         assessment.reason.contains(
-            "Not evaluated: remaining_resistance (evacuate), remaining_resistance_1_5 (shore): the section is given by numbers"
+            "Not evaluated: remaining_resistance (evacuate), remaining_resistance_1_5 (shore): the section is user-defined"
         ),
         "{}",
         assessment.reason

@@ -36,7 +36,7 @@ pub struct CapacityArgs {
     /// Any parameter in the notation of ROS 2, for example -p top.load:=2.0e6; may be repeated
     #[arg(long = "param", short, value_name = "NAME:=VALUE")]
     parameter: Vec<String>,
-    /// The damage that a node has saved (a file of its state.directory); the parameters must be those of the node
+    /// The damage that a node has saved (a file of its state.directory); with the same parameters as the node
     #[arg(long, value_name = "FILE", conflicts_with = "after_impact")]
     state: Option<PathBuf>,
     /// Simulate an impact on the undamaged column first; the options below and the parameters impact.* specify it
@@ -56,10 +56,10 @@ const EXAMPLE: &str = "\
 Without --state and --after-impact, the column is undamaged.
 docs/assessment.md describes the push-down, the criteria and their sources.
 
-Example: what a car of 1.5 t at 36 km/h leaves of the paper's column
+Example: the capacity of the paper's column after a rigid mass of 1.5 t at 36 km/h
   column-twin capacity --config config/heb220_paper.yaml --after-impact --mass 1500 --velocity 10
 
-Exit codes: 0 done (whatever the assessment says), 1 failed, 2 bad input or usage.";
+Exit codes: 0 done, with any assessment, 1 failed, 2 bad input or usage.";
 
 /// Why the capacity cannot be computed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -373,7 +373,7 @@ impl Column {
             "Weak-axis resistance",
             match &remaining.weak {
                 Some(weak) => resistance_text(weak, self),
-                None => "not known: the section is given by numbers".into(),
+                None => "not known: the section is user-defined".into(),
             },
         );
         line(

@@ -40,7 +40,7 @@ pub struct EstimateArgs {
     /// Write a report in HTML; an existing file is replaced
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Draw the forecast and, for each sensor, what was measured against what is predicted, as SVG and PNG
+    /// Draw the forecast and, for each sensor, the readings and their prediction, as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
     figures: Option<PathBuf>,
     /// Print the estimate as JSON (SI units), with its history, and nothing else
@@ -52,9 +52,10 @@ pub struct EstimateArgs {
 }
 
 const EXAMPLE: &str = "\
-The column is assumed to be undamaged before the impact. docs/estimation.md describes the method and its limits.
+The column is assumed to be undamaged before the impact. docs/estimation.md describes the method
+and its limits.
 
-Example: simulate what the sensors of a column read when a car hits it, and estimate the car from that
+Example: simulate the readings of sensors when a car hits the column, and estimate the car from that
   column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
     --vehicle mid_car --velocity 12 --readings readings.csv
   column-twin estimate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\

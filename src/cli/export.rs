@@ -40,10 +40,11 @@ Example: displacements and hinge forces for a spreadsheet
   column-twin export recordings/column_twin_2026_11_21-07_40_00 --csv \\
     --topics /column_state /hinge_forces
 
-In a CSV table, a text that a spreadsheet would take for a formula (it begins with =, +, -, @, a tab or
-a carriage return) begins with an apostrophe, and control characters other than line feeds are escaped.
-Times are in nanoseconds since 1970. Messages are decoded with the definitions in the recording,
-so that every rosbag2 MCAP file can be exported. Nothing is overwritten.
+In a CSV table, a text that a spreadsheet would take for a formula (it begins with =, +, -, @, a
+tab or a carriage return) begins with an apostrophe, and control characters other than line
+feeds are escaped. Times are in nanoseconds since 1970. Messages are decoded with the
+definitions in the recording, so that every rosbag2 MCAP file can be exported. Nothing is
+overwritten.
 Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some topics or messages could
 not be decoded.";
 

@@ -30,16 +30,16 @@ pub struct FleetArgs {
 }
 
 const EXAMPLE: &str = "\
-Example: the columns of a table, with what they share in a parameter file, on this machine only
+Example: the columns of a table, with their common parameters in a file, on this machine only
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin fleet --params-file config/fleet.yaml \\
     --columns config/fleet.csv --ros-args -r __ns:=/garage
 
-The arguments after --ros-args are those of every ROS 2 node; -p changes a parameter of every column.
-With -p viewer.mode:=serve (save, connect, spawn) the Rerun viewer shows the plan of all columns.
-A fleet has at most 2000 columns. With -p record.mode:=events one recording has all of them, and
-`column-twin verify` verifies it column by column.
-Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 stopped by SIGINT or
-SIGTERM, but messages are missing in the recordings, or damage could not be saved.";
+The arguments after --ros-args are the same as for every ROS 2 node; -p changes a parameter of
+every column. With -p viewer.mode:=serve (save, connect, spawn) the Rerun viewer shows the plan
+of all columns. A fleet has at most 2000 columns. With -p record.mode:=events one recording has
+all of them, and `column-twin verify` verifies it column by column.
+Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 stopped by SIGINT
+or SIGTERM, but messages are missing in the recordings, or damage could not be saved.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> {

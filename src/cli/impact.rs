@@ -22,7 +22,7 @@ use column_twin::twin::event_id_fault;
 pub struct ImpactArgs {
     #[command(flatten)]
     impact: ImpactSpecificationArgs,
-    /// Parameter column_id of the column that is hit; default: that of the only twin
+    /// Parameter column_id of the column that is hit; default: the only twin
     #[arg(long, value_name = "ID")]
     column: Option<String>,
     /// Columns of a fleet that the vehicle hits one after another, in their order, separated by commas
@@ -33,8 +33,7 @@ pub struct ImpactArgs {
         conflicts_with = "column"
     )]
     row: Vec<String>,
-    /// Distance from each column of --row to the next [m], one for all or one for each; what a column leaves of the vehicle hits the
-    /// next one
+    /// Distance from each column of --row to the next [m], one for all or one for each; the vehicle hits the next column with its residual motion
     #[arg(
         long,
         value_name = "M",
@@ -59,14 +58,14 @@ const MASS: &str =
     "Total mass of the vehicle [kg]; default: its own mass, which a rigid vehicle does not have";
 
 const EXAMPLE: &str = "\
-The parameters named as defaults are those of the twin.
+The defaults are parameters of the twin.
 
 Example: 1.5 t of the twin's vehicle at 36 km/h
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --mass 1500 --velocity 10
 Example: a van of its own mass at 50 km/h
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --vehicle van --velocity 13.9
 Example: a lorry along a row of columns of a fleet, 5 m from one another, as far as it gets
-  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --row a1,a2,a3 --distance 5 --vehicle lorry_16t --velocity 20
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --row b1,b2,b3 --distance 5 --vehicle lorry_16t --velocity 20
 
 Exit codes: 0 accepted, 1 rejected or no answer from a twin, 2 bad input or usage.";
 

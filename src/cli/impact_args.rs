@@ -25,7 +25,7 @@ pub(super) struct ImpactSpecificationArgs {
     /// Coefficient of restitution [-], 0 to 1; default: parameter impact.restitution
     #[arg(long, value_name = "E")]
     restitution: Option<f64>,
-    /// Height of the impact point above the base [m]; default: that of the vehicle where geometry.height gives the column, otherwise
+    /// Height of the impact point above the base [m]; default: the height of the vehicle where geometry.height gives the column, otherwise
     /// parameter geometry.length_below
     #[arg(long, value_name = "M")]
     height: Option<f64>,

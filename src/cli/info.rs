@@ -140,7 +140,7 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
     line(
         "Complete",
         if reader.was_cut_off() {
-            "no: its end was cut off before it was repaired, and nobody knows how much that was"
+            "no: its end was cut off before it was repaired, and the number of lost messages is not known"
                 .to_owned()
         } else if reader.wholeness().is_whole() {
             "yes".to_owned()

@@ -30,7 +30,7 @@ Example: a keystore for a twin, a monitor that may only read, and an operator, v
   export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE=$PWD/keystore
   ROS_DOMAIN_ID=42 column-twin run --ros-args --enclave /column_twin
 
-The keystore is that of SROS 2: `ros2 security` and every ROS 2 node can use it.
+The keystore has the format of SROS 2: `ros2 security` and every ROS 2 node can use it.
 Exit codes: 0 done, 1 failed, or an enclave cannot be used (show), 2 bad input or usage.";
 
 #[derive(Debug, Subcommand)]

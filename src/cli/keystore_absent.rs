@@ -10,7 +10,7 @@ use super::failure::{Exit, Failure};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE, disable_help_subcommand = true)]
 pub struct KeystoreArgs {
-    /// What a program with DDS security understands: create, add, renew, show, policy
+    /// Subcommands of a program with DDS security: create, add, renew, show, policy
     #[arg(
         value_name = "ARGUMENTS",
         trailing_var_arg = true,
@@ -20,10 +20,11 @@ pub struct KeystoreArgs {
 }
 
 const EXAMPLE: &str = "\
-This program was built without DDS security, which needs OpenSSL 3 (Debian: libssl-dev and pkg-config):
+This program was built without DDS security, which needs OpenSSL 3 (Debian: libssl-dev and
+pkg-config):
   cargo build --release --features security
 
-Example: what can be done with such a program
+Example: with such a program
   column-twin keystore create keystore
 
 Exit codes: 2 always.";
@@ -33,7 +34,7 @@ pub fn run(_: &KeystoreArgs) -> Result<(), Failure> {
     Err(Failure::plain(
         Exit::BadInput,
         "this program was built without DDS security; build it with: cargo build --release --features security (it needs \
-         OpenSSL 3, on Debian: apt-get install libssl-dev pkg-config). `ros2 security` can make a keystore, too: see \
+         OpenSSL 3, on Debian: apt-get install libssl-dev pkg-config). `ros2 security` can also make a keystore: see \
          docs/security.md",
     ))
 }

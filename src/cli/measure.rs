@@ -36,14 +36,16 @@ pub struct MeasureArgs {
 }
 
 const EXAMPLE: &str = "\
-The first row is published as if it were measured now, and each batch when its last sample would have been taken. The twin needs
-the same sensors in its parameters.
+The first row is published as if it were measured now, and each batch when its last sample would
+have been taken. The twin needs the same sensors in its parameters.
 
 Example: a simulated impact of 1.5 t at 36 km/h, for a twin in another terminal
-  column-twin simulate --config heb220_s355.yaml --config sensors_industrial.yaml --mass 1500 --velocity 10 --readings readings.csv
-  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin measure readings.csv --config heb220_s355.yaml --config sensors_industrial.yaml
+  column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml --mass 1500 --velocity 10 --readings readings.csv
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin measure readings.csv --config config/heb220_s355.yaml \\
+    --config config/sensors_industrial.yaml
 
-Exit codes: 0 sent, 1 no twin with sensors, 2 bad input or usage, 3 sent, but some batches were lost.";
+Exit codes: 0 sent, 1 no twin with sensors, 2 bad input or usage, 3 sent, but some batches were
+lost.";
 
 /// Publishes the readings.
 pub fn run(

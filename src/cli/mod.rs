@@ -112,7 +112,8 @@ pub struct Cli {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some data were lost.";
+Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done in part: data were lost, the command was
+interrupted, or a part could not be computed or verified. Each command states the details.";
 
 #[derive(Debug, Subcommand)]
 enum CliCommand {
@@ -121,11 +122,11 @@ enum CliCommand {
     Demo(demo::DemoArgs),
     /// Simulate one impact without ROS and summarise the response of the column
     Simulate(SimulateArgs),
-    /// Compute the axial capacity of the column, undamaged and damaged, and assess what is left
+    /// Compute the axial capacity of the column, undamaged and damaged, and assess the remainder
     Capacity(CapacityArgs),
-    /// Estimate what struck the column, and what remains of it, from the readings of its sensors
+    /// Estimate the vehicle and the damage of the column from the readings of its sensors
     Estimate(estimate::EstimateArgs),
-    /// Map what impacts do over two quantities, such as mass and velocity: action, displacement, capacity
+    /// Map the effects of impacts over two quantities, such as mass and velocity: action, displacement, capacity
     Map(map::MapArgs),
     /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
     Risk(risk::RiskArgs),
@@ -149,7 +150,7 @@ enum CliCommand {
     /// Verify a recording by recomputation, bit for bit
     #[cfg(feature = "record")]
     Verify(verify::VerifyArgs),
-    /// Print what a running twin publishes, until Ctrl-C
+    /// Print the messages of a running twin, until Ctrl-C
     #[cfg(feature = "ros")]
     Watch(watch::WatchArgs),
     /// Print the topics and messages of the node as OMG IDL, for DDS programs without ROS
@@ -160,7 +161,7 @@ enum CliCommand {
     /// Summarise a recording: topics, impacts with their outcomes, losses
     #[cfg(feature = "record")]
     Info(info::InfoArgs),
-    /// Write a report about the impacts of a recording, for people: one HTML file, verified by recomputation
+    /// Write an HTML report about the impacts of a recording, verified by recomputation
     #[cfg(feature = "record")]
     Report(report::ReportArgs),
     /// Repair a recording that was cut off or damaged; the original is kept

@@ -51,7 +51,7 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
             match &line.entry {
                 JournalEntry::Fleet { columns } => {
                     let reason = format!(
-                        "expected the recording of one column to show, found that of a fleet of {} in {}; column-twin report \
+                        "expected the recording of one column to show, found the recording of a fleet of {} in {}; column-twin report \
                          --column shows one of them, and viewer.mode:=save writes a file for the viewer while a fleet runs",
                         columns.len(),
                         bag.display()

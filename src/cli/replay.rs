@@ -70,7 +70,8 @@ Examples: ten times slower; only the events, for a twin that follows simulated t
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --topics /impact_event --clock
   column-twin replay impact --rrd impact.rrd && rerun impact.rrd
 
-Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 some messages could not be sent.";
+Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 some messages could not be
+sent.";
 
 fn rate(text: &str) -> Result<f64, String> {
     number_in(text, RATES)

@@ -33,19 +33,22 @@ pub struct ReportArgs {
 }
 
 const EXAMPLE: &str = "\
-Writes one HTML file that any browser opens without a network and prints on A4. Each impact has four pages: what has to be
-done and looked at, with sketch and title block; the checks; the column after the hit; how sure that is. An annex holds the
-figures, and the result of the verification by recomputation. All parameters go to a JSON file beside it.
+Writes one HTML file that any browser opens without a network and prints on A4. Each impact has
+four pages: the required action and the places to inspect, with sketch and title block; the
+checks; the column after the hit; the uncertainty. An annex holds the figures and the result of
+the verification by recomputation. All parameters go to a JSON file next to it.
 
-The file of --report-details has lines such as project: Car park North. What it does not give is left to be filled in by
-hand: project, site, client, document, revision, date, author, checker, hit_direction.
+The file of --report-details has lines such as project: Car park North. Missing lines are left
+blank, to be filled in by hand: project, site, client, document, revision, date, author,
+checker, hit_direction.
 
 Example: record a simulated impact, and report about it
   column-twin simulate --record impact && column-twin report impact -o impact.html
 
-Exit codes: 0 done, and everything that could be checked is equal to the recomputation, 1 failed, or the recording
-differs from its recomputation or its seal does not hold (the report says where), 2 bad input or usage, 3 done, but the recording could not be
-verified or is not complete.";
+Exit codes: 0 done, and everything that could be checked is equal to the recomputation, 1
+failed, or the recording differs from its recomputation or its seal does not hold (the report
+shows where), 2 bad input or usage, 3 done, but the recording could not be verified or is not
+complete.";
 
 /// Writes the report and prints where it is.
 pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> {
@@ -89,7 +92,7 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
         (Ok(found), _) if found.is_contradicted() => (
             Exit::Failed,
             format!(
-                "{bag} differs from its recomputation: {} differences, {} messages missing; the report says where",
+                "{bag} differs from its recomputation: {} differences, {} messages missing; the report shows where",
                 found.differences,
                 found.missing()
             ),
@@ -105,14 +108,14 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
         (Ok(_), _) if recorded.seal.fault().is_some() => (
             Exit::Failed,
             format!(
-                "{bag}: {}; the report contains what is left",
+                "{bag}: {}; the report contains the remainder",
                 recorded.seal.fault().unwrap_or_default()
             ),
         ),
         (Ok(_), Some(why)) => (
             Exit::Lossy,
             format!(
-                "{bag} is {why}; the report contains what can be read; save it with: column-twin repair {bag}"
+                "{bag} is {why}; the report contains the readable part; save it with: column-twin repair {bag}"
             ),
         ),
         (Ok(_), None) => return Ok(()),

@@ -22,13 +22,13 @@ Example: the column of a parameter file, in a namespace, on this machine only
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin run --config config/heb220_s355.yaml \\
     --ros-args -r __ns:=/garage -p top.load:=4.0e5
 
-The arguments after --ros-args are those of every ROS 2 node: -r, -p, --params-file, --log-level.
-Parameter files that name several columns and not this node make a fleet: see column-twin fleet.
-With -p record.mode:=always the node records everything that it receives and sends, in the directory
-given by -p record.directory:=DIR. Recordings are sealed with the key of -p record.seal_key:=FILE, or
-with a fresh one, whose public part the log shows.
-Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 messages are missing
-in a recording, or damage could not be saved.";
+The arguments after --ros-args are the same as for every ROS 2 node: -r, -p, --params-file,
+--log-level. Parameter files that name several columns and not this node make a fleet: see
+column-twin fleet. With -p record.mode:=always the node records everything that it receives and
+sends, in the directory given by -p record.directory:=DIR. Recordings are sealed with the key of
+-p record.seal_key:=FILE, or with a fresh one, whose public part the log shows.
+Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 messages are
+missing in a recording, or damage could not be saved.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
@@ -67,7 +67,7 @@ pub(super) fn end_of_run(end: RunEnd) -> Result<(), Failure> {
     let mut lost = Vec::new();
     if end.lost_in_recording > 0 {
         lost.push(format!(
-            "{} messages are missing in the recordings; see the log for when and why, and `column-twin info` for what was recorded",
+            "{} messages are missing in the recordings; see the log for when and why, and `column-twin info` for the contents",
             end.lost_in_recording
         ));
     }

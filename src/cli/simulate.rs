@@ -57,7 +57,7 @@ pub struct SimulateArgs {
     /// the standard error
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write what the sensors of sensors.names read, with their errors, as CSV; docs/estimation.md describes them
+    /// Write the readings of the sensors of sensors.names, with their errors, as CSV; docs/estimation.md describes them
     #[arg(long, value_name = "FILE")]
     readings: Option<PathBuf>,
     /// Seed of the errors of the sensors; the same seed gives the same readings
@@ -66,13 +66,13 @@ pub struct SimulateArgs {
     /// Draw the figures into this folder, as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
     figures: Option<PathBuf>,
-    /// Write a report for people: one HTML file with the verdict on four pages of A4, and an annex; all parameters go to a JSON file beside it
+    /// Write an HTML report: the verdict on four pages of A4, and an annex; all parameters go to a JSON file next to it
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// File with project, site, author and other details for the title block of the report
     #[arg(long, value_name = "FILE", requires = "report")]
     report_details: Option<PathBuf>,
-    /// Record what a node would publish to this new folder, as an MCAP recording that ROS tools can read
+    /// Record the messages that a node would publish, in this new folder, as an MCAP recording that ROS tools can read
     #[cfg(feature = "record")]
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,

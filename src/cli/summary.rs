@@ -188,7 +188,7 @@ impl Summary<'_> {
         let plateau = Unit::force(evaluation.plateau).show(evaluation.plateau);
         let report = self.report();
         let name = match self.vehicle_name {
-            "" => "by numbers",
+            "" => "user-defined",
             name => name,
         };
         writeln!(f, "\nVehicle: {name}")?;

@@ -14,7 +14,7 @@ use column_twin::parameters::{
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct VehiclesArgs {
-    /// Only this vehicle, followed by parameters that describe it by numbers, to be changed into one of your own
+    /// Only this vehicle, followed by the parameters of the same vehicle as a user-defined one, for you to change
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -58,7 +58,7 @@ fn one(name: &str) -> Result<String, Failure> {
         ));
     };
     Ok(format!(
-        "{}\nThe same vehicle by numbers, as parameters of a node:\n{}",
+        "{}\nThe same vehicle as a user-defined one, as parameters of a node:\n{}",
         Described(vehicle).text(),
         by_numbers(vehicle)
     ))

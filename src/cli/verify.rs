@@ -31,22 +31,24 @@ const EXAMPLE: &str = "\
 Runs the twin again from the recorded state, parameters and commands, and compares every message
 of column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and
 markers with the recording: its values, its place, and whether it is there. impact_event and
-column_parameters are compared with the commands in the journal. The journal counts the messages
-on all other topics. Log and publish times are compared with those in the journal.
+column_parameters are compared with the commands in the journal. Estimates from sensors are computed
+again from the recorded measurements and compared with impact_estimate, and /parameter_events with
+the parameters. The journal counts the messages on all other topics. Log and publish times are
+compared with the times in the journal.
 
-A message may be missing only if the recording declares the loss: in twin_status, by its recorder,
-by a damaged file, or by a crash that cut off its end. The output lists what cannot be recomputed.
+A message may be missing only if the recording declares the loss: in twin_status, by its
+recorder, by a damaged file, or by a crash that cut off its end. The output lists the data that
+cannot be recomputed.
 
 The recording of a fleet is verified column by column, and every finding names its column. Columns
 that have executed no command are not in the recording. The columns in fleet_status are compared
 with their last twin_status.
 
-The seal of a recording is checked, too. It proves that nothing was changed since it was recorded,
+The seal of a recording is also checked. It proves that nothing was changed since it was recorded,
 and that the index leads other programs to the same messages.
 Only a key that you trust (--trusted-key) proves who recorded it. A recording without a final seal
-was cut off, by a crash or by a person, which is an error only with --require-seal. A recording of version 0.1,
-or one with -p record.seal:=false, is not sealed, which is an error only with --require-seal or
---trusted-key.
+was cut off, by a crash or by a person, which is an error only with --require-seal. A recording with
+-p record.seal:=false is not sealed, which is an error only with --require-seal or --trusted-key.
 
 Example: record a simulated impact, and verify the recording
   column-twin simulate --record impact && column-twin verify impact
@@ -56,10 +58,10 @@ Example: make a key, seal recordings with it, and demand that a recording is sea
   column-twin simulate --record impact -p record.seal_key:=seal_key.pem
   column-twin verify impact --trusted-key seal_key_public.pem
 
-Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording differs,
-more messages are missing than it declares as lost, nothing or, of a damaged recording, less than half could be checked,
-or the seal does not hold or is not as demanded, 2 the recording cannot be read or has no journal of this version, or a
-key cannot be read.";
+Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording
+differs, more messages are missing than it declares as lost, nothing could be checked, or less
+than half of a damaged recording, or the seal does not hold or is not as demanded, 2 the
+recording cannot be read or has no journal of this version, or a key cannot be read.";
 
 /// Verifies the recording and prints the result.
 pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> {

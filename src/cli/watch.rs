@@ -24,8 +24,8 @@ const EXAMPLE: &str = "\
 Example: a twin in the namespace /garage, on this machine only
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin watch --ros-args -r __ns:=/garage
 
-A fleet is shown as a table that fits the terminal, the worst columns first; in a pipe, as one line for each column that
-changes.
+A fleet is shown as a table that fits the terminal, the worst columns first; in a pipe, as one
+line for each column that changes.
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 
 /// Minimum time between two pictures of the table.

@@ -139,7 +139,7 @@ impl Columns {
             let why = "measurements that the node took could not be recorded";
             self.lose_measurements(why, found);
         } else if !is_known {
-            let why = "measurements are missing, or are not those that the journal tells of";
+            let why = "measurements are missing, or differ from the measurements in the journal";
             self.lose_measurements(why, found);
         }
         let column = line.column_id.as_deref().unwrap_or_default();

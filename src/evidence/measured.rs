@@ -23,7 +23,7 @@ const MAX_SAMPLES: usize = 1 << 24;
 const KEPT_OF_A_COLUMN: Nanos = 30_000_000_000;
 
 /// Before the first checkpoint.
-const NO_CHECKPOINT: &str = "the journal does not tell from which measurements on it counts them";
+const NO_CHECKPOINT: &str = "the journal does not state the first measurement that it counts";
 
 /// What follows from a message that cannot be read.
 pub(super) const UNREADABLE: &str = "a message on measurements cannot be read";

@@ -477,7 +477,7 @@ impl fmt::Display for Verification {
             }
             None if self.is_too_little() => writeln!(
                 f,
-                "Too little could be checked: {compared} of {all} messages; what was compared is equal"
+                "Too little could be checked: {compared} of {all} messages; the compared messages are equal"
             ),
             None => {
                 let all = self.unchecked_reasons == 0 && self.unchecked_messages() == 0;

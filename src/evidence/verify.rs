@@ -633,8 +633,10 @@ fn ending(reader: &Reader, is_stopped: bool) -> &'static str {
         (true, _) => "the recorder was stopped after the last one",
         (false, Some("rotated")) => "the next recording continues after the last one",
         (false, Some("no_room")) => "the disk was full after the last one",
-        (false, Some("repaired")) => "what followed the last one was cut off before a repair",
-        (false, _) if !reader.wholeness().is_whole() => "what followed the last one is cut off",
+        (false, Some("repaired")) => "the messages after the last one were cut off before a repair",
+        (false, _) if !reader.wholeness().is_whole() => {
+            "the messages after the last one are cut off"
+        }
         (false, _) => "the end is missing",
     }
 }

@@ -56,7 +56,7 @@ impl RowImpact {
         let ids = &message.column_ids;
         if message.event_id.is_empty() {
             faults.push(
-                "event_id is empty; give every event its own identifier, with which those of its impacts begin"
+                "event_id is empty; give every event its own identifier, with which the identifiers of its impacts begin"
                     .to_owned(),
             );
         }
@@ -212,7 +212,7 @@ fn begins_of(message: &RowImpactEvent, faults: &mut Vec<String>) -> Vec<Begin> {
         }
         if !(last..=MAX_ROW_OFFSET).contains(&offset) {
             faults.push(format!(
-                "the offset of column {column:?} is {offset} s; expected {last} s, that of the column before, to {MAX_ROW_OFFSET} s, \
+                "the offset of column {column:?} is {offset} s; expected {last} s, the offset of the column before, to {MAX_ROW_OFFSET} s, \
                  or NaN"
             ));
         } else {
@@ -248,7 +248,7 @@ impl LeftOver {
         let word = match (report.outcome, report.end) {
             (_, End::NotConverged) => {
                 return Self::Ends(
-                    "the response could not be computed to its end, so that it is not known what is left of the vehicle"
+                    "the response could not be computed to its end, so that the residual motion of the vehicle is not known"
                         .to_owned(),
                 );
             }
@@ -404,7 +404,8 @@ impl Rows {
         let found = match found {
             Ok(found) => found,
             Err(reason) => {
-                let reason = format!("no forecast says what is left of the vehicle: {reason}");
+                let reason =
+                    format!("no forecast gives the residual motion of the vehicle: {reason}");
                 return self.end(&row, at, &reason, NoticeLevel::Error);
             }
         };

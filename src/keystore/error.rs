@@ -34,7 +34,7 @@ pub enum KeystoreError {
     NoAuthority(PathBuf),
     /// The authority's key does not belong to its certificate.
     #[error(
-        "{} is not the key of {}: what it signs would be rejected by every node; restore the two from one backup",
+        "{} is not the key of {}: its signatures would be rejected by every node; restore the two from one backup",
         key.display(), certificate.display()
     )]
     ForeignKey {
@@ -82,9 +82,7 @@ pub enum KeystoreError {
     #[error(transparent)]
     NodeName(#[from] NameError),
     /// The role is unknown.
-    #[error(
-        "`{0}` does not tell what the enclave is for; write NAME=twin, NAME=monitor or NAME=operator"
-    )]
+    #[error("`{0}` gives the enclave no role; write NAME=twin, NAME=monitor or NAME=operator")]
     Role(String),
     /// The validity is out of range.
     #[error("expected a validity of 1 to {max} days, found {found}")]

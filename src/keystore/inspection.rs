@@ -263,7 +263,7 @@ fn unsigned_change(document: &Path, signed: &Path, remedy: &str) -> Option<Strin
     let start = text.find('<').unwrap_or_default();
     (text[start..].trim() != signed_text.trim()).then(|| {
         format!(
-            "{} is not what {} holds, and only the signed text counts; sign it with: {remedy}",
+            "{} differs from {}, and only the signed text counts; sign it with: {remedy}",
             document.display(),
             signed.display()
         )

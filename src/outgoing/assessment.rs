@@ -15,8 +15,7 @@ use crate::twin::{Assessed, Prediction, ReportOutput, Status, Striking};
 const NOT_PREDICTED: &str = "no second opinion: a prediction is that of the two bars alone";
 
 /// Why a column has to be inspected whose state file could not be used.
-const UNKNOWN_DAMAGE: &str = "the state file with the damage from before could not be used, so the column may have more damage \
-                              than the twin knows: restore the file, or examine the column and call ~/reset if it is undamaged";
+const UNKNOWN_DAMAGE: &str = "the state file with the damage from before could not be used, so the column may have more damage than the twin has: restore the file, or examine the column and call ~/reset if it is undamaged";
 
 impl From<&ReportOutput> for ImpactReport {
     /// Leaves header, column and event empty, and sets the kind FORECAST.

@@ -106,7 +106,7 @@ fn section_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
     if settings.resistance.moment == 0.0 {
         found.push(Inconsistency {
             names: vec!["resistance.moment", "section.name", "section.area", "section.second_moment", "section.mass_per_length"],
-            message: "is required, because a section given by numbers has no plastic modulus; give it, or section.name"
+            message: "is required, because a user-defined section has no plastic modulus; give it, or section.name"
                 .to_owned(),
         });
     }
@@ -272,7 +272,7 @@ fn estimates_know_the_column(settings: &Settings, found: &mut Vec<Inconsistency>
             found.push(Inconsistency {
                 names: vec![name, "sensors.names"],
                 message: format!(
-                    "{what}, which the estimation of impacts from sensors does not know; give no sensors.names, or change it"
+                    "{what}, which the estimation of impacts from sensors does not include; give no sensors.names, or change it"
                 ),
             });
         }
@@ -426,7 +426,7 @@ fn vehicle_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
         found.push(Inconsistency {
             names: vec![name, "vehicle.name"],
             message: format!(
-                "describes a vehicle given by numbers, but vehicle.name is {}; write vehicle.name: \"\", or omit the numbers",
+                "describes a user-defined vehicle, but vehicle.name is {}; write vehicle.name: \"\", or omit the numbers",
                 vehicle.name
             ),
         });
@@ -622,7 +622,7 @@ fn softening_has_its_rotations(settings: &Settings, found: &mut Vec<Inconsistenc
         if rotation == 0.0 {
             found.push(Inconsistency {
                 names: vec![name, "softening.model", "section.name"],
-                message: "is required for the softening of a section given by numbers; give it in rad, name the section, or write \
+                message: "is required for the softening of a user-defined section; give it in rad, name the section, or write \
                           softening.model: none"
                     .to_owned(),
             });
@@ -635,7 +635,7 @@ fn strain_rate_has_a_height(settings: &Settings, found: &mut Vec<Inconsistency>)
     if settings.rate.law != RateLawKind::None && section.name.is_empty() && section.height == 0.0 {
         found.push(Inconsistency {
             names: vec!["section.height", "section.name", "rate.law"],
-            message: "is required for the strain rate, because a section given by numbers has no height; give it in m, \
+            message: "is required for the strain rate, because a user-defined section has no height; give it in m, \
                       name the section, or write rate.law: none"
                 .to_owned(),
         });
@@ -994,7 +994,7 @@ mod tests {
     fn numbers_and_a_name_exclude_each_other() {
         assert!(
             text(&one_mass(&[("vehicle.name", "suv".into())])).contains(
-                "vehicle.masses describes a vehicle given by numbers, but vehicle.name is suv; write vehicle.name: \"\", or omit the \
+                "vehicle.masses describes a user-defined vehicle, but vehicle.name is suv; write vehicle.name: \"\", or omit the \
                  numbers"
             )
         );

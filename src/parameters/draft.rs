@@ -390,7 +390,7 @@ impl Draft {
                 name: Some(MASS.to_owned()),
                 value: None,
                 place: slot.place.clone().unwrap_or(Origin::Direct),
-                problem: Problem::Implausible(format!("is that of {text}")),
+                problem: Problem::Implausible(format!("is the mass of {text}")),
             };
             self.warnings.push(warning);
         }

@@ -16,8 +16,7 @@ pub(super) const HARDENING_RATIO: Parameter = Parameter {
     admissible: Admissible::Real { min: 0.0, max: 0.1 },
     applies: Applies::AfterResponse,
     meaning: "b: slope of the stress-strain curve after yield over Young's modulus, from first yield on; it enlarges the whole yield \
-              surface with the plastic rotation. Unless given, 0.01 for a section by name, 0.005 with a rate.law, 0 for one by \
-              numbers; 12 measured columns need 0.006 to 0.05 (docs/theory.md). 0 is on the safe side for displacements and on \
+              surface with the plastic rotation. Unless given, 0.01 for a section by name, 0.005 with a rate.law, 0 for a user-defined one; 12 measured columns need 0.006 to 0.05 (docs/theory.md). 0 is on the safe side for displacements and on \
               the unsafe side for forces",
 };
 
@@ -30,7 +29,7 @@ pub(super) const SOFTENING_MODEL: Parameter = Parameter {
     applies: Applies::AfterResponse,
     meaning: "how a hinge loses strength when its flanges and web buckle locally. backbone: its moment falls with the accumulated \
               plastic rotation beyond the capping rotation, as in a monotonic test (Lignos 2019); none: it does not. Unless given, \
-              backbone for a section by name, none for one by numbers; with assessment.ultimate_rotation: 0 there is none",
+              backbone for a section by name, none for a user-defined one; with assessment.ultimate_rotation: 0 there is none",
 };
 
 pub(super) const SOFTENING_CAPPING_ROTATION: Parameter = Parameter {
@@ -66,7 +65,7 @@ pub(super) const SOFTENING_RESIDUAL: Parameter = Parameter {
     admissible: Admissible::RealOrZero {
         min: 1e-3,
         max: 1.0,
-        zero: "from the section, its length and top.load; none for a section by numbers",
+        zero: "from the section, its length and top.load; none for a user-defined section",
     },
     applies: Applies::AfterResponse,
     meaning: "moment that remains, relative to that at the capping rotation",

@@ -138,7 +138,7 @@ column_twin:
 A whole number is accepted where a double is expected; NaN (but for `impact.mass`) and infinity are rejected.
 Arrays are written `[1.0, 2.5]` or as a YAML block sequence; their range applies to each element.
 Ranges include their bounds; *or 0 (...)* gives the meaning of 0 where it is outside the range.
-*Applies* tells when a change takes effect in the running node; *restart* means read-only while it runs.
+*Applies* states when a change takes effect in the running node; *restart* means read-only while it runs.
 ";
 
 const SENSORS: &str = "
@@ -167,7 +167,7 @@ fn row(parameter: &Parameter) -> String {
         other => other.plain(),
     };
     let applies = match parameter.applies {
-        Applies::AtOnce => "at once",
+        Applies::AtOnce => "immediately",
         Applies::AfterResponse => "after the response",
         Applies::Restart => "restart",
     };

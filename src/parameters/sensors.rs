@@ -16,7 +16,7 @@ pub const SENSOR_PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Required(Kind::String),
         admissible: Admissible::Choice(&Quantity::WORDS),
         applies: Applies::Restart,
-        meaning: "what the sensor measures: transverse acceleration [m/s^2] or displacement [m], positive in the vehicle's direction; \
+        meaning: "quantity that the sensor measures: transverse acceleration [m/s^2] or displacement [m], positive in the vehicle's direction; \
                   rotation of the axis [rad], positive if it leans in this direction; bending strain of a fibre, positive for tension on \
                   the side away from the vehicle; axial strain, tension positive; or contact force [N]",
     },
@@ -29,7 +29,7 @@ pub const SENSOR_PARAMETERS: &[Parameter] = &[
             max: 200.0,
         },
         applies: Applies::Restart,
-        meaning: "height of the sensor above the base, at most that of the column; a contact force does not need it",
+        meaning: "height of the sensor above the base, within the column; a contact force does not need it",
     },
     Parameter {
         name: "sensors.<name>.range",
@@ -351,7 +351,7 @@ fn strain_has_a_fibre(sensor: &SensorSettings, settings: &Settings) -> Option<In
     }
     let height = section_of(&settings.section).height;
     let message = if height == 0.0 && sensor.fibre == 0.0 {
-        "is required for a bending strain, because a section given by numbers has no height; give the distance of the \
+        "is required for a bending strain, because a user-defined section has no height; give the distance of the \
          fibre from the centroid in m, or section.height, or name the section"
             .to_owned()
     } else if height > 0.0 && sensor.fibre > height / 2.0 * ROUND_OFF {

@@ -30,7 +30,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("column"),
         admissible: IDENTIFIER,
         applies: Applies::Restart,
-        meaning: "name of the column in messages; impact events for another column are rejected",
+        meaning: "name of the column in messages; impact events for another column are rejected, or in a fleet ignored",
     },
     Parameter {
         name: "frame_id",
@@ -97,7 +97,7 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the \
                   heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a \
                   height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later \
-                  file or section, on the command line, or by a change of both at once",
+                  file or section, on the command line, or by a change of both together",
     },
     Parameter {
         name: "geometry.length_below",
@@ -121,7 +121,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("HEB220"),
         admissible: Admissible::SectionName,
         applies: Applies::AfterResponse,
-        meaning: "rolled section, bent about its strong axis; empty: the section is given by numbers. If files and overrides \
+        meaning: "rolled section, bent about its strong axis; empty: the section is user-defined. If files and overrides \
                   give one of the numbers but no name, the name is empty",
     },
     Parameter {
@@ -146,7 +146,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "I: second moment of area; overrides that of a named section",
+        meaning: "I: second moment of area; overrides the value of a named section",
     },
     Parameter {
         name: "section.mass_per_length",
@@ -158,7 +158,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "m_l: mass per length; overrides that of a named section",
+        meaning: "m_l: mass per length; overrides the value of a named section",
     },
     Parameter {
         name: "section.height",
@@ -170,7 +170,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "h: height in the plane of bending, for strain rates; overrides that of a named section",
+        meaning: "h: height in the plane of bending, for strain rates; overrides the value of a named section",
     },
     Parameter {
         name: "section.width",
@@ -182,7 +182,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "b: width of the flanges, for the shear of the web; overrides that of a named section",
+        meaning: "b: width of the flanges, for the shear of the web; overrides the value of a named section",
     },
     Parameter {
         name: "section.web_thickness",
@@ -194,7 +194,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "t_w: thickness of the web, for its shear; overrides that of a named section. A section given by numbers yields in shear if it has this and `section.height`",
+        meaning: "t_w: thickness of the web, for its shear; overrides the value of a named section. A user-defined section yields in shear if it has this and `section.height`",
     },
     Parameter {
         name: "section.flange_thickness",
@@ -206,7 +206,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "t_f: thickness of the flanges, for the shear of the web; overrides that of a named section",
+        meaning: "t_f: thickness of the flanges, for the shear of the web; overrides the value of a named section",
     },
     Parameter {
         name: "steel.grade",
@@ -214,8 +214,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("S355"),
         admissible: Admissible::SteelGrade,
         applies: Applies::AfterResponse,
-        meaning: "steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty: the steel is \
-                  given by numbers. If files and overrides give one of the numbers but no grade, the grade is empty",
+        meaning: "steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty: the steel is user-defined. If files and overrides give one of the numbers but no grade, the grade is empty",
     },
     Parameter {
         name: "steel.young_modulus",
@@ -227,7 +226,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "from `steel.grade`",
         },
         applies: Applies::AfterResponse,
-        meaning: "E: Young's modulus; overrides that of a named grade",
+        meaning: "E: Young's modulus; overrides the value of a named grade",
     },
     Parameter {
         name: "steel.yield_strength",
@@ -239,7 +238,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "from `steel.grade`",
         },
         applies: Applies::AfterResponse,
-        meaning: "f_y: yield strength; overrides that of a named grade",
+        meaning: "f_y: yield strength; overrides the value of a named grade",
     },
     Parameter {
         name: "resistance.moment",
@@ -487,7 +486,7 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a \
-                  column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for one by numbers",
+                  column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for a user-defined one",
     },
     Parameter {
         name: "top.mass",
@@ -518,8 +517,8 @@ pub const PARAMETERS: &[Parameter] = &[
             open: "the vehicle's own mass; not for a rigid one",
         },
         applies: Applies::AtOnce,
-        meaning: "m_c: total mass of the vehicle; of a deformable one, all masses and the springs between them scale with it. If it is not \
-                  given and vehicle.name is that of a deformable vehicle, it is 0",
+        meaning: "m_c: total mass of the vehicle; all masses of a deformable one, and the springs between them, scale with it. If it is not \
+                  given and vehicle.name names a deformable vehicle, it is 0",
     },
     Parameter {
         name: "impact.velocity",
@@ -568,8 +567,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("rigid"),
         admissible: Admissible::VehicleName,
         applies: Applies::AtOnce,
-        meaning: "vehicle of impacts that name none: the paper's rigid mass, or one of the catalogue; empty: the vehicle is given by \
-                  numbers. If files and overrides give one of the numbers but no name, the name is empty",
+        meaning: "vehicle of impacts that name none: the paper's rigid mass, or one of the catalogue; empty: the vehicle is user-defined. If files and overrides give one of the numbers but no name, the name is empty",
     },
     Parameter {
         name: "vehicle.masses",
@@ -584,7 +582,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max_len: MAX_MASSES,
         },
         applies: Applies::AtOnce,
-        meaning: "masses of a vehicle given by numbers, front first, each with a spring in front of it; impact.mass scales \
+        meaning: "masses of a user-defined vehicle, front first, each with a spring in front of it; impact.mass scales \
                   them, and the springs between them",
     },
     Parameter {
@@ -682,7 +680,7 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AtOnce,
         meaning: "whether the column meets half of the front's force up to a crush of 0.40 m, rising to all of it at 0.55 m, where it \
                   has reached the engine. If it is not given, it follows vehicle.name: true for cars of the catalogue, false for \
-                  all others and for a vehicle given by numbers. Another vehicle that an event names keeps its own default",
+                  all others and for a user-defined vehicle. Another vehicle that an event names keeps its own default",
     },
     Parameter {
         name: "vehicle.force_factor",
@@ -705,7 +703,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 10.0,
         },
         applies: Applies::AtOnce,
-        meaning: "height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, it is that of a vehicle of the catalogue, and 0, a force at a point, for a rigid one and one by numbers",
+        meaning: "height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, a vehicle of the catalogue has its own, and a rigid or user-defined one has 0, a force at a point",
     },
     Parameter {
         name: "event.max_age",
@@ -739,7 +737,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max_len: 64,
         },
         applies: Applies::Restart,
-        meaning: "who may send impact events, parameters and resets; empty: everybody. An enclave is known only with DDS security; \
+        meaning: "who may send impact events, parameters, measurements and requests to reset, to confirm an estimate and to correct the damage; empty: everybody. An enclave is known only with DDS security; \
                   without it a GUID can be forged",
     },
     Parameter {
@@ -754,7 +752,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::Restart,
-        meaning: "impact events, sets of parameters and resets per second that the node takes from each sender, and from all new ones together; \
+        meaning: "impact events, sets of parameters and requests per second that the node takes from each sender, and from all new ones together; \
                   with the default, one sender that sends without end does not shorten the time that the recordings cover",
     },
     Parameter {
@@ -767,7 +765,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 10_000,
         },
         applies: Applies::Restart,
-        meaning: "number that a sender may send at once under senders.max_rate",
+        meaning: "number of messages that a sender may send in a burst under senders.max_rate",
     },
     Parameter {
         name: "estimation.accept",
@@ -776,7 +774,7 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: Admissible::Choice(&["never", "confirmation", "automatic"]),
         applies: Applies::AtOnce,
         meaning: "when an impact that the sensors have detected becomes an impact of the twin. never: it is only published; confirmation: \
-                  when ~/confirm_estimate accepts it; automatic: as soon as its estimate is sure enough, at the latest with the final one",
+                  when ~/confirm_estimate accepts it; automatic: as soon as its estimate is reliable enough, at the latest with the final one",
     },
     Parameter {
         name: "estimation.momentum_width",
@@ -787,7 +785,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 10.0,
         },
         applies: Applies::AtOnce,
-        meaning: "largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is sure enough",
+        meaning: "largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is reliable enough",
     },
     Parameter {
         name: "estimation.yield_certainty",
@@ -795,7 +793,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(0.9),
         admissible: Admissible::Real { min: 0.5, max: 1.0 },
         applies: Applies::AtOnce,
-        meaning: "probability with which it has to be known whether the column has yielded, of an estimate that is sure enough",
+        meaning: "least probability of yielding, or of no yielding, of an estimate that is reliable enough",
     },
     Parameter {
         name: "estimation.merge_window",
@@ -818,8 +816,7 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "relative standard deviation of the mass in an impact event that is the same impact as an estimate, by which the event \
-                  counts for later estimates. 0.3: as much as the masses of the vehicles of one kind differ, because a camera or a \
-                  person sees the kind and not the load [A]",
+                  counts for later estimates. 0.3: the masses of the vehicles of one kind differ by as much, because a camera or a person sees the kind and not the load [A]",
     },
     Parameter {
         name: "estimation.event_velocity_deviation",
@@ -943,7 +940,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::AfterResponse,
-        meaning: "largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for steel given by numbers",
+        meaning: "largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for user-defined steel",
     },
     hinge_rows::HARDENING_RATIO,
     hinge_rows::SOFTENING_MODEL,

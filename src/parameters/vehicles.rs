@@ -176,7 +176,7 @@ pub enum VehicleFault {
     },
     /// A rigid vehicle has no crush.
     #[error(
-        "a rigid vehicle has no springs that could have been crushed; leave out what follows the @"
+        "a rigid vehicle has no springs that could have been crushed; leave out the part after the @"
     )]
     RigidCrush,
     /// The numbers do not make a vehicle.

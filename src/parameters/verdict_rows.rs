@@ -20,8 +20,7 @@ pub(super) const REDISTRIBUTION_LIMIT: Parameter = Parameter {
         zero: "none counts",
     },
     applies: Applies::AtOnce,
-    meaning: "largest force that the structure above is proven to take off the column. The verdict compares with top.load less what \
-              the spring takes, at most this; needs top.redistribution_proof and a top.spring_stiffness. The response has the whole \
+    meaning: "largest force that the structure above is proven to take off the column. The verdict compares with top.load less the force that the spring takes, at most this; needs top.redistribution_proof and a top.spring_stiffness. The response has the whole \
               spring in any case",
 };
 
@@ -35,7 +34,7 @@ pub(super) const REDISTRIBUTION_PROOF: Parameter = Parameter {
         max_chars: 200,
     },
     applies: Applies::AtOnce,
-    meaning: "where the proof of top.redistribution_limit is found, such as the number of a calculation; stands beside every verdict",
+    meaning: "where the proof of top.redistribution_limit is found, such as the number of a calculation; every verdict states it",
 };
 
 /// Which load it is.
@@ -45,7 +44,7 @@ pub(super) const LOAD_BASIS: Parameter = Parameter {
     default: DefaultValue::Text("present"),
     admissible: Admissible::Choice(&["present", "accidental"]),
     applies: Applies::AtOnce,
-    meaning: "what top.load is, which stands beside every verdict. present: the load that the column carries now; accidental: that of the \
+    meaning: "meaning of top.load, which every verdict states. present: the load that the column carries now; accidental: the load of the \
               accidental combination of EN 1990 (6.4.3.3), with its psi factors",
 };
 
@@ -66,6 +65,5 @@ pub(super) const BUCKLING_FACTOR_WEAK: Parameter = Parameter {
     default: DefaultValue::Double(0.0),
     admissible: BUCKLING_FACTOR,
     applies: Applies::AtOnce,
-    meaning: "K_z: buckling length about the weak axis over the height of the column; 1 for a base plate with two rows of anchors beside \
-              the web, which holds the weak axis as a pin",
+    meaning: "K_z: buckling length about the weak axis over the height of the column; 1 for a base plate with two rows of anchors next to the web, which holds the weak axis as a pin",
 };

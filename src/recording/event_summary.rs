@@ -156,7 +156,7 @@ impl Events {
             event.no_outcome = event
                 .outcome
                 .is_none()
-                .then(|| format!("this program does not know the outcome {code} of its report"));
+                .then(|| format!("the outcome {code} of its report is unknown to this program"));
         } else if kind == Some(f64::from(ImpactReport::WITHDRAWN))
             || kind == Some(f64::from(ImpactReport::NO_FORECAST))
         {
@@ -306,7 +306,7 @@ mod tests {
         let later = reported(ImpactReport::RESULT, 9, ImpactReport::END_AT_REST, "");
         assert_eq!(
             later.without_outcome(),
-            "no report of its own: this program does not know the outcome 9 of its report"
+            "no report of its own: the outcome 9 of its report is unknown to this program"
         );
     }
 

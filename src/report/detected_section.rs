@@ -27,7 +27,7 @@ pub(super) fn markup(
             section id="detected" {
                 h2 { "Detected by the sensors" }
                 p {
-                    "What the sensors say about an impact, and what the twin has made of it. The journal of the recording holds these \
+                    "The impact as the sensors have detected it, and the decision of the twin. The journal of the recording holds these \
                      estimates."
                 }
                 @for section in &sections { (section) }
@@ -81,18 +81,18 @@ fn impact(detected: &DetectedImpact, impacts: &[ReportedImpact]) -> Result<Marku
         (figure(&drawing, caption))
         @if compared.is_empty() {
             p.note {
-                "What the last estimate predicts for each sensor is not known, because it could not be computed again from the \
+                "The prediction of the last estimate for each sensor is not known, because it could not be computed again from the \
                  recorded measurements."
             }
         } @else {
             h3 { "Measured and predicted" }
             p {
-                "What each sensor has read, and what the last estimate says that it reads, computed again from the recorded \
+                "The readings of each sensor and their prediction by the last estimate, computed again from the recorded \
                  measurements. The same readings have weighed the predictions: a band shows how well they are explained, not \
                  how well they were predicted."
             }
             @for (name, drawing) in &compared {
-                (figure(drawing, &format!("Readings of {} against what the weighted responses say that it reads.",
+                (figure(drawing, &format!("Readings of {} and their prediction by the weighted responses.",
                     name.strip_prefix("sensor_").unwrap_or(name))))
             }
         }
@@ -183,7 +183,7 @@ fn became(detected: &DetectedImpact, impacts: &[ReportedImpact]) -> Markup {
         ..
     } = &impacts[index];
     let vehicle = match vehicle.as_str() {
-        "" | RIGID => "rigid mass or vehicle by numbers",
+        "" | RIGID => "rigid mass or user-defined vehicle",
         name => name,
     };
     let length = |value: f64| Unit::length(value).show(value);

@@ -318,7 +318,7 @@ pub(super) fn changed_parameters(parameters: &Parameters) -> Markup {
         ABOUT_THE_COLUMN.contains(&first)
     });
     html! {
-        p { "Of the column, the impact and the judgement. All parameters are in the JSON file beside this report." }
+        p { "Of the column, the impact and the judgement. All parameters are in the JSON file next to this report." }
         @if changed.is_empty() {
             p { "None: each of them has its default." }
         } @else {

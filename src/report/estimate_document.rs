@@ -68,12 +68,11 @@ impl EstimateDocument<'_> {
             section id="figures" {
                 h2 { "Measured and predicted" }
                 p {
-                    "The same readings have weighed the predictions: a band shows how well the responses explain what was \
-                     measured, not what they predict."
+                    "The same readings have weighed the predictions: a band shows how well the responses explain the readings, not how well they predict."
                 }
                 @for (index, (name, svg)) in drawings.iter().enumerate() {
                     @let caption = match name.strip_prefix("sensor_") {
-                        Some(sensor) => format!("Readings of {sensor} against what the weighted responses say that it reads."),
+                        Some(sensor) => format!("Readings of {sensor} and their prediction by the weighted responses."),
                         None => "Largest and remaining displacement of the impact point, over the time up to which data were \
                                  used.".to_owned(),
                     };

@@ -106,14 +106,14 @@ fn numbers(estimate: &ImpactEstimate) -> Markup {
         ("Largest v₁", &estimate.peak_v1, 1e3, "mm"),
         ("v₁ that remains", &estimate.residual_v1, 1e3, "mm"),
         (
-            "Residual capacity over that of the undamaged column",
+            "Residual over undamaged capacity",
             &estimate.capacity_ratio,
             100.0,
             "%",
         ),
     ];
     html! {
-        h3 { "What struck, and what remains" }
+        h3 { "Vehicle and residual damage" }
         table.compact {
             caption { "v₁ is the transverse displacement of the impact point." }
             thead { tr { th {} th.number { "mean" } th.number { "90 % interval" } } }

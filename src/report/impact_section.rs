@@ -122,7 +122,7 @@ pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>
                     tr { th scope="row" { "Event" } td { (shortened(event_id, MAX_NAME)) } }
                     (fact("Time of the event", when_in_words(*stamp)))
                 }
-                (fact("Section, steel", format!("{}, {}f_y = {} MPa", section.name.unwrap_or("given by numbers"),
+                (fact("Section, steel", format!("{}, {}f_y = {} MPa", section.name.unwrap_or("user-defined"),
                     steel.grade.map_or(String::new(), |grade| format!("{grade}, ")), significant(steel.yield_strength * 1e-6, 4))))
                 (fact("Height, supports", format!("{} m; base {}, top {}",
                     significant(impact.height(), 4), support(&properties.base), support(&properties.top))))
@@ -213,12 +213,12 @@ fn vehicle_in_words(impact: &ReportedImpact) -> String {
     let mass = significant(impact.impact.mass, 4);
     let Some(vehicle) = &impact.impact.vehicle else {
         return format!(
-            "rigid mass of {mass} kg, restitution {}: it does not crush, which overestimates what a real vehicle does",
+            "rigid mass of {mass} kg, restitution {}: it does not crush, which overestimates the effect of a real vehicle",
             significant(impact.impact.restitution, 3)
         );
     };
     let described = CatalogueVehicle::of_crushed(&impact.vehicle);
-    let name = described.map_or("given by numbers".to_owned(), |it| {
+    let name = described.map_or("user-defined".to_owned(), |it| {
         format!("{}: {}", it.name, it.description)
     });
     let crushed = split_crush(&impact.vehicle).1;

@@ -53,7 +53,7 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
     places.sort_by_key(|place| place.urgency);
     html! {
         div.look {
-            h2 { "What must be looked at" }
+            h2 { "Places to inspect" }
             table.places {
                 thead { tr { th { "place" } th { "look for" } th { "why" } } }
                 tbody {
@@ -103,7 +103,7 @@ fn base(assessed: Option<&Assessed>) -> Place {
                 ""
             };
             let reason = match shares.is_empty() {
-                true => "no force beyond that of the load".to_owned(),
+                true => "no force beyond the load".to_owned(),
                 false => format!("used by {}{plate}", shares.join(", ")),
             };
             let urgency = if exceeded {

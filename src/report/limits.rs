@@ -63,7 +63,7 @@ pub(super) fn limits() -> [(&'static str, String); 9] {
             "The first millisecond is not reliable.",
             format!(
                 "Flexural waves are not part of the model: the contact force averaged over the first millisecond is {low} to \
-                 {high} times that of the fibre beam."
+                 {high} times the force in the fibre beam."
             ),
         ),
         (
@@ -83,7 +83,7 @@ pub(super) fn limits() -> [(&'static str, String); 9] {
         (
             "Local failure is not part of the model.",
             "Dents, welds, splices and the concrete around the anchors may fail before the section does. Crippling of the web, \
-             the dent of the flange under the bumper, and the torsion of a column that is hit beside its axis are not evaluated."
+             the dent of the flange under the bumper, and the torsion of a column that is hit off its axis are not evaluated."
                 .to_owned(),
         ),
         (

@@ -77,7 +77,7 @@ pub enum RecordedReportError {
     Column(VerifyError),
     /// It is of a fleet, and no column was named.
     #[error(
-        "expected the recording of one column, found that of a fleet of {columns} in {}; name the column with --column",
+        "expected the recording of one column, found the recording of a fleet of {columns} in {}; name the column with --column",
         path.display()
     )]
     Fleet {

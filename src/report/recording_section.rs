@@ -33,7 +33,7 @@ pub(super) fn notices(recorded: &ReportedRecording, impacts: &[ReportedImpact]) 
         @if !open.is_empty() {
             p.fault {
                 "Accepted after the last impact with an outcome, without one in this recording: " (open.join(", "))
-                ". The verdict does not contain what they did to the column."
+                ". The verdict does not contain their effect on the column."
             }
         }
     };
@@ -61,7 +61,7 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
         @if impacts.is_empty() && faults.is_none() {
             div.verdict.warning {
                 p.headline { "No verdict: no impact of this recording has an outcome" }
-                p { "The table names what became of each." }
+                p { "The table gives the outcome of each." }
             }
         }
         @if several || unreported {
@@ -97,7 +97,7 @@ fn critical_velocities(vehicles: &[VehicleLimits]) -> Markup {
                 tbody {
                     @for it in vehicles {
                         tr {
-                            th scope="row" { @if it.vehicle.is_empty() { "by numbers" } @else { (it.vehicle) } }
+                            th scope="row" { @if it.vehicle.is_empty() { "user-defined" } @else { (it.vehicle) } }
                             td.number { (short(it.mass)) " kg" }
                             td.number { (velocity(it.restrict)) }
                             td.number { (velocity(it.evacuate)) }
@@ -134,13 +134,13 @@ fn faults(recorded: &ReportedRecording) -> Option<(String, String)> {
     match &recorded.verification {
         Err(reason) => Some((
             "This recording could not be verified".to_owned(),
-            format!("{}. Only what its messages contain is shown.", reason.trim_end_matches('.')),
+            format!("{}. Only the contents of its messages are shown.", reason.trim_end_matches('.')),
         )),
         Ok(found) if found.is_contradicted() => Some((
             "This recording differs from its recomputation".to_owned(),
             format!(
                 "{} differences, {} messages missing, of which the recording declares up to {} as lost. It was changed, or \
-                 recorded by another build. The verdicts below are those of the recomputation; see \"Verification\".",
+                 recorded by another build. The verdicts below come from the recomputation; see \"Verification\".",
                 found.differences,
                 found.missing(),
                 found.declared_losses
@@ -153,13 +153,13 @@ fn faults(recorded: &ReportedRecording) -> Option<(String, String)> {
         Ok(_) if recorded.seal.fault().is_some() => recorded.seal.fault().map(|fault| {
             (
                 "The seal shows that this recording was changed, or that one is missing".to_owned(),
-                format!("In detail: {fault}. What is left of it is equal to its recomputation."),
+                format!("In detail: {fault}. The remainder is equal to its recomputation."),
             )
         }),
         Ok(_) => recorded.incomplete.as_ref().map(|why| {
             (
                 "This recording is not complete".to_owned(),
-                format!("It is {why}. The report contains what can be read; impacts at the end may be missing."),
+                format!("It is {why}. The report contains the readable part; impacts at the end may be missing."),
             )
         }),
     }
@@ -238,7 +238,7 @@ pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
                 td {
                     code { (recorded_build) }
                     @if recorded_build == build() { ", which is this build" }
-                    @else { ", another build than that of this report: results may differ in the last bits" }
+                    @else { ", another build than this report: results may differ in the last bits" }
                 }
             }
         }

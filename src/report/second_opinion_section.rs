@@ -92,7 +92,7 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
             String::new(),
         ),
         (
-            "what remains across the hit",
+            "residual across the hit",
             "not known".to_owned(),
             length(beam.residual_sideways_m),
             String::new(),

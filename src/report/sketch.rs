@@ -43,7 +43,7 @@ pub(super) fn markup(impact: &ReportedImpact) -> Markup {
 fn caption(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> String {
     let section = match impact.parameters.section().name {
         Some(name) => name.to_owned(),
-        None => "a section by numbers, drawn as the nearest rolled one".to_owned(),
+        None => "a user-defined section, drawn as the nearest rolled one".to_owned(),
     };
     let plate = match base {
         Some(base) if base.is_assumed => " The base plate is assumed [A].",

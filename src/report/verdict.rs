@@ -36,8 +36,7 @@ impl Verdict {
         let mut reservations = Vec::new();
         if report.end == End::DurationReached {
             reservations.push(format!(
-                "The computation ended after {} (response.duration), before the column came to rest: what happens later is not \
-                 included.",
+                "The computation ended after {} (response.duration), before the column came to rest: the later motion is not included.",
                 Unit::time(report.end_time).show(report.end_time),
             ));
         }
@@ -113,7 +112,7 @@ fn order(action: Action) -> &'static str {
         Action::None => "no action follows from these checks.",
         Action::Inspect => "have an engineer examine the column.",
         Action::Restrict => "keep people and additional loads away from the column.",
-        Action::Shore => "take the load off the column at once.",
+        Action::Shore => "take the load off the column immediately.",
         Action::Evacuate => "clear the part of the building that the column carries.",
     }
 }
@@ -204,7 +203,7 @@ fn missing(assessment: &Assessment) -> String {
         }
     }
     format!(
-        "More may have to be done, because data are missing for: {}. The table of checks says what to give.",
+        "A more severe action may be necessary, because data are missing for: {}. The table of checks lists them.",
         names.join("; ")
     )
 }
@@ -224,7 +223,7 @@ fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
         ),
         Action::Restrict => (
             "Not near the column.",
-            "Keep people and additional loads away from it and from what it carries until an engineer has examined it.",
+            "Keep people and additional loads away from it and from the structure that it carries until an engineer has examined it.",
         ),
         Action::Shore => (
             "Not where the column carries the building.",

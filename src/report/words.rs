@@ -51,7 +51,7 @@ pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_bel
 /// The vehicle of this name in words.
 fn vehicle_in_words(name: &str) -> &str {
     match name {
-        "" => "vehicle by numbers",
+        "" => "user-defined vehicle",
         RIGID => "rigid mass",
         name => name,
     }

@@ -207,7 +207,7 @@ pub fn watch(
         let grown = |before: &mut u64, now: u64| std::mem::replace(before, now) < now;
         if grown(&mut losses, peers.losses()) {
             said.push(
-                "a twin has fallen silent: check its machine and the network; what it publishes meanwhile is missing here"
+                "a twin has fallen silent: check its machine and the network; its messages in the meantime are missing here"
                     .to_owned(),
             );
         }

@@ -75,7 +75,7 @@ pub enum ClientError {
     },
     /// A thread of the DDS library panicked.
     #[error(
-        "a thread of the DDS library panicked, so that nothing more is received; start it again, and report what is printed above"
+        "a thread of the DDS library panicked, so that nothing more is received; start it again, and report the messages above"
     )]
     Deaf,
     /// Interrupted.

@@ -342,7 +342,7 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
 
 fn vehicle_word(name: &str) -> &str {
     match name {
-        "" => "by numbers",
+        "" => "user-defined",
         name => name,
     }
 }
@@ -510,8 +510,7 @@ mod tests {
             }))
         };
         assert_eq!(line(&[], &[]), None);
-        let first =
-            "c critical velocities for RESTRICT/EVACUATE in m/s: by numbers 0.0/3.5, mid_car 2.5/-";
+        let first = "c critical velocities for RESTRICT/EVACUATE in m/s: user-defined 0.0/3.5, mid_car 2.5/-";
         assert_eq!(line(&[0.0, 2.5], &[3.5, f64::NAN]), Some(first.to_owned()));
         // They are in every status, and there are none during a response.
         assert_eq!(line(&[0.0, 2.5], &[3.5, f64::NAN]), None);

@@ -202,8 +202,7 @@ impl Matches {
             } => {
                 if let Some(name) = locked(&self.names).get(&own) {
                     tracing::warn!(
-                        "the quality of service of a peer on {name} is incompatible with that of this node, so no \
-                         messages are exchanged; compare both with `ros2 topic info -v {name}`"
+                        "the quality of service of a peer on {name} is incompatible with the one of this node, so no messages are exchanged; compare both with `ros2 topic info -v {name}`"
                     );
                 }
             }

@@ -342,7 +342,7 @@ fn set_together(columns: &impl Configurable, given: Vec<raw::Parameter>) -> Resu
         let first = *of.get_or_insert(column);
         if first != column {
             let reason = format!(
-                "expected parameters of one column in one request, found those of {:?} and {:?}; send a request for each column",
+                "expected parameters of one column in one request, found parameters of {:?} and {:?}; send a request for each column",
                 face.id(first),
                 face.id(column)
             );

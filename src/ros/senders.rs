@@ -132,7 +132,7 @@ impl Senders {
         };
         let Limit { rate, burst } = limit;
         let reason = format!(
-            "the sender with the GUID {sender} exceeds senders.max_rate, {rate} per second after {burst} at once"
+            "the sender with the GUID {sender} exceeds senders.max_rate, {rate} per second after a burst of {burst}"
         );
         Err(self.rejected(&self.too_fast, RejectionCode::SenderTooFast, reason, now))
     }

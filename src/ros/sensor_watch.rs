@@ -201,7 +201,7 @@ impl SensorWatch {
             let offset = 1e-9 * health.clock_offset as f64;
             self.log(false, &|| {
                 format!(
-                    "the clock of sensor {name} is {offset:.3} s behind that of the twin; its times are corrected; synchronise \
+                    "the clock of sensor {name} is {offset:.3} s behind the clock of the twin; its times are corrected; synchronise \
                      the clocks for exact times"
                 )
             });

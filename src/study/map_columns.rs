@@ -56,7 +56,7 @@ const RESULTS: [ResultColumn; 13] = [
         "action",
         ColumnKind::Text,
         "",
-        "what has to be done: none, inspect, restrict, shore or evacuate",
+        "required action: none, inspect, restrict, shore or evacuate",
         |it| TableValue::Text(Some(Action::name(it.action))),
     ),
     (
@@ -112,7 +112,7 @@ const RESULTS: [ResultColumn; 13] = [
         "capacity_ratio",
         ColumnKind::Number,
         "",
-        "force of the push-down over that of the undamaged column",
+        "force of the push-down over the force of the undamaged column",
         |it| TableValue::Number(Some(it.capacity_ratio)),
     ),
     (
@@ -166,7 +166,7 @@ impl DamageMap {
                 "variant",
                 ColumnKind::Text,
                 "",
-                "the column that was hit: its column_id, or what is compared",
+                "the column that was hit: its column_id, or the compared variant",
             ),
         ];
         columns.extend([self.rows(), self.columns()].map(|axis| {

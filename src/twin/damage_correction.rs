@@ -163,7 +163,7 @@ pub(super) fn correct(
         let [least, most] = CORRECTION_FACTORS;
         return implausible(format!(
             "{differs}; no factor from {least} to {most} on the plastic deformation of all hinges makes the column meet this in \
-             equilibrium: the column has another damage than its impacts explain, and has to be examined"
+             equilibrium: the column has another damage than its impacts explain, and must be examined"
         ));
     };
     let correction = DamageCorrection {

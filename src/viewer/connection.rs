@@ -167,7 +167,7 @@ impl<P: Picture + Send + 'static> Connection<P> {
             // A program other than a viewer does so every time: reported once.
             (true, false) => {
                 let text = format!(
-                    "the program that listens at {} has closed the connection at once; is it a viewer of Rerun {RERUN_VERSION}? \
+                    "the program that listens at {} has closed the connection immediately; is it a viewer of Rerun {RERUN_VERSION}? \
                      The node tries again every second",
                     self.address
                 );

@@ -193,7 +193,7 @@ impl LiveViewer {
         if ended == Err(RecvTimeoutError::Timeout) {
             (self.log)(
                 NoticeLevel::Warning,
-                "the viewer does not read its data, or its file is not written in time; what it has not shown is lost".to_owned(),
+                "the viewer does not read its data, or its file is not written in time; the frames that it has not shown are lost".to_owned(),
             );
             return;
         }

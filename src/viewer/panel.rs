@@ -47,7 +47,7 @@ pub fn with_critical_velocities(panel: &str, vehicles: &[VehicleLimits]) -> Stri
         .iter()
         .map(|it| {
             let name = match &*it.vehicle {
-                "" => "by numbers".to_owned(),
+                "" => "user-defined".to_owned(),
                 name => escaped(name),
             };
             let velocities = format!("{} / {}", velocity(it.restrict), velocity(it.evacuate));
@@ -87,11 +87,11 @@ fn verdict(kind: &str, announced: &Announcement) -> String {
 fn action(report: &ImpactReport) -> String {
     let action = match report.action {
         ImpactReport::ACTION_NONE => "none, no deciding criterion is exceeded",
-        ImpactReport::ACTION_INSPECT => "inspect, an engineer has to examine the column",
+        ImpactReport::ACTION_INSPECT => "inspect: have an engineer examine the column",
         ImpactReport::ACTION_RESTRICT => "RESTRICT use and load until the column is examined",
         ImpactReport::ACTION_SHORE => "SHORE the column now",
         ImpactReport::ACTION_EVACUATE => "EVACUATE",
-        _ => "not assessed, only an inspection can tell",
+        _ => "not assessed: have an engineer examine the column",
     };
     let mut text = format!("**Action: {action}.**");
     // The reason begins with the name of the criterion that decides.
@@ -169,7 +169,7 @@ fn vehicle(drawing: &Drawing) -> String {
     if !body.is_real() {
         return format!(
             "**Vehicle: rigid mass, as in the paper.** \
-             It does not crush: forces and displacements are far above those of a real vehicle. \
+             It does not crush: forces and displacements are far above the values of a real vehicle. \
              The block ({length} m long) is a symbol, not to scale.\n"
         );
     }
@@ -347,7 +347,7 @@ mod tests {
         let text = with_critical_velocities("## Result\n", &vehicles);
         assert_eq!(heading(&text), "## Result");
         assert!(
-            text.contains("| by numbers, 1500 kg | 0.0 / 3.5 |"),
+            text.contains("| user-defined, 1500 kg | 0.0 / 3.5 |"),
             "{text}"
         );
         assert!(text.contains("| mid\\_car, 1500 kg | 2.0 / - |"), "{text}");

@@ -183,10 +183,9 @@ impl Drawing {
         let mut drawing = Self {
             lengths,
             outline: Outline::new(&drawn_section(parameters)),
-            section: section.name.map_or_else(
-                || "Section given by numbers".to_owned(),
-                |name| name.to_owned(),
-            ),
+            section: section
+                .name
+                .map_or_else(|| "User-defined section".to_owned(), |name| name.to_owned()),
             base: settings.support.base,
             top: settings.support.top,
             resistance_moment: parameters.resistance_moment(),

@@ -242,12 +242,13 @@ fn a_report_shows_what_each_sensor_has_read_against_what_the_last_estimate_predi
         let path = std::path::Path::new(&folder).join("detected_recording.html");
         std::fs::write(path, &shown).expect("a folder");
     }
-    let unknown = "What the last estimate predicts for each sensor is not known";
+    let unknown = "The prediction of the last estimate for each sensor is not known";
     for sensor in ["a_impact", "v1", "bend_base"] {
         // One for each of the two impacts.
         let title = format!("Sensor {sensor}: measured and predicted");
         assert_eq!(shown.matches(&title).count(), 2, "{sensor}");
-        let caption = format!("Readings of {sensor} against what the weighted responses say");
+        let caption =
+            format!("Readings of {sensor} and their prediction by the weighted responses");
         assert!(shown.contains(&caption), "{sensor}");
     }
     assert!(!shown.contains(unknown));

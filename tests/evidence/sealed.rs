@@ -288,7 +288,7 @@ fn an_index_that_hides_an_event_from_other_readers_breaks_the_seal() {
         let (text, fault) = ends_with(1, &folder, line);
         assert!(text.contains("Equal: "), "{text}");
         let expected = format!(
-            "the seal of forged.mcap does not hold: other readers may find something else in the file than what was sealed: at byte {}: expected the index of a chunk at byte {}, found the index of a chunk at byte {}",
+            "the seal of forged.mcap does not hold: other readers may find something else in the file than the sealed messages: at byte {}: expected the index of a chunk at byte {}, found the index of a chunk at byte {}",
             at - 25,
             chunk.chunk_start_offset,
             other.chunk_start_offset

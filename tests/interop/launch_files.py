@@ -45,12 +45,25 @@ class DeclareLaunchArgument:
         self.name, self.default_value = name, default_value
 
 
+class Shutdown:
+    """The event that ends a launch."""
+
+    def __init__(self, *, reason):
+        assert reason
+
+
 class Node:
     def __init__(self, *, package, executable, arguments, name, parameters, output, namespace="", ros_arguments=(),
-                 respawn=False, respawn_delay=0.0):
+                 respawn=False, respawn_delay=0.0, on_exit=None):
         assert (package, executable, output) == ("column_twin", "column-twin", "screen")
         self.arguments, self.name, self.namespace = arguments, name, namespace
         self.parameters, self.ros_arguments = parameters, ros_arguments
+        self.respawn, self.on_exit = respawn, on_exit
+
+    def ends(self, code):
+        """Whether this exit code of the node ends the launch. A node that is not started again needs nothing of the kind."""
+        event = types.SimpleNamespace(returncode=code)
+        return not self.respawn or any(isinstance(it, Shutdown) for it in self.on_exit(event, None))
 
     def command(self, program, context, folder):
         """As launch_ros does: parameters given by value are written to files, with YAML types."""
@@ -78,7 +91,8 @@ def stand_ins():
         vars(sys.modules[name]).update(content)
 
     module("launch", LaunchDescription=list)
-    module("launch.actions", DeclareLaunchArgument=DeclareLaunchArgument)
+    module("launch.actions", DeclareLaunchArgument=DeclareLaunchArgument, EmitEvent=lambda *, event: event)
+    module("launch.events", Shutdown=Shutdown)
     module("launch.substitutions",
            LaunchConfiguration=lambda name: Substitution(lambda context: context[name]),
            PathJoinSubstitution=lambda parts: Substitution(
@@ -125,6 +139,9 @@ def main():
                 context[action.name] = performed(action.default_value, context)
                 continue
             nodes += 1
+            # The launch file once started a node with a wrong parameter again, every 2 s.
+            if not action.ends(2) or action.respawn and action.ends(1):
+                faults.append(f"{path.name}: respawn must stop after exit code 2 (bad input), and only then")
             with tempfile.TemporaryDirectory() as folder:
                 fault = start(action.command(program, context, folder), folder, domain)
             faults += [f"{path.name}: {fault}"] if fault else []

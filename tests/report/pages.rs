@@ -68,7 +68,7 @@ fn the_first_page_answers_both_questions_of_the_engineer() {
     let first = text_of(sheets[0]);
     let mut place = 0;
     for text in [
-        "SHORE: take the load off the column at once.",
+        "SHORE: take the load off the column immediately.",
         "Cause: ",
         "; limit ",
         "Bow that remains: ",
@@ -76,7 +76,7 @@ fn the_first_page_answers_both_questions_of_the_engineer() {
         "Range of the verdict: ",
         "May people stay?",
         "Not where the column carries the building.",
-        "What must be looked at",
+        "Places to inspect",
         "Base plate and anchors",
         "Welds at base and top",
         "Splice, beam connections",
@@ -284,7 +284,7 @@ fn the_body_of_a_printed_report_is_four_pages() {
         };
         begins(0, headline);
         begins(0, "May people stay?");
-        begins(0, "What must be looked at");
+        begins(0, "Places to inspect");
         begins(0, "Signature");
         begins(1, "What hit what");
         begins(1, "Checks that decide");

@@ -1,24 +1,20 @@
 //! The English of the documents for users: patterns that a native speaker reads twice are rare.
 
-use super::{prose, read};
+use super::{code_of, files_below, pages, prose, read};
 
-/// The documents for users that are written by hand.
-const USER_DOCUMENTS: [&str; 15] = [
-    "README.md",
-    "launch_notes.md",
-    "docs/assessment.md",
-    "docs/estimation.md",
-    "docs/fleet.md",
-    "docs/glossary.md",
-    "docs/guide.md",
-    "docs/operators.md",
-    "docs/python.md",
-    "docs/risk.md",
-    "docs/seal.md",
-    "docs/security.md",
-    "docs/sites.md",
-    "docs/study.md",
-    "docs/theory.md",
+/// Pages of the book that no user needs: the history, and the pages for developers.
+const NOT_FOR_USERS: [&str; 4] = [
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "SECURITY.md",
+];
+
+/// Pages whose fenced text is prose: the comments of messages, the help, and docstrings.
+const FENCED_PROSE: [&str; 3] = [
+    "docs/messages.md",
+    "docs/commands.md",
+    "docs/python_reference.md",
 ];
 
 /// Words that are rare, and the ones to write in their place.
@@ -99,6 +95,15 @@ fn is_beginning(before: &str) -> bool {
     before.is_empty() || before.ends_with(['.', ':', ';', '|'])
 }
 
+/// The line, or without its first word if that is a small "of": the line then continues a sentence.
+fn without_continuation(line: &str) -> String {
+    let start = line.trim_start_matches(|it: char| !it.is_alphanumeric());
+    match start.starts_with("of ") {
+        true => start.replacen("of", "x", 1),
+        false => line.to_owned(),
+    }
+}
+
 /// How often a pattern occurs in a line that has no code.
 fn occurrences(line: &str, pattern: &Pattern) -> usize {
     let is_letter = |it: char| it.is_alphanumeric() || it == '-';
@@ -124,7 +129,7 @@ fn lines_without_code(text: &str) -> Vec<String> {
             is_fenced ^= is_fence;
             match is_fenced || is_fence {
                 true => String::new(),
-                false => without_code(line),
+                false => without_code(&without_continuation(line)),
             }
         })
         .collect()
@@ -132,16 +137,24 @@ fn lines_without_code(text: &str) -> Vec<String> {
 
 #[test]
 fn documents_for_users_avoid_patterns_that_need_a_second_reading() {
-    let documents = USER_DOCUMENTS.map(|path| (path, lines_without_code(&read(path))));
-    let words: usize = USER_DOCUMENTS
+    let documents: Vec<_> = pages()
+        .into_iter()
+        .filter(|path| !NOT_FOR_USERS.contains(&path.as_str()))
+        .map(|path| match FENCED_PROSE.contains(&path.as_str()) {
+            true => (read(&path).replace("```", ""), path),
+            false => (read(&path), path),
+        })
+        .collect();
+    let words: usize = documents
         .iter()
-        .map(|path| prose(&read(path)).split_whitespace().count())
+        .map(|(text, _)| prose(text).split_whitespace().count())
         .sum();
     assert!(words > 20_000, "{words} words");
     let mut faults = Vec::new();
     for pattern in &PATTERNS {
         let mut places = Vec::new();
-        for (path, lines) in &documents {
+        for (text, path) in &documents {
+            let lines = lines_without_code(text);
             for (line, number) in lines.iter().zip(1..) {
                 let found = occurrences(line, pattern);
                 places.extend((0..found).map(|_| format!("  {path}:{number}")));
@@ -162,6 +175,89 @@ fn documents_for_users_avoid_patterns_that_need_a_second_reading() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// The texts in the code of a source file: errors, log, output and report.
+fn texts_in(code: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut rest = code;
+    while let Some((_, after)) = rest.split_once('"') {
+        let mut escaped = false;
+        let is_end = |it: char| {
+            let ends = it == '"' && !escaped;
+            escaped = it == '\\' && !escaped;
+            ends
+        };
+        let Some(end) = after.find(is_end) else { break };
+        // A backslash at the end of a line continues the text.
+        let lines: Vec<_> = after[..end].split("\\\n").map(str::trim_start).collect();
+        found.push(lines.concat());
+        rest = &after[end + 1..];
+    }
+    // Fewer words are names.
+    found.retain(|text| text.split_whitespace().count() > 3);
+    found
+}
+
+/// Most occurrences of each pattern in 1000 words of errors, log, output and report: as many as there were when they were last
+/// edited. The patterns are those of `PATTERNS`, in their order.
+const PER_THOUSAND_IN_TEXTS: [f64; PATTERNS.len()] = [0.9, 0.2, 0.6, 0.5, 0.15, 0.1];
+
+#[test]
+fn errors_logs_and_outputs_avoid_them_too() {
+    let mut files = files_below("src");
+    files.extend(files_below("crates"));
+    files.retain(|path| {
+        let text = path.to_string_lossy();
+        text.ends_with(".rs")
+            && text.contains("src/")
+            && !text.contains("tests")
+            && !text.contains("figures/validation/")
+    });
+    let texts: Vec<_> = files
+        .iter()
+        .flat_map(|path| {
+            texts_in(&code_of(&read(path)))
+                .into_iter()
+                .map(move |it| (path, it.to_lowercase()))
+        })
+        .collect();
+    let words: usize = texts
+        .iter()
+        .map(|(_, text)| text.split_whitespace().count())
+        .sum();
+    assert!(words > 20_000, "{words} words");
+    for (pattern, per_thousand) in PATTERNS.iter().zip(PER_THOUSAND_IN_TEXTS) {
+        let places: Vec<_> = texts
+            .iter()
+            .filter(|(_, text)| occurrences(text, pattern) > 0)
+            .map(|(path, text)| format!("  {}: {text}", path.display()))
+            .collect();
+        let most = (per_thousand * words as f64 / 1000.0) as usize;
+        println!(
+            "{}: {} in {words} words, at most {most}",
+            pattern.name,
+            places.len()
+        );
+        assert!(
+            places.len() <= most,
+            "{} ({}): {} texts of {words} words, at most {most}; {}\n{}",
+            pattern.name,
+            pattern.words.join(", "),
+            places.len(),
+            pattern.instead,
+            places.join("\n")
+        );
+    }
+}
+
+#[test]
+fn texts_are_found_with_their_continuations() {
+    let code = "f(\"one two three \\\n   four\", \"a \\\"quoted\\\" word here\", \"short\")";
+    assert_eq!(
+        texts_in(code),
+        ["one two three four", "a \\\"quoted\\\" word here"]
+    );
+}
+
 #[test]
 fn patterns_are_found_in_prose_and_not_in_code() {
     let found = |line: &str| {
@@ -180,6 +276,7 @@ fn patterns_are_found_in_prose_and_not_in_code() {
         found("a pair of somewhat unknown besides"),
         [0, 0, 0, 0, 0, 0]
     );
+    assert_eq!(lines_without_code("- of two\nOf two"), ["x two", "of two"]);
     assert_eq!(
         lines_without_code("a\n```\nwhat\n```\nb"),
         ["a", "", "", "", "b"]

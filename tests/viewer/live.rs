@@ -129,7 +129,7 @@ fn a_peer_that_hangs_up_is_reported_once() {
         ("port", Value::from(i64::from(port))),
     ]));
     column.hit(3.0);
-    column.wait_for("has closed the connection at once");
+    column.wait_for("has closed the connection immediately");
     // Three more attempts.
     std::thread::park_timeout(Duration::from_millis(3_500));
     column.hit(1.0);

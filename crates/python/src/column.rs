@@ -266,7 +266,7 @@ impl Column {
         if let Some((index, text)) = light {
             fault::warn(
                 py,
-                &format!("element {index}: impact.mass is that of {text}"),
+                &format!("element {index}: impact.mass is the mass of {text}"),
             )?;
         }
         let mut bytes = Vec::new();
@@ -549,7 +549,7 @@ impl Column {
             return Err(fault::input(self.fault_of(vehicle, mass, velocity)));
         };
         if let Some(text) = checks.implausible(&impact) {
-            fault::warn(py, &format!("impact.mass is that of {text}"))?;
+            fault::warn(py, &format!("impact.mass is the mass of {text}"))?;
         }
         Ok(impact)
     }

@@ -105,7 +105,7 @@ pub fn map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let map = planned(parameters, vehicle, axes, compared)?;
     if let Some(text) = implausible(&map) {
-        fault::warn(py, &format!("mass: the smallest one is that of {text}"))?;
+        fault::warn(py, &format!("mass: the smallest one is the mass of {text}"))?;
     }
     let cells = shard.map_or(0..map.len(), |[number, parts]| map.shard(number, parts));
     let count = cells.end - cells.start;

@@ -26,14 +26,14 @@ def test_a_number_in_the_place_of_a_velocity_is_no_mass(steel: Column) -> None:
 
 def test_a_lorry_of_ten_kilograms_is_told(steel: Column) -> None:
     for mass in (8.0, 10.0, 49.0, 300.0):
-        with pytest.warns(ParameterWarning, match=f"impact.mass is that of a lorry_8t of {mass:g} kg: .* expected in kg") as found:
+        with pytest.warns(ParameterWarning, match=f"impact.mass is the mass of a lorry_8t of {mass:g} kg: .* expected in kg") as found:
             steel.evaluate("lorry_8t", mass=mass, velocity=5.0)
         assert found[0].filename == __file__
-    with pytest.warns(ParameterWarning, match="element 1: impact.mass is that of a mid_car of 1.7 kg"):
+    with pytest.warns(ParameterWarning, match="element 1: impact.mass is the mass of a mid_car of 1.7 kg"):
         steel.evaluate_batch("mid_car", mass=[1700.0, 1.7, 2.0], velocity=5.0)
-    with pytest.warns(ParameterWarning, match="mass: the smallest one is that of a lorry_8t of 6 kg"):
+    with pytest.warns(ParameterWarning, match="mass: the smallest one is the mass of a lorry_8t of 6 kg"):
         steel.map(mass=Range(6, 12, points=2), velocity=[1.0, 2.0], vehicle="lorry_8t")
-    with pytest.warns(ParameterWarning, match="impact.mass is that of a van of 3 kg"):
+    with pytest.warns(ParameterWarning, match="impact.mass is the mass of a van of 3 kg"):
         Column(vehicle__name="van", impact__mass=3.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -157,7 +157,7 @@ pub enum RecordingError {
         name: String,
     },
     /// A part of the file is damaged.
-    #[error("{}: at byte {offset}: {reason}; repair the recording to save what can be read", path.display())]
+    #[error("{}: at byte {offset}: {reason}; repair the recording to save the readable part", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

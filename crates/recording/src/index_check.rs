@@ -354,7 +354,7 @@ impl IndexCheck {
             .filter(|it| matches!(it, Record::Attachment { header, .. } if header.name == SEAL))
         else {
             return Err(
-                "expected no attachment but that of the last seal, found another one".to_owned(),
+                "expected no attachment but the one of the last seal, found another one".to_owned(),
             );
         };
         let index = AttachmentIndex {

@@ -213,7 +213,7 @@ impl RecorderHandle {
         let mut statistics = self.statistics();
         if panicked {
             let reason =
-                "the recorder's thread panicked; please report what it wrote to the standard error";
+                "the recorder's thread panicked; please report its output on the standard error";
             statistics.failing = Some(reason.into());
             statistics.lost = statistics.lost.max(1);
         }

@@ -265,7 +265,7 @@ impl Following {
         }
         if let Some(reason) = index_fault {
             self.note(format!(
-                "other readers may find something else in the file than what was sealed: {reason}"
+                "other readers may find something else in the file than the sealed messages: {reason}"
             ));
         }
         let place = valid.and_then(|index| self.places.get(index));

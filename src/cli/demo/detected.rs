@@ -76,11 +76,8 @@ pub(super) fn demonstrate(stage: &Stage<'_, '_>) -> Result<(), Failure> {
     stage.print_end(
         &recording,
         &[
-            [
-                REPORT,
-                "what was detected, estimated and decided, for a browser",
-            ],
-            [READINGS, "what the sensors have read"],
+            [REPORT, "detection, estimates and decision, for a browser"],
+            [READINGS, "readings of the sensors"],
         ],
         &[
             format!("column-twin info {shown}"),
@@ -181,7 +178,7 @@ fn fault_of(
             }
             Ok(_) if Instant::now() >= deadline => Some(Failure::plain(
                 Exit::Failed,
-                format!("the node has said nothing about an impact for {PATIENCE:?}"),
+                format!("the node has reported no impact for {PATIENCE:?}"),
             )),
             Ok(_) => None,
         },
@@ -229,7 +226,7 @@ impl<'a, 'b> Told<'a, 'b> {
         let last = self.newest.replace(it.clone());
         if last.is_none() {
             self.out.print(format_args!(
-                "The sensors have detected an impact. What struck, and what will remain, with 90 % intervals:\n"
+                "The sensors have detected an impact. Vehicle and residual damage, with 90 % intervals:\n"
             ));
         }
         if last.as_ref().is_none_or(|last| last.update != it.update) {

@@ -50,7 +50,7 @@ pub struct DemoArgs {
     /// Speed of the vehicle [m/s]
     #[arg(long, value_name = "M/S", default_value = "10")]
     velocity: f64,
-    /// Let sensors on the column detect the impact of a signal instead of sending an event
+    /// Send readings of sensors instead of an event; the node detects the impact
     #[arg(long, conflicts_with_all = ["vehicle", "mass", "velocity"])]
     sensors: bool,
 }
@@ -60,10 +60,10 @@ Starts the node on 127.0.0.1 in an unused DDS domain, sends it an impact, shows 
 arrives, records it, draws the figures, verifies the recording by recomputation, and exits. Nothing
 leaves this machine.
 
-With --sensors the node receives no impact event: the readings of three sensors are played to it, with
-noise, from a signal of a fibre-beam model of other authorship (1.5 t at 36 km/h). The node detects the
-impact, estimates vehicle and outcome with 90 % intervals while the data arrive, and makes an impact of
-it once it is sure enough.
+With --sensors the node receives no impact event: the readings of three sensors are played to
+it, with noise, from a signal of an independently written fibre-beam model (1.5 t at 36 km/h).
+The node detects the impact, estimates vehicle and outcome with 90 % intervals while the data
+arrive, and converts the estimate into an impact event once it is reliable enough.
 
 Examples: a lorry; an impact that only the sensors detect
   column-twin demo --vehicle lorry_8t --velocity 8
@@ -384,7 +384,7 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
     let both = [evaluated("none")?, evaluated("web")?];
     out.print(format_args!(
         "  The column was hit near its base, where its web yields in shear before it bends.\n  \
-         Version 0.1 and the paper do not know shear. The same hit without and with it:\n"
+         The paper's model has no shear. The same hit without and with it:\n"
     ));
     let row = |name: &str, words: fn(&ImpactEvaluation) -> String| {
         let [bending, sheared] = both.each_ref().map(words);

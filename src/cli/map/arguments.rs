@@ -34,8 +34,7 @@ pub struct MapArgs {
     /// Total mass of the vehicle [kg]: one number, or an axis as from:to:number of points
     #[arg(long, value_name = "KG")]
     mass: Option<String>,
-    /// Speed of the vehicle over the ground [m/s]: one number, or an axis as from:to:number of points; of a fleet, the range of the
-    /// search as from:to
+    /// Speed of the vehicle over the ground [m/s]: one number, or an axis as from:to:number of points; for a fleet, the range of the search as from:to
     #[arg(long, value_name = "M/S")]
     velocity: Option<String>,
     /// Height of the impact point above the base [m]: one number, or an axis as from:to:number of points
@@ -45,14 +44,13 @@ pub struct MapArgs {
     /// section=NAME,NAME or vehicle=NAME,NAME; may be repeated
     #[arg(long, value_name = "NAME=VALUES")]
     vary: Vec<String>,
-    /// Several columns in one map: section=HEB200,HEB240, any parameter with its values, or config=FILE,FILE, each of which is read
-    /// after those of --config
+    /// Several columns in one map: section=HEB200,HEB240, any parameter with its values, or config=FILE,FILE, each of which is read after the files of --config
     #[arg(long, value_name = "NAME=VALUES")]
     compare: Option<String>,
     /// Compute only the boundaries of the classes, to 1 %, with a small part of the responses
     #[arg(long, conflicts_with = "shard")]
     refine: bool,
-    /// Compute between which values each boundary lies if what is not known exactly differs, as the range of a verdict does; with
+    /// Compute the values between which each boundary lies if uncertain data differ, as the range of a verdict does; with
     /// --refine in the files, otherwise in figures alone
     #[arg(long, conflicts_with = "shard")]
     pub bands: bool,
@@ -84,7 +82,7 @@ pub struct MapArgs {
 }
 
 const EXAMPLE: &str = "\
-A map has two axes. What is no axis has the value of its option or parameter.
+A map has two axes. Quantities that are not axes have the value of their option or parameter.
 docs/study.md describes the map, its files and its boundaries.
 
 Example: action over mass and velocity, with figures and a table
@@ -99,7 +97,8 @@ Example: the third of 16 parts of a large map, for a batch system
 Example: the weakest columns of a fleet for a lorry, one row for each
   column-twin map --params-file config/fleet.yaml --columns config/fleet.csv --vehicle lorry_8t --csv weakest.csv
 
-Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done in part: interrupted, or some impacts could not be computed.";
+Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done in part: interrupted, or some impacts
+could not be computed.";
 
 /// Metadata of the files, in order.
 pub(super) type MapMetadata = Vec<(&'static str, String)>;

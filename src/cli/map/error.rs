@@ -40,7 +40,7 @@ pub(super) enum MapCommandError {
     Compare { given: String },
     #[error("the boundaries cannot be computed: {0}")]
     #[diagnostic(help(
-        "check the ranges; without --refine, the map leaves out what cannot be computed"
+        "check the ranges; without --refine, the map leaves out cells that cannot be computed"
     ))]
     Refine(#[from] RefineError),
     #[error(transparent)]

@@ -176,7 +176,7 @@ fn table_columns() -> Vec<TableColumn> {
         whole("kind", "columns of one kind differ by their names only"),
         text(
             "vehicle",
-            "name of the vehicle in the catalogue, or rigid; empty: by numbers",
+            "name of the vehicle in the catalogue, or rigid; empty: user-defined",
         ),
         number("mass_kg".to_owned(), "kg", "total mass of the vehicle"),
     ];
@@ -184,7 +184,7 @@ fn table_columns() -> Vec<TableColumn> {
         number(
             format!("critical_velocity_{it}_m_s"),
             "m/s",
-            "highest velocity found below that of this action; 0: the lowest velocity leads to it; none: no velocity does",
+            "highest velocity found below the lowest one of this action; 0: the lowest velocity leads to it; none: no velocity does",
         )
     }));
     columns.push(whole(
@@ -258,7 +258,7 @@ fn ranking(rows: &[(&FleetColumn, usize, &KindResult)], range: [f64; 2]) -> Stri
     for (column, _, result) in order.iter().take(LISTED_COLUMNS) {
         let id = &column.parameters.settings().column_id;
         let vehicle = match result.vehicle.as_str() {
-            "" => "by numbers",
+            "" => "user-defined",
             name => name,
         };
         let mut line = vec![

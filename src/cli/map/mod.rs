@@ -338,7 +338,7 @@ impl MapArgs {
         let mut text = column;
         if !is_varied("vehicle") {
             let vehicle = match settings.vehicle.name.as_str() {
-                "" => "vehicle by numbers",
+                "" => "user-defined vehicle",
                 "rigid" => "rigid mass",
                 name => name,
             };

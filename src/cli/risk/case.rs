@@ -43,7 +43,7 @@ pub struct RiskArgs {
     /// Scenarios of your own, as in config/risk.json; entries that one lacks come from the one it is based on
     #[arg(long, value_name = "FILE")]
     pub(super) scenarios: Option<PathBuf>,
-    /// Distance of the column from the edge of the road [m]; default: that of the scenario
+    /// Distance of the column from the edge of the road [m]; default: the distance of the scenario
     #[arg(long, value_name = "M")]
     pub(super) distance: Option<f64>,
     /// Another distribution for an input, such as speed_km_h=lognormal:12:5 or distance_m=uniform:2:5; may be repeated
@@ -55,7 +55,7 @@ pub struct RiskArgs {
     /// Period for which the probabilities hold [years]
     #[arg(long, value_name = "YEARS", default_value_t = 1.0)]
     pub(super) years: f64,
-    /// Compare the measures of the scenario, too: the annual probability behind each beside that without it
+    /// Also compare the measures of the scenario: the annual probability with and without each
     #[arg(long)]
     pub(super) measures: bool,
     /// Number of impacts that are drawn, such as 1e6
@@ -76,7 +76,7 @@ pub struct RiskArgs {
     /// Print the result as JSON (SI units), and nothing else
     #[arg(long)]
     pub(super) json: bool,
-    /// Write the fragility curves as CSV; of a fleet, one row with the probabilities for each column
+    /// Write the fragility curves as CSV; for a fleet, one row with the probabilities for each column
     #[arg(long, value_name = "FILE")]
     pub(super) csv: Option<PathBuf>,
     /// Write every sample as CSV
@@ -91,15 +91,15 @@ const EXAMPLE: &str = "\
 docs/risk.md describes the model, the data with their sources, and how to read the intervals.
 Ctrl-C ends the study early, with the result of the samples that are finished and a wider interval.
 
-Example: a column in a car park, half a metre beside the lane
+Example: a column in a car park, half a metre from the lane
   column-twin risk --config config/heb220_s355.yaml --scenario parking_garage --distance 0.5 --vehicles-per-day 2000
-Example: a column beside a motorway for 50 years, with figures
+Example: a column at a motorway for 50 years, with figures
   column-twin risk --config config/heb220_s355.yaml --scenario motorway --distance 5 --vehicles-per-day 20000 --years 50 --figures figures
 
 Example: the columns of a car park, the one that is most at risk first
   column-twin risk --params-file config/fleet.yaml --columns config/fleet.csv --scenario parking_garage --vehicles-per-day 2000
 
-Exit codes: 0 done (whatever the risk is), 1 failed, 2 bad input or usage, 3 ended early by Ctrl-C.";
+Exit codes: 0 done, with any risk, 1 failed, 2 bad input or usage, 3 ended early by Ctrl-C.";
 
 /// Why the risk cannot be computed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

@@ -59,7 +59,7 @@ pub(super) fn write(
     for omitted in &compared.omitted {
         writeln!(f, "  {omitted}")?;
     }
-    writeln!(f, "  What each of them assumes:")?;
+    writeln!(f, "  Their assumptions:")?;
     for risk in &compared.risks {
         let Measure {
             name,

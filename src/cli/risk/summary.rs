@@ -316,7 +316,7 @@ impl Summary<'_> {
         writeln!(
             f,
             "  [T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption of this program; see docs/risk.md\n\
-             \nThe intervals are those of the simulation alone. NOT EVALUATED, and outside of them:"
+             \nThe intervals contain the error of the simulation alone. NOT EVALUATED, and outside of them:"
         )?;
         for it in self.result.not_evaluated {
             writeln!(f, "  {}: {}", it.what, it.effect)?;

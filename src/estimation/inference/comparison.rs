@@ -1,4 +1,4 @@
-//! What each sensor has read, against what the weighted responses say that it reads.
+//! What each sensor has read, and their prediction by the weighted responses.
 
 use crate::estimation::inference::blocks::Block;
 use crate::estimation::inference::estimate::CredibleInterval;

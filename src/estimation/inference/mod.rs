@@ -3,7 +3,7 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
-// - comparison.rs: What each sensor has read, against what the weighted responses say that it reads
+// - comparison.rs: What each sensor has read, and their prediction by the weighted responses
 // - contradiction.rs: Sensors that contradict each other
 // - estimate.rs: An estimate: what struck the column and how it ends, with its uncertainty
 // - estimate_record.rs: An estimate together with what made it so

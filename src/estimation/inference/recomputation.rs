@@ -32,8 +32,7 @@ pub enum NotRecomputed {
     },
     /// Measurements did not reach the estimator.
     #[error(
-        "{lost} batches of measurements were lost before they reached the estimator, so it is not known what estimate \
-         {update} of {event_id} rests on"
+        "{lost} batches of measurements were lost before they reached the estimator, so the data of estimate {update} of {event_id} are not known"
     )]
     Lost {
         /// The impact.

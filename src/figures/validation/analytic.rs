@@ -358,14 +358,14 @@ const POLE: &str = "
 ## Vehicles against poles
 
 Cofone, Rich and Scott (*A comparison of equations for estimating speed based on maximum static deformation for frontal narrow-object impacts*) report eight vehicles that were driven into poles; the speeds and the crush of two of them were at hand, their masses were not.
-The catalogue's `mid_car` strikes a pole that does not move. Its front is taken to be as strong in proportion to the mass as that of the vehicle of the test, so that the mass does not matter.
+The catalogue's `mid_car` strikes a pole that does not move. Its front is taken to be as strong in proportion to the mass as the front of the vehicle of the test; the mass therefore does not matter.
 
 | test | speed | measured crush | simulated, narrow object | simulated, the whole front |
 |---|---|---|---|---|
 ";
 
 const POLE_READING: &str = "
-The timber pole did not break but moved 100 mm in its ground, which took a part of the energy, so that the simulated crush has to be larger.
+The timber pole did not break but moved 100 mm in its ground, which took a part of the energy, so that the simulated crush must be larger.
 Half of the front up to a crush of 0.40 m, which is assumed for cars, is nearer to both tests than the whole front.
-Two vehicles of other makes do not confirm the factor; they say that it has the right size.
+Two vehicles of other makes do not confirm the factor; they show that it has the right size.
 ";

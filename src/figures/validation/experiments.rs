@@ -263,8 +263,7 @@ fn collision_post() -> (String, f64) {
     let text = format!(
         "{POST}\nMeasured: {:.0} kJ over {:.0} mm when struck, {:.0} kJ over {:.0} mm when pressed: {measured:.2} times the energy, \
          and {per_way:.2} times the energy per way.\nSimulated: the rate law raises the energy per way of the stand-in to {simulated:.2} times.\n\
-         The rate law thus explains most of the difference of the energies, but not that of the energies per way; the abstracts do \
-         not tell how comparable the two deformations are.\nSource: {}.\n",
+         The rate law thus explains most of the difference of the energies, but not the difference of the energies per way; the abstracts do not state how comparable the two deformations are.\nSource: {}.\n",
         1e-3 * post.dynamic_absorbed_j,
         1e3 * post.dynamic_deformation_m,
         1e-3 * post.static_absorbed_j,
@@ -397,7 +396,7 @@ They are no steel columns and carry no axial load, but the same mechanics decide
 Nothing is fitted to the impacts: the plastic moment comes from static strength, the rate of strain from the law of the CEB, `f_y + 6 MPa ln(rate / 5e-5)`, the stiffness from the cracked section.
 The ends are pinned and slide, and the weight of the striker is `impact.transverse_force`.
 The weight of the beam is left out, because it acts in the static tests as well.
-The residual displacement is that of the beam from which the striker has been taken; under the striker it would be larger by its weight over the elastic stiffness, at most 0.4 mm here.
+The residual displacement is the displacement of the beam after the striker has been taken off; under the striker it would be larger by its weight over the elastic stiffness, at most 0.4 mm here.
 
 | series | test | mass [kg] | speed [m/s] | measured peak / residual [mm] | simulated without the weight [mm] | simulated [mm] | peak, simulated / measured |
 |---|---|---|---|---|---|---|---|
@@ -405,8 +404,8 @@ The residual displacement is that of the beam from which the striker has been ta
 
 const READING: &str = "\
 The simulated peaks of Ando's beams are too large by 9 to 15 %.
-What the inputs leave open moves a peak by that much: 5 % more moment lowers it by 4 %, a hardening of 0.3 % by 7 %, and the jig in which the ends turn restrains them by an unknown amount.
-The residual displacements of the heavy strikes of Saatci are too large by more than a third: of the peak, the model gives back only what the cracked section stores elastically.
+The uncertainty of the inputs moves a peak by that much: 5 % more moment lowers it by 4 %, a hardening of 0.3 % by 7 %, and the jig in which the ends turn restrains them by an unknown amount.
+The residual displacements of the heavy strikes of Saatci are too large by more than a third: the model gives back only the part of the peak that the cracked section stores elastically.
 ";
 
 const POST: &str = "
@@ -422,16 +421,16 @@ const EVIDENCE: &str = "
 *Measured* is a test, *typed second-hand* a test whose numbers somebody else copied from the publication, *computed* another model.
 The ratio is simulated over measured, or over the other model, with its standard deviation and the number of cases.
 
-| what | area | evidence | confidence | simulated / measured | shows | does not show |
+| comparison | area | evidence | confidence | simulated / measured | shows | does not show |
 |---|---|---|---|---|---|---|
 ";
 
 const WANTED: &str = "
 ## Data wanted
 
-No published test covers what decides most strikes on steel columns. These measurements would; help is welcome.
+No published test covers the mechanisms that decide most strikes on steel columns. These measurements would; help is welcome.
 
-| measurement | what it tests | why it matters |
+| measurement | part of the model | why it matters |
 |---|---|---|
 | A steel column struck at 0.4 to 0.7 m, the height of cars: force, displacement above and below the bumper, shear strain of the web, angle that remains in the lower bar | shear of the web (`crates/mechanics/src/shear.rs`) | below about 1 m the web yields before the hinges form; no test of it is known |
 | Anchor forces, uplift and rotation of a base plate under a lateral strike, with and without axial load | the hinge at the base, which the model builds in or makes an elastic spring | every column of a building stands on one |
@@ -440,7 +439,7 @@ No published test covers what decides most strikes on steel columns. These measu
 | Force and crush of cars, lorries and forklifts against a rigid post of a column's width | the crush curves of the catalogue, `vehicle.narrow_object` | the catalogue halves the force of a wide wall, which is an assumption that two tests with poles support |
 | Strikes about the weak axis and oblique ones, with the twist | nothing yet: the model is plane | the direction of a parking car is arbitrary |
 | A bollard or cantilever: force, displacement of its top, angle that remains, rotation of the foundation | `support.top: free`, its mass | crash tests of bollards publish the penetration alone |
-| Strain over time at the hinge of a struck steel member, and coupons of the same steel at those rates | the rate law, apart from hardening | both raise the moment, and the peak tells only their sum |
-| Rotation at which flanges buckle and tear under impact | `assessment.ultimate_rotation`, the limits of rotation | the limits are those of slow and cyclic tests |
+| Strain over time at the hinge of a struck steel member, and coupons of the same steel at those rates | the rate law, apart from hardening | both raise the moment, and the peak shows only their sum |
+| Rotation at which flanges buckle and tear under impact | `assessment.ultimate_rotation`, the limits of rotation | the limits come from slow and cyclic tests |
 | The originals of the two series above: force and displacement over time, restraint of Ando's ends; the section of the FRA post (RTDF2008-74020) | the numbers above | they were typed second-hand |
 ";

@@ -317,10 +317,10 @@ fn validation() -> Validation {
 const PREFACE: &str = "\
 # Validation
 
-The tests write this page (`UPDATE_DOCS=1 cargo test --release --lib validation`) and fail if it differs from what they compute.
+The tests write this page (`UPDATE_DOCS=1 cargo test --release --lib validation`) and fail if it differs from their results.
 The reference responses (`tests/data/`) were computed independently with steps of 0.5 µs.
 The first chapters validate the solution of the model's equations; the others compare the model itself with a crash test, a finer model and impact tests.
-[The evidence in one table](#the-evidence-in-one-table) says how far each of them carries, and [data wanted](#data-wanted) what nobody has measured yet.
+[The evidence in one table](#the-evidence-in-one-table) shows the scope of each comparison, and [data wanted](#data-wanted) the measurements that are missing.
 Terms are explained in the [glossary](glossary.md).
 
 ## Comparison with the reference

@@ -33,7 +33,7 @@ pub(super) fn redistribution_is_proven(settings: &Settings, found: &mut Vec<Inco
     if has_limit && top.spring_stiffness == 0.0 {
         reject(
             &[SPRING, LIMIT],
-            "is 0, so that nothing is redistributed; give the stiffness in N/m of what takes the load, or omit \
+            "is 0, so that nothing is redistributed; give the stiffness in N/m of the structure that takes the load, or omit \
              top.redistribution_limit",
         );
     }
@@ -50,7 +50,7 @@ pub(super) fn weak_axis_is_known(settings: &Settings, found: &mut Vec<Inconsiste
                 "section.second_moment",
             ],
             message:
-                "has no effect, because the resistance about the weak axis of a section by numbers is not known; give \
+                "has no effect, because the resistance about the weak axis of a user-defined section is not known; give \
                  section.name without overriding its properties, or omit the factor"
                     .to_owned(),
         });

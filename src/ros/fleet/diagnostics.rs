@@ -102,22 +102,16 @@ pub(super) fn summary(summary: &Summary<'_>) -> DiagnosticStatus {
     let (level, message) = match (errors, warnings) {
         (0, 0) => (
             DiagnosticStatus::OK,
-            format!(
-                "{} columns, none damaged so that something has to be done",
-                columns.len()
-            ),
+            format!("{} columns, none needs an action", columns.len()),
         ),
         (0, _) => (
             DiagnosticStatus::WARN,
-            format!(
-                "{warnings} of {} columns have to be inspected",
-                columns.len()
-            ),
+            format!("{warnings} of {} columns must be inspected", columns.len()),
         ),
         _ => (
             DiagnosticStatus::ERROR,
             format!(
-                "{errors} of {} columns are out of service or in danger, {warnings} more have to be inspected",
+                "{errors} of {} columns are out of service or in danger, {warnings} more must be inspected",
                 columns.len()
             ),
         ),

@@ -161,7 +161,7 @@ impl FleetSensors {
             (
                 "impacts that waited for the estimates of others",
                 format!(
-                    "{delayed}, at most {MAX_ESTIMATED_AT_ONCE} are estimated at once by a thread"
+                    "{delayed}, at most {MAX_ESTIMATED_AT_ONCE} are estimated by a thread at a time"
                 ),
             ),
             (

@@ -67,7 +67,7 @@ const EFFECTS: &str =
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasureFault {
     /// The column has no section of the catalogue.
-    #[error("its section is given by numbers; give section.name")]
+    #[error("its section is user-defined; give section.name")]
     NoSeries,
     /// The series ends before.
     #[error("the series of {section} has no section {sizes} sizes heavier")]

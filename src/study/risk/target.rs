@@ -115,7 +115,7 @@ pub const NOT_EVALUATED: [NotEvaluated; 4] = [
     },
     NotEvaluated {
         what: "orientation and oblique hits",
-        effect: "every hit bends the strong axis; x 5 on inspect, x 1.4 on shore, if every one bends the weak axis (HEB220 beside a street)",
+        effect: "every hit bends the strong axis; x 5 on inspect, x 1.4 on shore, if every one bends the weak axis (HEB220 at a street)",
     },
     NotEvaluated {
         what: "base plate and anchors",

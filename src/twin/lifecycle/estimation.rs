@@ -65,7 +65,7 @@ impl Twin {
                 "it becomes an impact when ~/confirm_estimate accepts it"
             }
             AcceptEstimates::Automatic => {
-                "it becomes an impact when its estimate is sure enough, at the latest with the final one"
+                "it becomes an impact when its estimate is reliable enough, at the latest with the final one"
             }
         };
         let text = format!(
@@ -407,7 +407,7 @@ impl Twin {
         };
         if let Some(newest) = self.estimates.newest_mut() {
             let text = format!(
-                "the impact \"{}\" that the sensors have detected is that of impact event \"{event_id}\", which the twin follows",
+                "the impact \"{}\" that the sensors have detected is the same as impact event \"{event_id}\", which the twin follows",
                 newest.record.event_id
             );
             out.notice(NoticeLevel::Info, now, text);

@@ -100,7 +100,7 @@ impl Twin {
             Some((_, Some(_), _)) => self.registry.keep_pending(pending)?,
             Some((first, None, _)) => {
                 let reason = format!(
-                    "the stamp is {} s before that of the impact to which the column is responding; \
+                    "the stamp is {} s before the stamp of the impact to which the column is responding; \
                      send impacts in the order of their stamps",
                     seconds(first.abs_diff(stamp))
                 );

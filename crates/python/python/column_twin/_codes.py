@@ -8,18 +8,18 @@ from ._loading import native
 
 
 class Action(IntEnum):
-    """What has to be done, least severe first, so that `action >= Action.SHORE` reads as it should."""
+    """The required action, least severe first, so that `action >= Action.SHORE` reads as it should."""
 
     NONE = 0
     """No criterion that decides is exceeded."""
     INSPECT = 1
-    """An engineer has to examine the column."""
+    """Have an engineer examine the column."""
     RESTRICT = 2
-    """People and additional loads have to be kept away from the column until an engineer has examined it."""
+    """Keep people and additional loads away from the column until an engineer has examined it."""
     SHORE = 3
-    """The load has to be taken off the column at once."""
+    """Take the load off the column immediately."""
     EVACUATE = 4
-    """Everybody has to leave the part of the building that the column carries."""
+    """Evacuate the part of the building that the column carries."""
 
     def __str__(self) -> str:
         return self.name.lower()

@@ -141,9 +141,9 @@ class Column:
         velocity: float | None = None,
         details: str | os.PathLike[str] | None = None,
     ) -> None:
-        """Writes the report of one impact for people: one HTML file with verdict, sketches, checks and figures.
+        """Writes the HTML report of one impact, one file with verdict, sketches, checks and figures.
 
-        The program `column-twin` writes it: `pip install "column-twin[program]"`. All parameters go to a JSON file beside it.
+        The program `column-twin` writes it: `pip install "column-twin[program]"`. All parameters go to a JSON file next to it.
 
         Args:
             path: HTML file; an existing one is replaced.
@@ -351,7 +351,7 @@ class Column:
         fields = json.loads(report)
         if velocity is None:
             velocity = float(self._native.get("impact.velocity"))
-        who = fields["vehicle"] or "a vehicle by numbers"
+        who = fields["vehicle"] or "a user-defined vehicle"
         of = "" if mass is None else f" of {mass:g} kg"
         result = Result(f"{self._title()}, {who}{of} at {velocity:g} m/s", history, fields)
         result._impact, result._struck = (vehicle, mass, velocity), self._native.to_json()
@@ -528,7 +528,7 @@ class Column:
 
         Args:
             readings: those of `sensor_readings`, or a file in CSV: `time` [s] and a column for each sensor.
-            seed: of the random numbers; the same seed gives the same estimate.
+            seed: seed of the random numbers; the same seed gives the same estimate.
 
         Returns:
             The estimate; None if there was no impact.
@@ -598,11 +598,11 @@ class Column:
             scenario: `motorway`, `urban`, `courtyard`, `parking_garage`, or one of `scenarios`.
             vehicles_per_day: vehicles that pass the column [1/d].
             years: period for which the probabilities hold [a].
-            distance: of the column from the edge of the road [m]; default: that of the scenario.
+            distance: distance of the column from the edge of the road [m]; default: the distance of the scenario.
             distributions: other distributions of inputs, such as `speed_km_h=lognormal:12:5`.
             scenarios: file of scenarios of your own, as config/risk.json.
             samples: vehicles that are drawn.
-            seed: of the random numbers.
+            seed: seed of the random numbers.
             confidence: level of the intervals.
             exact: compute the response of every sample, and predict none from critical speeds.
             threads: number of threads; default: as many as there are processors.
@@ -644,7 +644,7 @@ class Column:
     def capacity(
         self, vehicle: str | None = None, *, mass: float | None = None, velocity: float | None = None
     ) -> Capacity:
-        """The axial capacity: of the column as it is without arguments, otherwise of what this impact leaves of it.
+        """The axial capacity of the column as it is, or with arguments, of the column after this impact.
 
         A static push-down finds the largest force that the column carries; docs/assessment.md describes it.
         Arguments and errors are those of `simulate`.
@@ -656,7 +656,7 @@ class Column:
         return Capacity(json.loads(report), PushDown(*(np.frombuffer(it, dtype=np.float64) for it in curve)))
 
     def _title(self) -> str:
-        """The section, or the name of the column where the section is given by numbers."""
+        """The section, or the name of the column where the section is user-defined."""
         height = float(self._native.get("geometry.length_below")) + float(self._native.get("geometry.length_above"))
         name = self._native.get("section.name") or self._native.get("column_id") or "column"
         damaged = ", damaged" if self.is_damaged else ""

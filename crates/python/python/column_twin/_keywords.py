@@ -24,7 +24,7 @@ class ParameterKeywords(TypedDict, total=False):
     """A parameter, by its name."""
 
     column_id: Text
-    """name of the column in messages; impact events for another column are rejected"""
+    """name of the column in messages; impact events for another column are rejected, or in a fleet ignored"""
     frame_id: Text
     """coordinate frame of the column in messages, with its origin at the base"""
     publish_rate: Number
@@ -38,33 +38,33 @@ class ParameterKeywords(TypedDict, total=False):
     site__y: Number
     """position of the column in the plan of its fleet, upwards in the picture; see `site.x` [m]"""
     geometry__height: Number
-    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both at once [m]"""
+    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both together [m]"""
     geometry__length_below: Number
     """L_a: height of the impact point above the base [m]"""
     geometry__length_above: Number
     """L_b: distance from the impact point to the top [m]"""
     section__name: Text
-    """rolled section, bent about its strong axis; empty: the section is given by numbers. If files and overrides give one of the numbers but no name, the name is empty"""
+    """rolled section, bent about its strong axis; empty: the section is user-defined. If files and overrides give one of the numbers but no name, the name is empty"""
     section__area: Number
     """A: cross-sectional area; overrides the area of a named section [m^2]"""
     section__second_moment: Number
-    """I: second moment of area; overrides that of a named section [m^4]"""
+    """I: second moment of area; overrides the value of a named section [m^4]"""
     section__mass_per_length: Number
-    """m_l: mass per length; overrides that of a named section [kg/m]"""
+    """m_l: mass per length; overrides the value of a named section [kg/m]"""
     section__height: Number
-    """h: height in the plane of bending, for strain rates; overrides that of a named section [m]"""
+    """h: height in the plane of bending, for strain rates; overrides the value of a named section [m]"""
     section__width: Number
-    """b: width of the flanges, for the shear of the web; overrides that of a named section [m]"""
+    """b: width of the flanges, for the shear of the web; overrides the value of a named section [m]"""
     section__web_thickness: Number
-    """t_w: thickness of the web, for its shear; overrides that of a named section. A section given by numbers yields in shear if it has this and `section.height` [m]"""
+    """t_w: thickness of the web, for its shear; overrides the value of a named section. A user-defined section yields in shear if it has this and `section.height` [m]"""
     section__flange_thickness: Number
-    """t_f: thickness of the flanges, for the shear of the web; overrides that of a named section [m]"""
+    """t_f: thickness of the flanges, for the shear of the web; overrides the value of a named section [m]"""
     steel__grade: Text
-    """steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty: the steel is given by numbers. If files and overrides give one of the numbers but no grade, the grade is empty"""
+    """steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty: the steel is user-defined. If files and overrides give one of the numbers but no grade, the grade is empty"""
     steel__young_modulus: Number
-    """E: Young's modulus; overrides that of a named grade [Pa]"""
+    """E: Young's modulus; overrides the value of a named grade [Pa]"""
     steel__yield_strength: Number
-    """f_y: yield strength; overrides that of a named grade [Pa]"""
+    """f_y: yield strength; overrides the value of a named grade [Pa]"""
     resistance__moment: Number
     """M^p: plastic moment resistance without normal force [N m]"""
     resistance__axial: Number
@@ -116,19 +116,19 @@ class ParameterKeywords(TypedDict, total=False):
     base__friction: Number
     """C_f: coefficient of friction between plate and grout; 0.2 for sand and cement (EN 1993-1-8, 6.2.2)"""
     top__spring_stiffness: Number
-    """k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for one by numbers [N/m]"""
+    """k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for a user-defined one [N/m]"""
     top__mass: Number
     """m_2: lumped mass at the top [kg]"""
     top__load: Number
     """P: constant vertical load at the top, positive in compression [N]"""
     top__redistribution_limit: Number
-    """largest force that the structure above is proven to take off the column. The verdict compares with top.load less what the spring takes, at most this; needs top.redistribution_proof and a top.spring_stiffness. The response has the whole spring in any case [N]"""
+    """largest force that the structure above is proven to take off the column. The verdict compares with top.load less the force that the spring takes, at most this; needs top.redistribution_proof and a top.spring_stiffness. The response has the whole spring in any case [N]"""
     top__redistribution_proof: Text
-    """where the proof of top.redistribution_limit is found, such as the number of a calculation; stands beside every verdict"""
+    """where the proof of top.redistribution_limit is found, such as the number of a calculation; every verdict states it"""
     top__load_basis: Literal["present", "accidental"]
-    """what top.load is, which stands beside every verdict. present: the load that the column carries now; accidental: that of the accidental combination of EN 1990 (6.4.3.3), with its psi factors"""
+    """meaning of top.load, which every verdict states. present: the load that the column carries now; accidental: the load of the accidental combination of EN 1990 (6.4.3.3), with its psi factors"""
     impact__mass: Number
-    """m_c: total mass of the vehicle; of a deformable one, all masses and the springs between them scale with it. If it is not given and vehicle.name is that of a deformable vehicle, it is 0 [kg]"""
+    """m_c: total mass of the vehicle; all masses of a deformable one, and the springs between them, scale with it. If it is not given and vehicle.name names a deformable vehicle, it is 0 [kg]"""
     impact__velocity: Number
     """v_c: ground speed of the vehicle, positive towards the column [m/s]"""
     impact__gap: Number
@@ -140,9 +140,9 @@ class ParameterKeywords(TypedDict, total=False):
     impact__direction: Number
     """phi: direction of travel of the vehicle in (-pi, pi]; 0 bends the column about its strong axis, positive turns towards the positive weak-axis direction. The two bars are plane and take the component of the motion in their plane, v cos phi; the fibre beam takes all of it. A number beyond (-pi, pi] is no direction: the two bars then take the whole velocity, and there is no second opinion [rad]"""
     vehicle__name: Text
-    """vehicle of impacts that name none: the paper's rigid mass, or one of the catalogue; empty: the vehicle is given by numbers. If files and overrides give one of the numbers but no name, the name is empty"""
+    """vehicle of impacts that name none: the paper's rigid mass, or one of the catalogue; empty: the vehicle is user-defined. If files and overrides give one of the numbers but no name, the name is empty"""
     vehicle__masses: Numbers
-    """masses of a vehicle given by numbers, front first, each with a spring in front of it; impact.mass scales them, and the springs between them [kg]"""
+    """masses of a user-defined vehicle, front first, each with a spring in front of it; impact.mass scales them, and the springs between them [kg]"""
     vehicle__slack: Numbers
     """distance that closes before a spring acts, one for each spring from the second on; empty: 0 [m]"""
     vehicle__spring_1__crush: Numbers
@@ -164,31 +164,31 @@ class ParameterKeywords(TypedDict, total=False):
     vehicle__spring_3__unloading_stiffness: Number
     """spring 3: stiffness of unloading and reloading, at least the steepest slope of the curve; equal to the only slope, the spring is elastic [N/m]"""
     vehicle__narrow_object: bool
-    """whether the column meets half of the front's force up to a crush of 0.40 m, rising to all of it at 0.55 m, where it has reached the engine. If it is not given, it follows vehicle.name: true for cars of the catalogue, false for all others and for a vehicle given by numbers. Another vehicle that an event names keeps its own default"""
+    """whether the column meets half of the front's force up to a crush of 0.40 m, rising to all of it at 0.55 m, where it has reached the engine. If it is not given, it follows vehicle.name: true for cars of the catalogue, false for all others and for a user-defined vehicle. Another vehicle that an event names keeps its own default"""
     vehicle__force_factor: Number
     """factor of the forces and of the unloading stiffness of every deformable vehicle's front, for its scatter: lognormal, coefficient of variation 20 % for cars (JCSS 2.18), 40 % for lorries (assumed)"""
     vehicle__bumper_height: Number
-    """height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, it is that of a vehicle of the catalogue, and 0, a force at a point, for a rigid one and one by numbers [m]"""
+    """height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, a vehicle of the catalogue has its own, and a rigid or user-defined one has 0, a force at a point [m]"""
     event__max_age: Number
     """maximum age of the stamp of an impact event; an older event is rejected, and the response to a younger one catches up [s]"""
     event__max_ahead: Number
     """how far the stamp of an impact event may lie in the future; an event further ahead is rejected [s]"""
     senders__allowed: Sequence[str]
-    """who may send impact events, parameters and resets; empty: everybody. An enclave is known only with DDS security; without it a GUID can be forged"""
+    """who may send impact events, parameters, measurements and requests to reset, to confirm an estimate and to correct the damage; empty: everybody. An enclave is known only with DDS security; without it a GUID can be forged"""
     senders__max_rate: Number
-    """impact events, sets of parameters and resets per second that the node takes from each sender, and from all new ones together; with the default, one sender that sends without end does not shorten the time that the recordings cover [1/s]"""
+    """impact events, sets of parameters and requests per second that the node takes from each sender, and from all new ones together; with the default, one sender that sends without end does not shorten the time that the recordings cover [1/s]"""
     senders__burst: Whole
-    """number that a sender may send at once under senders.max_rate"""
+    """number of messages that a sender may send in a burst under senders.max_rate"""
     estimation__accept: Literal["never", "confirmation", "automatic"]
-    """when an impact that the sensors have detected becomes an impact of the twin. never: it is only published; confirmation: when ~/confirm_estimate accepts it; automatic: as soon as its estimate is sure enough, at the latest with the final one"""
+    """when an impact that the sensors have detected becomes an impact of the twin. never: it is only published; confirmation: when ~/confirm_estimate accepts it; automatic: as soon as its estimate is reliable enough, at the latest with the final one"""
     estimation__momentum_width: Number
-    """largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is sure enough"""
+    """largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is reliable enough"""
     estimation__yield_certainty: Number
-    """probability with which it has to be known whether the column has yielded, of an estimate that is sure enough"""
+    """least probability of yielding, or of no yielding, of an estimate that is reliable enough"""
     estimation__merge_window: Number
     """largest difference of the instants of contact of an impact event and an estimate that are the same impact [s]"""
     estimation__event_mass_deviation: Number
-    """relative standard deviation of the mass in an impact event that is the same impact as an estimate, by which the event counts for later estimates. 0.3: as much as the masses of the vehicles of one kind differ, because a camera or a person sees the kind and not the load [A]"""
+    """relative standard deviation of the mass in an impact event that is the same impact as an estimate, by which the event counts for later estimates. 0.3: the masses of the vehicles of one kind differ by as much, because a camera or a person sees the kind and not the load [A]"""
     estimation__event_velocity_deviation: Number
     """the same for the speed in such an event. 0.15: braking between the place where a camera measures the speed and the column is not seen [A]"""
     rate__law: Literal["none", "cowper_symonds", "logarithmic"]
@@ -210,11 +210,11 @@ class ParameterKeywords(TypedDict, total=False):
     shear__model: Literal["none", "web"]
     """web: the web of each bar yields in shear and deforms elastically, where its dimensions or `resistance.shear` are known; none: as in the paper, it does neither"""
     shear__max_hardening: Number
-    """largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for steel given by numbers"""
+    """largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for user-defined steel"""
     hardening__ratio: Number
-    """b: slope of the stress-strain curve after yield over Young's modulus, from first yield on; it enlarges the whole yield surface with the plastic rotation. Unless given, 0.01 for a section by name, 0.005 with a rate.law, 0 for one by numbers; 12 measured columns need 0.006 to 0.05 (docs/theory.md). 0 is on the safe side for displacements and on the unsafe side for forces"""
+    """b: slope of the stress-strain curve after yield over Young's modulus, from first yield on; it enlarges the whole yield surface with the plastic rotation. Unless given, 0.01 for a section by name, 0.005 with a rate.law, 0 for a user-defined one; 12 measured columns need 0.006 to 0.05 (docs/theory.md). 0 is on the safe side for displacements and on the unsafe side for forces"""
     softening__model: Literal["none", "backbone"]
-    """how a hinge loses strength when its flanges and web buckle locally. backbone: its moment falls with the accumulated plastic rotation beyond the capping rotation, as in a monotonic test (Lignos 2019); none: it does not. Unless given, backbone for a section by name, none for one by numbers; with assessment.ultimate_rotation: 0 there is none"""
+    """how a hinge loses strength when its flanges and web buckle locally. backbone: its moment falls with the accumulated plastic rotation beyond the capping rotation, as in a monotonic test (Lignos 2019); none: it does not. Unless given, backbone for a section by name, none for a user-defined one; with assessment.ultimate_rotation: 0 there is none"""
     softening__capping_rotation: Number
     """theta_p: plastic rotation at which the moment begins to fall, and at which hardening ends [rad]"""
     softening__post_capping_rotation: Number
@@ -234,7 +234,7 @@ class ParameterKeywords(TypedDict, total=False):
     capacity__buckling_factor_strong: Number
     """K_y: buckling length about the strong axis, in the plane of the impact, over the height of the column"""
     capacity__buckling_factor_weak: Number
-    """K_z: buckling length about the weak axis over the height of the column; 1 for a base plate with two rows of anchors beside the web, which holds the weak axis as a pin"""
+    """K_z: buckling length about the weak axis over the height of the column; 1 for a base plate with two rows of anchors next to the web, which holds the weak axis as a pin"""
     assessment__ultimate_rotation: Number
     """theta_u: plastic rotation at which a hinge is fractured, of hinges 1a and 1b together: the response ends there, and the column is fractured (Lignos 2019) [rad]"""
     assessment__ultimate_shear_angle: Number
@@ -334,7 +334,7 @@ class AxisKeywords(TypedDict, total=False):
     site__y: AxisNumbers
     """position of the column in the plan of its fleet, upwards in the picture; see `site.x` [m]"""
     geometry__height: AxisNumbers
-    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both at once [m]"""
+    """height of the column. With it, the impact point is where the vehicle strikes (`column-twin vehicles` lists the heights: cars 0.5 m, forklift trucks 0.75 m, lorries 1.25 m), unless `geometry.length_below` or the impact gives a height, and `geometry.length_above` is the rest. Both lengths replace it where they are given later: in a later file or section, on the command line, or by a change of both together [m]"""
     geometry__length_below: AxisNumbers
     """L_a: height of the impact point above the base [m]"""
     geometry__length_above: AxisNumbers
@@ -342,21 +342,21 @@ class AxisKeywords(TypedDict, total=False):
     section__area: AxisNumbers
     """A: cross-sectional area; overrides the area of a named section [m^2]"""
     section__second_moment: AxisNumbers
-    """I: second moment of area; overrides that of a named section [m^4]"""
+    """I: second moment of area; overrides the value of a named section [m^4]"""
     section__mass_per_length: AxisNumbers
-    """m_l: mass per length; overrides that of a named section [kg/m]"""
+    """m_l: mass per length; overrides the value of a named section [kg/m]"""
     section__height: AxisNumbers
-    """h: height in the plane of bending, for strain rates; overrides that of a named section [m]"""
+    """h: height in the plane of bending, for strain rates; overrides the value of a named section [m]"""
     section__width: AxisNumbers
-    """b: width of the flanges, for the shear of the web; overrides that of a named section [m]"""
+    """b: width of the flanges, for the shear of the web; overrides the value of a named section [m]"""
     section__web_thickness: AxisNumbers
-    """t_w: thickness of the web, for its shear; overrides that of a named section. A section given by numbers yields in shear if it has this and `section.height` [m]"""
+    """t_w: thickness of the web, for its shear; overrides the value of a named section. A user-defined section yields in shear if it has this and `section.height` [m]"""
     section__flange_thickness: AxisNumbers
-    """t_f: thickness of the flanges, for the shear of the web; overrides that of a named section [m]"""
+    """t_f: thickness of the flanges, for the shear of the web; overrides the value of a named section [m]"""
     steel__young_modulus: AxisNumbers
-    """E: Young's modulus; overrides that of a named grade [Pa]"""
+    """E: Young's modulus; overrides the value of a named grade [Pa]"""
     steel__yield_strength: AxisNumbers
-    """f_y: yield strength; overrides that of a named grade [Pa]"""
+    """f_y: yield strength; overrides the value of a named grade [Pa]"""
     resistance__moment: AxisNumbers
     """M^p: plastic moment resistance without normal force [N m]"""
     resistance__axial: AxisNumbers
@@ -396,15 +396,15 @@ class AxisKeywords(TypedDict, total=False):
     base__friction: AxisNumbers
     """C_f: coefficient of friction between plate and grout; 0.2 for sand and cement (EN 1993-1-8, 6.2.2)"""
     top__spring_stiffness: AxisNumbers
-    """k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for one by numbers [N/m]"""
+    """k_s: stiffness of the vertical spring at the top, which represents the rest of the structure and takes load off a column that shortens. Unless given, 0 for a section by name, 1e7 (the paper's example) for a user-defined one [N/m]"""
     top__mass: AxisNumbers
     """m_2: lumped mass at the top [kg]"""
     top__load: AxisNumbers
     """P: constant vertical load at the top, positive in compression [N]"""
     top__redistribution_limit: AxisNumbers
-    """largest force that the structure above is proven to take off the column. The verdict compares with top.load less what the spring takes, at most this; needs top.redistribution_proof and a top.spring_stiffness. The response has the whole spring in any case [N]"""
+    """largest force that the structure above is proven to take off the column. The verdict compares with top.load less the force that the spring takes, at most this; needs top.redistribution_proof and a top.spring_stiffness. The response has the whole spring in any case [N]"""
     impact__mass: AxisNumbers
-    """m_c: total mass of the vehicle; of a deformable one, all masses and the springs between them scale with it. If it is not given and vehicle.name is that of a deformable vehicle, it is 0 [kg]"""
+    """m_c: total mass of the vehicle; all masses of a deformable one, and the springs between them, scale with it. If it is not given and vehicle.name names a deformable vehicle, it is 0 [kg]"""
     impact__velocity: AxisNumbers
     """v_c: ground speed of the vehicle, positive towards the column [m/s]"""
     impact__gap: AxisNumbers
@@ -424,23 +424,23 @@ class AxisKeywords(TypedDict, total=False):
     vehicle__force_factor: AxisNumbers
     """factor of the forces and of the unloading stiffness of every deformable vehicle's front, for its scatter: lognormal, coefficient of variation 20 % for cars (JCSS 2.18), 40 % for lorries (assumed)"""
     vehicle__bumper_height: AxisNumbers
-    """height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, it is that of a vehicle of the catalogue, and 0, a force at a point, for a rigid one and one by numbers [m]"""
+    """height of the bumper, over which the vehicle holds the column straight; without effect where the web does not yield in shear. If it is not given, a vehicle of the catalogue has its own, and a rigid or user-defined one has 0, a force at a point [m]"""
     event__max_age: AxisNumbers
     """maximum age of the stamp of an impact event; an older event is rejected, and the response to a younger one catches up [s]"""
     event__max_ahead: AxisNumbers
     """how far the stamp of an impact event may lie in the future; an event further ahead is rejected [s]"""
     senders__max_rate: AxisNumbers
-    """impact events, sets of parameters and resets per second that the node takes from each sender, and from all new ones together; with the default, one sender that sends without end does not shorten the time that the recordings cover [1/s]"""
+    """impact events, sets of parameters and requests per second that the node takes from each sender, and from all new ones together; with the default, one sender that sends without end does not shorten the time that the recordings cover [1/s]"""
     senders__burst: AxisNumbers
-    """number that a sender may send at once under senders.max_rate"""
+    """number of messages that a sender may send in a burst under senders.max_rate"""
     estimation__momentum_width: AxisNumbers
-    """largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is sure enough"""
+    """largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is reliable enough"""
     estimation__yield_certainty: AxisNumbers
-    """probability with which it has to be known whether the column has yielded, of an estimate that is sure enough"""
+    """least probability of yielding, or of no yielding, of an estimate that is reliable enough"""
     estimation__merge_window: AxisNumbers
     """largest difference of the instants of contact of an impact event and an estimate that are the same impact [s]"""
     estimation__event_mass_deviation: AxisNumbers
-    """relative standard deviation of the mass in an impact event that is the same impact as an estimate, by which the event counts for later estimates. 0.3: as much as the masses of the vehicles of one kind differ, because a camera or a person sees the kind and not the load [A]"""
+    """relative standard deviation of the mass in an impact event that is the same impact as an estimate, by which the event counts for later estimates. 0.3: the masses of the vehicles of one kind differ by as much, because a camera or a person sees the kind and not the load [A]"""
     estimation__event_velocity_deviation: AxisNumbers
     """the same for the speed in such an event. 0.15: braking between the place where a camera measures the speed and the column is not seen [A]"""
     rate__d: AxisNumbers
@@ -458,9 +458,9 @@ class AxisKeywords(TypedDict, total=False):
     rate__hinge_length: AxisNumbers
     """length over which the rotation of a plastic hinge is spread, for its strain rate [m]"""
     shear__max_hardening: AxisNumbers
-    """largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for steel given by numbers"""
+    """largest strength of a web that hardens over its initial one. If it is not given, it is f_u/f_y of `steel.grade`, or 1.1, the least of EN 1993-1-1, for user-defined steel"""
     hardening__ratio: AxisNumbers
-    """b: slope of the stress-strain curve after yield over Young's modulus, from first yield on; it enlarges the whole yield surface with the plastic rotation. Unless given, 0.01 for a section by name, 0.005 with a rate.law, 0 for one by numbers; 12 measured columns need 0.006 to 0.05 (docs/theory.md). 0 is on the safe side for displacements and on the unsafe side for forces"""
+    """b: slope of the stress-strain curve after yield over Young's modulus, from first yield on; it enlarges the whole yield surface with the plastic rotation. Unless given, 0.01 for a section by name, 0.005 with a rate.law, 0 for a user-defined one; 12 measured columns need 0.006 to 0.05 (docs/theory.md). 0 is on the safe side for displacements and on the unsafe side for forces"""
     softening__capping_rotation: AxisNumbers
     """theta_p: plastic rotation at which the moment begins to fall, and at which hardening ends [rad]"""
     softening__post_capping_rotation: AxisNumbers
@@ -478,7 +478,7 @@ class AxisKeywords(TypedDict, total=False):
     capacity__buckling_factor_strong: AxisNumbers
     """K_y: buckling length about the strong axis, in the plane of the impact, over the height of the column"""
     capacity__buckling_factor_weak: AxisNumbers
-    """K_z: buckling length about the weak axis over the height of the column; 1 for a base plate with two rows of anchors beside the web, which holds the weak axis as a pin"""
+    """K_z: buckling length about the weak axis over the height of the column; 1 for a base plate with two rows of anchors next to the web, which holds the weak axis as a pin"""
     assessment__ultimate_rotation: AxisNumbers
     """theta_u: plastic rotation at which a hinge is fractured, of hinges 1a and 1b together: the response ends there, and the column is fractured (Lignos 2019) [rad]"""
     assessment__ultimate_shear_angle: AxisNumbers

@@ -59,7 +59,7 @@ class Map:
     """Action, displacements, capacity and contact force over a plane of two quantities, for one column or several."""
 
     rows: MapAxis
-    """The first axis of the arrays: of mass and velocity, the mass."""
+    """The first axis of the arrays: the mass in a map of mass and velocity."""
     columns: MapAxis
     """The second axis of the arrays."""
     labels: list[str]

@@ -10,9 +10,9 @@ class ColumnProperties:
     """The numbers with which a column is computed: as given, or as they follow from section, steel and supports. SI units."""
 
     section: str
-    """Name in the catalogue; empty for a section that is given by numbers."""
+    """Name in the catalogue; empty for a user-defined section."""
     steel: str
-    """Grade; empty for a steel that is given by numbers."""
+    """Grade; empty for a user-defined steel."""
     height: float
     """L_a + L_b [m]."""
     impact_height: float

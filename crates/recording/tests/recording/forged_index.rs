@@ -116,9 +116,10 @@ fn a_forged_chunk_in_an_attachment_is_found() {
         let path = forgery.sealed.folder.path().join("forged.mcap");
         fs::write(&path, forgery.bytes()).unwrap();
         match name {
-            "note" => {
-                forgery.assert_found(&forgery.bytes(), "no attachment but that of the last seal")
-            }
+            "note" => forgery.assert_found(
+                &forgery.bytes(),
+                "no attachment but the one of the last seal",
+            ),
             _ => assert!(opened(&path).fault.unwrap().contains("attachment")),
         }
         forgery.file = before;
