@@ -29,7 +29,7 @@ pub use inference::event_evidence::{EventEvidence, MAX_EVENTS};
 pub use inference::hypothesis::{Front, Hypothesis, hypotheses};
 pub use inference::library::Library;
 pub use inference::recomputation::{NotRecomputed, Recomputation, SharedPreparations};
-pub use inference::recorded::{RecordedImpact, estimate_recorded};
+pub use inference::recorded::{RecordedImpact, estimate_prepared, estimate_recorded};
 pub use intake::batch::Batch;
 pub use intake::collector::{BATCH_DURATION, Collected, Collector};
 pub use intake::measurement_intake::{

@@ -172,6 +172,12 @@ impl Estimator {
         self.is_prepared() && self.assessed >= self.population.members.len()
     }
 
+    /// The sensors whose readings it weighs.
+    #[must_use]
+    pub fn sensors(&self) -> &[Sensor] {
+        &self.sensors
+    }
+
     /// Hypotheses whose responses are prepared, among the first of all of them.
     #[must_use]
     pub fn prepared(&self) -> usize {

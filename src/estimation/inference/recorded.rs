@@ -52,6 +52,23 @@ pub fn estimate_recorded(
         }
         prepared += 1.0;
     }
+    let progress = &mut |share: f64| progress(0.5 + 0.5 * share);
+    Ok(Some(follow(&mut estimator, detection, readings, progress)))
+}
+
+/// The same with an estimator that is prepared for the undamaged column, for many recordings of the same sensors.
+#[must_use]
+pub fn estimate_prepared(estimator: &mut Estimator, readings: &Readings) -> Option<RecordedImpact> {
+    let detection = detect(estimator.sensors(), readings)?;
+    Some(follow(estimator, detection, readings, &mut |_| {}))
+}
+
+fn follow(
+    estimator: &mut Estimator,
+    detection: Detection,
+    readings: &Readings,
+    progress: &mut dyn FnMut(f64),
+) -> RecordedImpact {
     let contact = detection.contact.time;
     estimator.begin(contact, detection.contact.deviation, &detection.zeros);
     for (time, values) in readings.rows() {
@@ -67,16 +84,16 @@ pub fn estimate_recorded(
     instants.push(last.min(HORIZON));
     let mut estimates = Vec::with_capacity(instants.len());
     for instant in &instants {
-        progress(0.5 + 0.5 * estimates.len() as f64 / instants.len() as f64);
+        progress(estimates.len() as f64 / instants.len() as f64);
         estimator.observe(contact + instant);
         estimator.settle(ROUNDS);
         estimates.push(estimator.estimate(contact + instant));
     }
-    Ok(Some(RecordedImpact {
+    RecordedImpact {
         comparisons: estimator.comparisons(),
         detection,
         estimates,
-    }))
+    }
 }
 
 fn detect(sensors: &[Sensor], readings: &Readings) -> Option<Detection> {
