@@ -1,7 +1,8 @@
 //! How close the estimates are to the truth on signals of the fibre beam, to which nobody has tuned the estimator, and on
 //! those of `tests/data/signals/`.
 //!
-//! Arguments choose signals by parts of their names, and `seeds=N` the number of streams of noise.
+//! Arguments choose signals by parts of their names, `seeds=N` the number of streams of noise, and `before=S` how many seconds
+//! of readings there are before the contact.
 //! Signals whose names begin with `held` were kept aside while the estimator was changed. Each cell is the mean of the estimate
 //! over the truth with the ends of its 90 % interval, after 10, 30 and 100 ms of data and after all of them.
 
@@ -63,7 +64,7 @@ fn estimator(parameters: &Parameters, sensors: &[Sensor]) -> Estimator {
 
 fn show(estimator: &mut Estimator, readings: &Readings, truth: &Truth, coverage: &mut Coverage) {
     let begun = Instant::now();
-    let Some(found) = estimate_prepared(estimator, readings) else {
+    let Some(found) = estimate_prepared(estimator, readings).expect("sensors") else {
         println!("{:<26} not detected", truth.name);
         return;
     };
@@ -104,6 +105,10 @@ fn main() {
         .iter()
         .find_map(|it| it.strip_prefix("seeds=")?.parse().ok())
         .unwrap_or(2);
+    let before: f64 = arguments
+        .iter()
+        .find_map(|it| it.strip_prefix("before=")?.parse().ok())
+        .unwrap_or(BEFORE);
     let chosen: Vec<&String> = arguments
         .iter()
         .filter(|it| !it.starts_with("--") && !it.contains('='))
@@ -112,7 +117,9 @@ fn main() {
         let is_held = name.starts_with("held");
         match chosen.is_empty() {
             true => !is_held,
-            false => chosen.iter().any(|it| name.contains(it.as_str())),
+            false => chosen
+                .iter()
+                .any(|it| name.contains(it.as_str()) && (!is_held || it.contains("held"))),
         }
     };
     let mut coverage = Coverage::default();
@@ -135,13 +142,13 @@ fn main() {
             for seed in 1..=seeds {
                 let truth = Truth {
                     name: format!("  seed {seed}"),
-                    contact: BEFORE,
+                    contact: before,
                     mass: signal.impact.mass,
                     velocity: signal.impact.velocity,
                     peak: made.peak[0],
                     impulse: made.impulse,
                 };
-                let readings = signal.readings(&sensors, BEFORE, seed);
+                let readings = signal.readings(&sensors, before, seed);
                 show(&mut estimator, &readings, &truth, &mut coverage);
             }
         }

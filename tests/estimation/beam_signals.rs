@@ -46,14 +46,14 @@ fn plateau(stiffness: f64, force: f64) -> CrushSpring {
     spring(&[[force / stiffness, force], [10.0, force]])
 }
 
-/// Impacts by name. Those after the bar were kept aside while the estimator was changed.
+/// Impacts by name. Those of [`HELD`] were kept aside while the estimator was changed.
 pub fn impact(name: &str) -> Impact {
     match name {
         "light_rigid_12" => Impact::rigid(250.0, 12.0),
         "light_rigid_2" => Impact::rigid(300.0, 2.0),
         "two_mass_car_16" => deformable(
             &[150.0, 1100.0],
-            &[spring(&[[1.0, 2e8]]), plateau(1.2e6, 220e3)],
+            &[spring(&[[1.0, 2e9]]), plateau(1.2e6, 220e3)],
             16.0,
         ),
         "crush_car_15" => deformable(&[1300.0], &[plateau(1.0e6, 260e3)], 15.0),
@@ -63,7 +63,7 @@ pub fn impact(name: &str) -> Impact {
         "held_light_rigid_1" => Impact::rigid(500.0, 1.2),
         "held_two_mass_car_11" => deformable(
             &[250.0, 1300.0],
-            &[spring(&[[1.0, 1e8]]), plateau(0.8e6, 180e3)],
+            &[spring(&[[1.0, 2e8]]), plateau(0.8e6, 180e3)],
             11.0,
         ),
         "held_crush_car_10" => deformable(&[1900.0], &[plateau(1.5e6, 200e3)], 10.0),
