@@ -20,6 +20,11 @@ const ELASTIC_LIMIT: f64 = 0.9;
 /// Strain, relative to the yield strain, beyond which hinges nearby have probably yielded.
 const NEAR_YIELD: f64 = 0.5;
 
+/// Share of its largest reading by which a level has to come back before its motion is a vibration, and the same in standard
+/// deviations of the noise.
+const TURNED: f64 = 0.03;
+const TURNED_NOISE: f64 = 4.0;
+
 /// Samples of a block that have to be the same, bit for bit, if a sensor with noise is stuck.
 const STUCK_SAMPLES: u32 = 10;
 
@@ -44,6 +49,9 @@ pub(crate) struct BlockMean {
     pub variance: f64,
     /// Largest magnitude of such means so far; of an acceleration that of the samples.
     pub largest: f64,
+    /// Half of the range of such means over the last period of the column, once the level has come back from its first peak:
+    /// what then moves is a vibration, of whose phase the model knows nothing.
+    pub swing: f64,
     /// Whether hinges have probably yielded.
     pub yielded: bool,
 }
@@ -53,6 +61,8 @@ pub(crate) struct BlockMean {
 pub(crate) struct Blocks {
     contact: f64,
     yield_strain: f64,
+    /// Of the column \[s\].
+    period: f64,
     layout: Vec<Block>,
     /// For each sensor its declared noise, its zero, the variance of that, and the sums.
     channels: Vec<Channel>,
@@ -76,12 +86,13 @@ struct Channel {
 }
 
 impl Blocks {
-    /// For a contact at `contact` \[s\], on a column that yields at `yield_strain`, until `horizon` after it \[s\]. `zeros` are
-    /// the readings at rest with their standard deviations, sensor by sensor.
+    /// For a contact at `contact` \[s\], on a column that yields at `yield_strain` and vibrates with this period \[s\], until
+    /// `horizon` after it \[s\]. `zeros` are the readings at rest with their standard deviations, sensor by sensor.
     pub fn new(
         contact: f64,
         horizon: f64,
         yield_strain: f64,
+        period: f64,
         sensors: &[Sensor],
         zeros: &[(f64, f64)],
     ) -> Self {
@@ -112,6 +123,7 @@ impl Blocks {
         Self {
             contact,
             yield_strain,
+            period,
             layout,
             channels,
         }
@@ -182,8 +194,41 @@ impl Blocks {
             mean,
             variance: channel.noise * channel.noise / count + channel.zero_variance,
             largest,
+            swing: self.swing(channel, index),
             yielded: yielded && channel.quantity.is_strain(),
         })
+    }
+
+    /// See [`BlockMean::swing`].
+    fn swing(&self, channel: &Channel, index: usize) -> f64 {
+        if matches!(
+            channel.quantity,
+            Quantity::Acceleration | Quantity::ContactForce
+        ) {
+            return 0.0;
+        }
+        let end = self.layout[index].start + self.layout[index].length;
+        let (mut largest, mut peak_at, mut has_turned) = (0.0_f64, 0, false);
+        for (at, mean) in (0..=index).filter_map(|at| Some((at, channel.mean(at)?))) {
+            if mean.abs() > largest {
+                (largest, peak_at) = (mean.abs(), at);
+            }
+            let noise = channel.noise / f64::from(channel.counts[at]).sqrt();
+            has_turned |= largest - mean.abs() > (TURNED * largest).max(TURNED_NOISE * noise);
+        }
+        if !has_turned {
+            return 0.0;
+        }
+        let recent = (0..=index).filter(|&at| {
+            let block = self.layout[at];
+            block.start + block.length > end - self.period && at >= peak_at
+        });
+        let [low, high] = recent
+            .filter_map(|at| channel.mean(at))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], mean| {
+                [low.min(mean), high.max(mean)]
+            });
+        0.5 * (high - low).max(0.0)
     }
 }
 
@@ -209,5 +254,58 @@ impl Channel {
         self.noise > 0.0
             && self.counts[index] >= STUCK_SAMPLES
             && self.only[index].is_some_and(|value| !is_clipped(value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const YIELD_STRAIN: f64 = 1.7e-3;
+    const PERIOD: f64 = 10e-3;
+    const STEP: f64 = 1e-4;
+
+    fn blocks(quantity: Quantity) -> Blocks {
+        let sensor = Sensor {
+            name: "s".to_owned(),
+            quantity,
+            height: 1.0,
+            range: 0.0,
+            noise: 1e-6,
+            bias: 0.0,
+            gain_error: 0.0,
+            rate: 1.0 / STEP,
+            bandwidth: 0.5 / STEP,
+            reversed: false,
+            fibre: 0.1,
+        };
+        Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &[sensor], &[(0.0, 0.0)])
+    }
+
+    fn fill(blocks: &mut Blocks, until: f64, reading: impl Fn(f64) -> f64) {
+        let samples = (until / STEP).round() as u32;
+        for sample in 0..samples {
+            let time = (f64::from(sample) + 0.5) * STEP;
+            blocks.push(0, time, reading(time));
+        }
+    }
+
+    /// What swings after the first peak was compared as if the model knew its phase.
+    #[test]
+    fn a_vibration_after_the_first_peak_is_known_by_its_size_only() {
+        let mut blocks = blocks(Quantity::Displacement);
+        let turn = |time: f64| std::f64::consts::TAU * time / PERIOD;
+        // It rises to 10 mm and swings about 8 mm by 2 mm.
+        fill(&mut blocks, 0.05, |time| match time < 0.01 {
+            true => 1.0 * time,
+            false => 8e-3 + 2e-3 * turn(time).cos(),
+        });
+        let swing_at = |time: f64| {
+            let index = blocks.complete(time) - 1;
+            blocks.mean(0, index).expect("a mean").swing
+        };
+        assert_eq!(swing_at(0.009), 0.0);
+        let swing = swing_at(0.022);
+        assert!((swing - 2e-3).abs() < 0.5e-3, "{swing}");
     }
 }

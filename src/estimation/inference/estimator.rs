@@ -74,6 +74,8 @@ pub struct Estimator {
     population: Population,
     sensors: Vec<Sensor>,
     yield_strain: f64,
+    /// Of the column at rest \[s\].
+    period: f64,
     undamaged: UndamagedCapacities,
     /// Displacement of the impact point before the impact \[m\].
     rest_v1: f64,
@@ -115,6 +117,7 @@ impl Estimator {
             population: Population::new(column, properties, of_population, hypotheses, seed),
             doubtful: vec![false; sensors.len()],
             sensors,
+            period: model.slowest_period,
             yield_strain: steel.yield_strength / steel.young_modulus,
             parameters: parameters.clone(),
             blocks: None,
@@ -225,6 +228,7 @@ impl Estimator {
             contact,
             HORIZON,
             yield_strain,
+            self.period,
             &self.sensors,
             zeros,
         ));
