@@ -29,7 +29,13 @@ const TURNED_NOISE: f64 = 4.0;
 const STUCK_SAMPLES: u32 = 10;
 
 /// Share of its range at which a sensor is at the end of it: the range as a number of 32 bits may be smaller by round-off.
-const CLIPPED: f64 = 1.0 - 1e-6;
+pub(crate) const CLIPPED: f64 = 1.0 - 1e-6;
+
+/// Means over this time tell the peak of a displacement \[s\].
+const PEAK_CELL: f64 = 0.5e-3;
+
+/// Standard deviation of a measured peak, relative to it, beside noise and gain \[A\].
+const PEAK_DEVIATION: f64 = 0.01;
 
 /// A span of time after contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +89,22 @@ struct Channel {
     only: Vec<Option<f64>>,
     /// Block from which on the gauge no longer reads the elastic bar.
     lost_from: usize,
+    /// Gain error of the sensor.
+    gain_error: f64,
+    /// Means over [`PEAK_CELL`] that were larger than all before them, with their numbers of samples and their times after contact
+    /// \[s\].
+    highest: Vec<Cell>,
+    /// The current one, as a sum.
+    cell: Cell,
+}
+
+/// A mean over a short time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Cell {
+    number: usize,
+    count: u32,
+    /// Mean, or sum of what will be one.
+    value: f64,
 }
 
 impl Blocks {
@@ -118,6 +140,9 @@ impl Blocks {
                 range: sensor.range,
                 only: vec![None; layout.len()],
                 lost_from: usize::MAX,
+                gain_error: sensor.gain_error,
+                highest: Vec::new(),
+                cell: Cell::default(),
             })
             .collect();
         Self {
@@ -153,6 +178,7 @@ impl Blocks {
         channel.sums[index] += reading;
         channel.counts[index] += 1;
         channel.peaks[index] = channel.peaks[index].max(reading.abs());
+        channel.follow_peak(time, reading);
         let only = &mut channel.only[index];
         *only = if channel.counts[index] == 1 {
             Some(value)
@@ -162,6 +188,19 @@ impl Blocks {
         if channel.quantity.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
             channel.lost_from = channel.lost_from.min(index);
         }
+    }
+
+    /// The largest displacement that a sensor has read by `until` \[s\], in the direction of the vehicle, and its standard
+    /// deviation. Means over half a millisecond tell it within some hundredths.
+    pub fn highest(&self, sensor: usize, until: f64) -> Option<[f64; 2]> {
+        let channel = &self.channels[sensor];
+        let until = until - self.contact + 5e-10;
+        let known = |cell: &&Cell| (cell.number + 1) as f64 * PEAK_CELL <= until;
+        let highest = channel.highest.iter().rev().find(known)?;
+        let noise = channel.noise * channel.noise / f64::from(highest.count);
+        let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * highest.value;
+        let variance = noise + channel.zero_variance + relative * relative;
+        Some([highest.value, variance.sqrt()])
     }
 
     /// How many blocks are complete with data until `until` \[s\].
@@ -233,6 +272,30 @@ impl Blocks {
 }
 
 impl Channel {
+    /// Takes a reading of a displacement, relative to its zero, at a time after contact \[s\].
+    fn follow_peak(&mut self, time: f64, reading: f64) {
+        if self.quantity != Quantity::Displacement || time < 0.0 {
+            return;
+        }
+        let number = (time / PEAK_CELL) as usize;
+        if number != self.cell.number {
+            let mean = self.cell.value / f64::from(self.cell.count.max(1));
+            let highest = self.highest.last().map_or(0.0, |cell| cell.value);
+            if mean > highest {
+                self.highest.push(Cell {
+                    value: mean,
+                    ..self.cell
+                });
+            }
+            self.cell = Cell {
+                number,
+                ..Cell::default()
+            };
+        }
+        self.cell.count += 1;
+        self.cell.value += reading;
+    }
+
     /// The largest reading of a block. Of an acceleration it is a sample: the waves that the model does not have change its sign
     /// within a block, so that its mean shows neither their size nor what a clipped sample has lost.
     fn largest(&self, index: usize) -> f64 {

@@ -4,7 +4,7 @@ use crate::assessment::{Action, AssessmentInput, ResidualCapacity, assess, imper
 use crate::column::{
     Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
 };
-use crate::estimation::inference::blocks::Blocks;
+use crate::estimation::inference::blocks::{Blocks, CLIPPED};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::{CredibleInterval, ImpactEstimate, Spread};
 use crate::estimation::inference::event_evidence::EventEvidence;
@@ -14,7 +14,7 @@ use crate::estimation::inference::population::{EXPLORATION, Population, Round};
 use crate::estimation::inference::prediction::HORIZON;
 use crate::estimation::inference::undamaged_capacities::UndamagedCapacities;
 use crate::parameters::Parameters;
-use crate::sensors::Sensor;
+use crate::sensors::{Quantity, Sensor};
 use crate::standing::StandingColumn;
 
 /// Instants after contact at which estimates are worth it \[s\].
@@ -28,6 +28,10 @@ const WIDE_BANK: usize = 300;
 /// Prepared responses of a vehicle of the catalogue.
 const NARROW_BANK: usize = 120;
 
+/// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
+/// column on its side: the column moves there as the impact point does, but for some hundredths.
+const AT_IMPACT: f64 = 0.05;
+
 /// Error of a peak that the model keeps when its scale is known, relative to the peak \[A\].
 const PEAK_ERROR: f64 = 0.03;
 
@@ -36,6 +40,9 @@ const RESIDUAL_ERROR: f64 = 0.04;
 
 /// The same of mass, speed and momentum, relative to them \[A\].
 const IMPACT_ERROR: f64 = 0.03;
+
+/// Smallest peak whose logarithm is taken \[m\].
+const LEAST_PEAK: f64 = 1e-7;
 
 /// Effective number of responses that suffice.
 const ENOUGH_RESPONSES: f64 = 60.0;
@@ -446,6 +453,53 @@ impl Estimator {
             .map(|(sensor, _)| sensor.name.as_str())
     }
 
+    /// The largest displacement of the impact point that a sensor at its height has read by `until` \[s\], with its standard
+    /// deviation; `None` without such a sensor that counts. The most exact one tells it.
+    fn measured_peak(&self, until: f64) -> Option<[f64; 2]> {
+        let blocks = self.blocks.as_ref()?;
+        let properties = self.population.properties();
+        let each = self.sensors.iter().zip(&self.doubtful).enumerate();
+        let at_impact = each.filter(|(_, (sensor, doubtful))| {
+            let away = sensor.height - properties.length_below;
+            let part = match away <= 0.0 {
+                true => properties.length_below,
+                false => properties.length_above,
+            };
+            sensor.quantity == Quantity::Displacement
+                && away.abs() <= AT_IMPACT * part
+                && !**doubtful
+        });
+        let measured = at_impact.filter_map(|(index, (sensor, _))| {
+            let highest = blocks.highest(index, until)?;
+            // A sensor at the end of its range has not seen the peak.
+            (sensor.range == 0.0 || highest[0] < CLIPPED * sensor.range).then_some(highest)
+        });
+        measured.min_by(|a, b| a[1].total_cmp(&b[1]))
+    }
+
+    /// Peak displacement of the impact point by one response, relative to the column before the impact \[m\]: its logarithm with its
+    /// standard deviation. What a sensor has measured counts, and once the response is past its peak it is the peak.
+    fn peak_by(&self, member: &Member, until: f64, measured: Option<[f64; 2]>) -> [f64; 2] {
+        let [scale, scatter] = member.scale;
+        let report = &member.prediction.report;
+        let added = report.max_v1 - self.rest_v1;
+        let mut peak = (scale * added).max(LEAST_PEAK);
+        let mut deviation = libm::hypot(scatter * added, PEAK_ERROR * added);
+        if let Some([highest, noise]) = measured {
+            let since = until - (self.contact[0] + member.delay);
+            if since > report.max_v1_time {
+                // Prediction and measurement, each by its precision.
+                let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
+                peak = (own * peak + other * highest) / (own + other);
+                deviation = (1.0 / (own + other)).sqrt();
+            } else if highest > peak {
+                (peak, deviation) = (highest, deviation.max(noise));
+            }
+        }
+        let peak = peak.max(LEAST_PEAK);
+        [libm::log(peak), (deviation / peak).min(1.0)]
+    }
+
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
         self.estimate_with(data_until, ASSESSED)
@@ -467,31 +521,25 @@ impl Estimator {
                 deviation: IMPACT_ERROR,
                 weight,
             });
-            let interval = CredibleInterval::of_spread(each.collect(), effective);
-            CredibleInterval {
-                mean: libm::exp(interval.mean),
-                low: libm::exp(interval.low),
-                high: libm::exp(interval.high),
-            }
+            CredibleInterval::of_spread(each.collect(), effective).map(libm::exp)
         };
         // The factor of the response belongs to what the impact adds.
         let before = self.rest_v1;
-        let spread = |value: &dyn Fn(&Member) -> f64, error: f64| {
-            let each = members().map(|(member, weight)| {
-                let [scale, deviation] = member.scale;
-                let added = value(member) - before;
-                let (scaled, error) = (
-                    deviation * added,
-                    error * (member.prediction.report.max_v1 - before),
-                );
-                Spread {
-                    mean: scale * added + before,
-                    deviation: (scaled * scaled + error * error).sqrt(),
-                    weight,
-                }
-            });
-            CredibleInterval::of_spread(each.collect(), effective)
+        let residual = |member: &Member| {
+            let rest = member.prediction.rest.as_ref();
+            rest.map_or(f64::NAN, |rest| rest.displacement.v1)
         };
+        let residuals = members().map(|(member, weight)| {
+            let [scale, deviation] = member.scale;
+            let added = residual(member) - before;
+            let peak = member.prediction.report.max_v1 - before;
+            Spread {
+                mean: scale * added + before,
+                deviation: libm::hypot(deviation * added, RESIDUAL_ERROR * peak),
+                weight,
+            }
+        });
+        let residual_v1 = CredibleInterval::of_spread(residuals.collect(), effective);
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
             members()
                 .filter(|(member, _)| is(member))
@@ -521,14 +569,20 @@ impl Estimator {
                 members()
                     .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
             ),
-            peak_v1: spread(&|member| member.prediction.report.max_v1, PEAK_ERROR),
-            residual_v1: spread(
-                &|member| {
-                    let rest = member.prediction.rest.as_ref();
-                    rest.map_or(f64::NAN, |rest| rest.displacement.v1)
-                },
-                RESIDUAL_ERROR,
-            ),
+            peak_v1: {
+                let measured = self.measured_peak(data_until);
+                let each = members().map(|(member, weight)| {
+                    let [mean, deviation] = self.peak_by(member, data_until, measured);
+                    Spread {
+                        mean,
+                        deviation,
+                        weight,
+                    }
+                });
+                let log = CredibleInterval::of_spread(each.collect(), effective);
+                log.map(|log| libm::exp(log) + before)
+            },
+            residual_v1,
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
             collapsed: share(&|member| collapses(member.prediction.report.outcome)),
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
