@@ -37,6 +37,10 @@ const PEAK_CELL: f64 = 0.5e-3;
 /// Standard deviation of a measured peak, relative to it, beside noise and gain \[A\].
 const PEAK_DEVIATION: f64 = 0.01;
 
+/// A gauge is lost by its mean over this time \[s\]: the waves of the first milliseconds take it beyond the limit for shorter ones
+/// while the column remains elastic. Blocks consist of whole ones.
+const GAUGE_CELL: f64 = 1e-3;
+
 /// A span of time after contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Block {
@@ -60,6 +64,13 @@ pub(crate) struct BlockMean {
     pub swing: f64,
     /// Whether hinges have probably yielded.
     pub yielded: bool,
+}
+
+impl Cell {
+    /// The mean of what is a sum.
+    fn mean(&self) -> f64 {
+        self.value / f64::from(self.count.max(1))
+    }
 }
 
 /// The readings of all sensors, by block.
@@ -96,6 +107,10 @@ struct Channel {
     highest: Vec<Cell>,
     /// The current one, as a sum.
     cell: Cell,
+    /// The same of a gauge, over [`GAUGE_CELL`].
+    gauge: Cell,
+    /// Number of this cell after contact.
+    gauge_time: f64,
 }
 
 /// A mean over a short time.
@@ -143,6 +158,8 @@ impl Blocks {
                 gain_error: sensor.gain_error,
                 highest: Vec::new(),
                 cell: Cell::default(),
+                gauge: Cell::default(),
+                gauge_time: f64::NEG_INFINITY,
             })
             .collect();
         Self {
@@ -185,8 +202,8 @@ impl Blocks {
         } else {
             only.filter(|only| *only == value)
         };
-        if channel.quantity.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
-            channel.lost_from = channel.lost_from.min(index);
+        if channel.quantity.is_strain() {
+            channel.follow_gauge(time, index, reading, ELASTIC_LIMIT * self.yield_strain);
         }
     }
 
@@ -214,7 +231,7 @@ impl Blocks {
     /// What a sensor has read over a block; `None` where it has no samples, is stuck, or no longer reads the elastic bar.
     pub fn mean(&self, sensor: usize, index: usize) -> Option<BlockMean> {
         let channel = &self.channels[sensor];
-        if index >= channel.lost_from {
+        if self.is_lost(channel, index) {
             return None;
         }
         let mean = channel.mean(index)?;
@@ -224,7 +241,7 @@ impl Blocks {
         let count = f64::from(channel.counts[index]);
         let yielded = self.channels.iter().any(|other| {
             other.quantity.is_strain()
-                && (other.lost_from <= index
+                && (self.is_lost(other, index)
                     || (0..=index)
                         .filter_map(|index| other.mean(index))
                         .any(|mean| mean.abs() > NEAR_YIELD * self.yield_strain))
@@ -236,6 +253,16 @@ impl Blocks {
             swing: self.swing(channel, index),
             yielded: yielded && channel.quantity.is_strain(),
         })
+    }
+
+    /// Whether a gauge no longer reads the elastic bar in a complete block.
+    fn is_lost(&self, channel: &Channel, index: usize) -> bool {
+        let limit = ELASTIC_LIMIT * self.yield_strain;
+        index >= channel.lost_from
+            // The last cell of the last block is complete without a sample that follows it.
+            || channel.quantity.is_strain()
+                && channel.gauge.number <= index
+                && channel.gauge.mean().abs() > limit
     }
 
     /// See [`BlockMean::swing`].
@@ -272,6 +299,24 @@ impl Blocks {
 }
 
 impl Channel {
+    /// Takes a reading of a strain gauge, relative to its zero, at a time after contact \[s\] in a block. The number of its cell is
+    /// that of the block.
+    fn follow_gauge(&mut self, time: f64, index: usize, reading: f64, limit: f64) {
+        let cell = (time / GAUGE_CELL).floor();
+        if cell != self.gauge_time {
+            if self.gauge.mean().abs() > limit {
+                self.lost_from = self.lost_from.min(self.gauge.number);
+            }
+            self.gauge_time = cell;
+            self.gauge = Cell {
+                number: index,
+                ..Cell::default()
+            };
+        }
+        self.gauge.count += 1;
+        self.gauge.value += reading;
+    }
+
     /// Takes a reading of a displacement, relative to its zero, at a time after contact \[s\].
     fn follow_peak(&mut self, time: f64, reading: f64) {
         if self.quantity != Quantity::Displacement || time < 0.0 {
@@ -279,7 +324,7 @@ impl Channel {
         }
         let number = (time / PEAK_CELL) as usize;
         if number != self.cell.number {
-            let mean = self.cell.value / f64::from(self.cell.count.max(1));
+            let mean = self.cell.mean();
             let highest = self.highest.last().map_or(0.0, |cell| cell.value);
             if mean > highest {
                 self.highest.push(Cell {
@@ -370,5 +415,22 @@ mod tests {
         assert_eq!(swing_at(0.009), 0.0);
         let swing = swing_at(0.022);
         assert!((swing - 2e-3).abs() < 0.5e-3, "{swing}");
+    }
+
+    /// One sample above the limit was enough, as a flexural wave gives.
+    #[test]
+    fn a_gauge_is_lost_by_the_mean_of_a_millisecond_and_not_by_one_wave() {
+        let limit = ELASTIC_LIMIT * YIELD_STRAIN;
+        let mut elastic = blocks(Quantity::BendingStrain);
+        fill(&mut elastic, 0.02, |time| {
+            let is_wave = (2e-3..2.3e-3).contains(&time);
+            if is_wave { 1.5 * limit } else { 0.3 * limit }
+        });
+        assert!((0..elastic.complete(0.02)).skip(2).all(|k| elastic.mean(0, k).is_some()));
+        let mut yielded = blocks(Quantity::BendingStrain);
+        fill(&mut yielded, 0.02, |time| if time < 5e-3 { 0.5 * limit } else { 1.1 * limit });
+        let index = yielded.complete(6e-3) - 1;
+        assert!(yielded.mean(0, index - 1).is_some());
+        assert!((index..yielded.complete(0.02)).all(|k| yielded.mean(0, k).is_none()));
     }
 }
