@@ -25,8 +25,11 @@ pub const UPDATE_INSTANTS: [f64; 13] = [
 /// Prepared responses of a hypothesis whose front has a free stiffness, or whose mass is free.
 const WIDE_BANK: usize = 300;
 
+/// The same where the mass is free and the front is crushed, of which the hypotheses of the catalogue cover the middle.
+const CRUSHED_BANK: usize = 200;
+
 /// Prepared responses of a vehicle of the catalogue.
-const NARROW_BANK: usize = 120;
+const NARROW_BANK: usize = 90;
 
 /// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
 /// column on its side: the column moves there as the impact point does, but for some hundredths.
@@ -598,6 +601,7 @@ impl Estimator {
 fn prepared_responses(hypothesis: &Hypothesis) -> usize {
     match hypothesis.front {
         Front::Rigid | Front::Elastic => WIDE_BANK,
+        Front::Plateau | Front::TwoMasses => CRUSHED_BANK,
         Front::Vehicle(_) => NARROW_BANK,
     }
 }

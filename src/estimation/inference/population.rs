@@ -58,6 +58,8 @@ const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
 struct Drawn {
     hypothesis: usize,
     count: f64,
+    /// Unknowns of the hypothesis, from the first on.
+    unknowns: usize,
     mean: [f64; UNKNOWNS],
     /// Lower triangular factor of the covariance.
     factor: [[f64; UNKNOWNS]; UNKNOWNS],
@@ -178,7 +180,10 @@ impl Population {
     /// Draws `count` members of a hypothesis from what is known before the impact.
     pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
         let Hypothesis {
-            mean, deviation, ..
+            mean,
+            deviation,
+            unknowns,
+            ..
         } = self.hypotheses[hypothesis];
         let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
         for (k, row) in factor.iter_mut().enumerate() {
@@ -186,7 +191,7 @@ impl Population {
         }
         let mut round = Round::new(&self.random);
         round.draw(
-            Drawn::new(hypothesis, count, mean, factor),
+            Drawn::new((hypothesis, unknowns), count, mean, factor),
             &mut self.random,
         );
         round
@@ -419,7 +424,8 @@ impl Population {
             let least = LEAST_WIDTH * deviation;
             covariance[k][k] += least * least;
         }
-        Drawn::new(hypothesis, count, mean, cholesky(&covariance))
+        let unknowns = self.hypotheses[hypothesis].unknowns;
+        Drawn::new((hypothesis, unknowns), count, mean, cholesky(&covariance))
     }
 
     /// Narrower distributions about members that are chosen by their weights, for `count` members together.
@@ -449,7 +455,8 @@ impl Population {
                 let factor = fitted
                     .factor
                     .map(|row| row.map(|entry| KERNEL_WIDTH * entry));
-                kernels.push(Drawn::new(hypothesis, each, member.unknowns, factor));
+                let of = (hypothesis, fitted.unknowns);
+                kernels.push(Drawn::new(of, each, member.unknowns, factor));
             }
         }
         kernels
@@ -562,7 +569,7 @@ impl Population {
 
 impl Drawn {
     fn new(
-        hypothesis: usize,
+        (hypothesis, unknowns): (usize, usize),
         count: usize,
         mean: [f64; UNKNOWNS],
         factor: [[f64; UNKNOWNS]; UNKNOWNS],
@@ -570,6 +577,7 @@ impl Drawn {
         Self {
             hypothesis,
             count: count as f64,
+            unknowns,
             mean,
             factor,
             log_diagonal: std::array::from_fn(|k| libm::log(factor[k][k])),
@@ -577,7 +585,8 @@ impl Drawn {
     }
 
     fn sample(&self, random: &mut Random) -> [f64; UNKNOWNS] {
-        let z: [f64; UNKNOWNS] = std::array::from_fn(|_| random.normal());
+        let mut z = [0.0; UNKNOWNS];
+        z[..self.unknowns].fill_with(|| random.normal());
         std::array::from_fn(|i| {
             let row = &self.factor[i];
             self.mean[i] + (0..=i).map(|k| row[k] * z[k]).sum::<f64>()
@@ -588,7 +597,7 @@ impl Drawn {
     fn log_density(&self, unknowns: &[f64; UNKNOWNS]) -> f64 {
         let mut z = [0.0; UNKNOWNS];
         let mut log = 0.0;
-        for i in 0..UNKNOWNS {
+        for i in 0..self.unknowns {
             let known: f64 = (0..i).map(|k| self.factor[i][k] * z[k]).sum();
             z[i] = (unknowns[i] - self.mean[i] - known) / self.factor[i][i];
             log -= 0.5 * z[i] * z[i] + self.log_diagonal[i];
