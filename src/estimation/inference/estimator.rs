@@ -2,7 +2,7 @@
 
 use crate::assessment::{Action, AssessmentInput, ResidualCapacity, assess, imperfection};
 use crate::column::{
-    Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
+    Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, Report, State, capacity,
 };
 use crate::estimation::inference::blocks::{Blocks, CLIPPED};
 use crate::estimation::inference::comparison::SensorComparison;
@@ -46,6 +46,12 @@ const IMPACT_ERROR: f64 = 0.03;
 
 /// Smallest peak whose logarithm is taken \[m\].
 const LEAST_PEAK: f64 = 1e-7;
+
+/// Share of its kinetic energy that a vehicle has to lose in its front for the front to count as crushed.
+const CRUSHED: f64 = 0.05;
+
+/// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
+const RANGE_PARTS: u32 = 5;
 
 /// Effective number of responses that suffice.
 const ENOUGH_RESPONSES: f64 = 60.0;
@@ -517,12 +523,23 @@ impl Estimator {
             all.filter(|(_, weight)| *weight > 0.0)
         };
         let effective = effective(&weights);
-        // Their distributions are skew: the mean is that of the logarithm.
-        let positive = |logarithm: &dyn Fn(&Member) -> f64| {
-            let each = members().map(|(member, weight)| Spread {
-                mean: logarithm(member),
-                deviation: IMPACT_ERROR,
-                weight,
+        // Their distributions are skew: the mean is that of the logarithm. A front that is crushed leaves the momentum open, and
+        // the speed with it.
+        let positive = |of_mass: f64, of_velocity: f64| {
+            let each = members().flat_map(|(member, weight)| {
+                let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
+                let (open, parts) = match of_velocity > 0.0 {
+                    true => open_momentum(&member.prediction.report, member),
+                    false => ([0.0; 2], 1),
+                };
+                let width = (open[1] - open[0]) / f64::from(parts);
+                // Each part is a normal distribution of the variance of a uniform one.
+                let deviation = libm::hypot(IMPACT_ERROR, width / 12.0_f64.sqrt());
+                (0..parts).map(move |part| Spread {
+                    mean: known + open[0] + (f64::from(part) + 0.5) * width,
+                    deviation,
+                    weight: weight / f64::from(parts),
+                })
             });
             CredibleInterval::of_spread(each.collect(), effective).map(libm::exp)
         };
@@ -565,9 +582,9 @@ impl Estimator {
         ImpactEstimate {
             data_until,
             contact_time: CredibleInterval::normal(contact, deviation),
-            mass: positive(&|member| member.unknowns[0]),
-            velocity: positive(&|member| member.unknowns[1]),
-            momentum: positive(&|member| member.unknowns[0] + member.unknowns[1]),
+            mass: positive(1.0, 0.0),
+            velocity: positive(0.0, 1.0),
+            momentum: positive(1.0, 1.0),
             mass_velocity_correlation: correlation(
                 members()
                     .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
@@ -595,6 +612,28 @@ impl Estimator {
             doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
         }
     }
+}
+
+/// What a front that is crushed leaves open of the momentum: logarithms of its bounds over the momentum of the response, and the
+/// number of parts in which the range between them counts.
+///
+/// The column feels only the contact force. Any passive front with the same force, whose impulse is `J` and which does the work
+/// `W` on the column, has a momentum from `J / 2 + m W / J`, if it returns all of its energy, to `J`, if it returns none of it. The
+/// upper bound holds once the vehicle has stopped.
+fn open_momentum(report: &Report, member: &Member) -> ([f64; 2], u32) {
+    let lost: f64 = report.vehicle.dissipated.iter().sum();
+    let is_crushed = report.vehicle.masses > 0 && lost > CRUSHED * report.input_energy;
+    if !is_crushed || report.impactor_velocity > 0.0 || report.impulse <= 0.0 {
+        return ([0.0; 2], 1);
+    }
+    let kept = report.impactor_kinetic_energy + lost + report.vehicle.elastic_energy;
+    let work = (report.input_energy - kept).max(0.0);
+    let impulse = report.impulse;
+    let mass = libm::exp(member.unknowns[0]);
+    let least = (0.5 * impulse + mass * work / impulse).min(impulse);
+    let momentum = member.unknowns[0] + member.unknowns[1];
+    let bounds = [least, impulse].map(|bound| libm::log(bound) - momentum);
+    (bounds, RANGE_PARTS)
 }
 
 /// Responses that are prepared of a hypothesis.
