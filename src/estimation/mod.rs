@@ -24,7 +24,7 @@ pub use detection::sensing::{Sensing, Work};
 pub use inference::comparison::{ComparedMean, SensorComparison};
 pub use inference::estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use inference::estimate_record::EstimateRecord;
-pub use inference::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+pub use inference::estimator::{Estimator, EstimatorError, UNKNOWN_VEHICLE, UPDATE_INSTANTS};
 pub use inference::event_evidence::{EventEvidence, MAX_EVENTS};
 pub use inference::hypothesis::{Front, Hypothesis, hypotheses};
 pub use inference::library::Library;

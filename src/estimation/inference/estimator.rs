@@ -72,6 +72,9 @@ const BEST_YIELD_SCATTER: f64 = 0.015;
 /// Weight below which a response does not count: two thousand of them change nothing that can be seen.
 const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
 
+/// Name of what has struck where no hypothesis explains the readings of sensors that do not contradict each other.
+pub const UNKNOWN_VEHICLE: &str = "unknown";
+
 /// Why sensors cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EstimatorError {
@@ -331,15 +334,18 @@ impl Estimator {
     /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
     /// or because some did not count so far.
     pub(crate) fn has_doubts(&self) -> bool {
-        self.doubtful.contains(&true) || !self.population.explains_all()
+        self.doubtful.contains(&true)
+            || self.population.temperature() > 1.0
+            || !self.population.explains_all()
     }
 
     /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be
     /// weighed then.
     pub(crate) fn judge_sensors(&mut self) -> bool {
-        let [doubtful, ignored] = self.population.contradictions();
-        self.doubtful = doubtful;
-        self.population.ignore(ignored)
+        let found = self.population.contradictions();
+        self.doubtful = found.doubtful;
+        self.population.temper(found.misfit);
+        self.population.ignore(found.ignored)
     }
 
     /// The number of responses that it rests on if all counted alike.
@@ -572,6 +578,12 @@ impl Estimator {
             .enumerate()
             .map(|(k, it)| (it.name.clone(), share(&|member| member.hypothesis == k)))
             .collect();
+        // The share of the evidence for the hypotheses that is left where none of them explains the data.
+        let explained = 1.0 / self.population.temperature();
+        if explained < 1.0 {
+            vehicles.iter_mut().for_each(|it| it.1 *= explained);
+            vehicles.push((UNKNOWN_VEHICLE.to_owned(), 1.0 - explained));
+        }
         vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
         let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
         let [contact, deviation] = self.contact;

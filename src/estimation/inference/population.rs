@@ -9,7 +9,9 @@ use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelI
 use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
-use crate::estimation::inference::contradiction::{contradictions, explains_all, largest};
+use crate::estimation::inference::contradiction::{
+    Contradictions, contradictions, explains_all, largest,
+};
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::{Hypothesis, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
@@ -134,6 +136,8 @@ pub(crate) struct Population {
     events: Vec<EventEvidence>,
     /// Sensors that do not count.
     ignored: Vec<bool>,
+    /// Divisor of the logarithms of the likelihoods: 1, or more where no response explains the data.
+    temperature: f64,
     /// What the likelihoods need of the data; `None` if it is to be made of them.
     weighing: Option<Weighing>,
     /// Members, distributions and random numbers before an impact.
@@ -153,6 +157,7 @@ impl Population {
             column,
             properties,
             ignored: vec![false; sensors.len()],
+            temperature: 1.0,
             sensors,
             grid: TimeGrid::new(),
             hypotheses,
@@ -213,6 +218,7 @@ impl Population {
         let (members, drawn, random) = &self.prepared;
         self.random = random.clone();
         self.ignored.fill(false);
+        self.temperature = 1.0;
         self.weighing = None;
         let is_prepared = self.members.len() == *members && self.drawn.len() == *drawn;
         if is_prepared && self.observed.is_empty() && self.events.is_empty() {
@@ -363,7 +369,11 @@ impl Population {
 
     /// The weights of the members, which add up to 1.
     pub fn weights(&self) -> Vec<f64> {
-        let logs: Vec<f64> = self.members.iter().map(Member::log_weight).collect();
+        let log_weight = |member: &Member| {
+            // Where no response explains the data, the one that explains them least badly is not the truth.
+            member.log_weight() - (1.0 - 1.0 / self.temperature) * member.log_likelihood
+        };
+        let logs: Vec<f64> = self.members.iter().map(log_weight).collect();
         let largest = largest(logs.iter().copied());
         let mut weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
         let sum: f64 = weights.iter().sum();
@@ -478,8 +488,9 @@ impl Population {
     pub fn weigh_some(&mut self, count: usize) -> bool {
         let blocks = self.observed.len();
         let up_to_date = || self.members.iter().filter(|member| member.seen == blocks);
-        let likely = largest(up_to_date().map(Member::log_posterior)) - NEGLIGIBLE;
-        let weighty = largest(up_to_date().map(Member::log_weight)) - NEGLIGIBLE;
+        let negligible = NEGLIGIBLE * self.temperature;
+        let likely = largest(up_to_date().map(Member::log_posterior)) - negligible;
+        let weighty = largest(up_to_date().map(Member::log_weight)) - negligible;
         let mut behind: Vec<(f64, usize)> = (0..)
             .zip(&self.members)
             .filter(|(_, it)| {
@@ -527,7 +538,7 @@ impl Population {
     }
 
     /// See [`contradictions`]; all members have to be weighed with all data.
-    pub fn contradictions(&self) -> [Vec<bool>; 2] {
+    pub fn contradictions(&self) -> Contradictions {
         contradictions(&self.members, &self.observed, &self.sensors)
     }
 
@@ -550,6 +561,16 @@ impl Population {
         self.ignored = ignored;
         self.weighing = None;
         changes
+    }
+
+    /// Divides the logarithms of all likelihoods by this number, because no response explains the data; 1 for none.
+    pub fn temper(&mut self, temperature: f64) {
+        self.temperature = temperature;
+    }
+
+    /// What [`Population::temper`] has set.
+    pub fn temperature(&self) -> f64 {
+        self.temperature
     }
 
     fn take_weighing(&mut self) -> Weighing {
