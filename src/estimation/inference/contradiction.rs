@@ -36,6 +36,9 @@ pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
         })
 }
 
+/// The same from which on a sensor is left out: a wrong model of the vehicle or of the column explains a smaller misfit.
+const EXCLUSION: f64 = 25.0;
+
 /// What a closer look at the readings has found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Contradictions {
@@ -100,7 +103,7 @@ pub(crate) fn contradictions(
                     .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
                     .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
                     .fold(f64::INFINITY, f64::min);
-                (misfit > CONTRADICTION).then_some((sensor, best))
+                (misfit > EXCLUSION).then_some((sensor, best))
             })
             .collect();
         let best = largest(excluded.iter().map(|(_, best)| *best));

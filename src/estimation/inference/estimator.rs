@@ -2,11 +2,13 @@
 
 use crate::assessment::{Action, AssessmentInput, ResidualCapacity, assess, imperfection};
 use crate::column::{
-    Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, Report, State, capacity,
+    Capacity, CapacityEnd, ColumnProperties, Impact, Model, ModelError, PerBar, State, Support,
+    capacity,
 };
-use crate::estimation::inference::blocks::{Blocks, CLIPPED};
+use crate::estimation::detection::detector::WITNESS_RATE;
+use crate::estimation::inference::blocks::Blocks;
 use crate::estimation::inference::comparison::SensorComparison;
-use crate::estimation::inference::estimate::{CredibleInterval, ImpactEstimate, Spread};
+use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::{Front, Hypothesis};
 use crate::estimation::inference::member::Member;
@@ -14,7 +16,7 @@ use crate::estimation::inference::population::{EXPLORATION, Population, Round};
 use crate::estimation::inference::prediction::HORIZON;
 use crate::estimation::inference::undamaged_capacities::UndamagedCapacities;
 use crate::parameters::Parameters;
-use crate::sensors::{Quantity, Sensor};
+use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
 
 /// Instants after contact at which estimates are worth it \[s\].
@@ -25,33 +27,12 @@ pub const UPDATE_INSTANTS: [f64; 13] = [
 /// Prepared responses of a hypothesis whose front has a free stiffness, or whose mass is free.
 const WIDE_BANK: usize = 300;
 
-/// The same where the mass is free and the front is crushed, of which the hypotheses of the catalogue cover the middle.
-const CRUSHED_BANK: usize = 200;
+/// The same where the mass is free and the front is crushed, of which the hypotheses of the catalogue cover the middle, and of an
+/// elastic front that is known about.
+const MIDDLE_BANK: usize = 200;
 
 /// Prepared responses of a vehicle of the catalogue.
 const NARROW_BANK: usize = 90;
-
-/// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
-/// column on its side: the column moves there as the impact point does, but for some hundredths.
-const AT_IMPACT: f64 = 0.05;
-
-/// Error of a peak that the model keeps when its scale is known, relative to the peak \[A\].
-const PEAK_ERROR: f64 = 0.03;
-
-/// The same of a residual displacement, also relative to the peak \[A\].
-const RESIDUAL_ERROR: f64 = 0.04;
-
-/// The same of mass, speed and momentum, relative to them \[A\].
-const IMPACT_ERROR: f64 = 0.03;
-
-/// Smallest peak whose logarithm is taken \[m\].
-const LEAST_PEAK: f64 = 1e-7;
-
-/// Share of its kinetic energy that a vehicle has to lose in its front for the front to count as crushed.
-const CRUSHED: f64 = 0.05;
-
-/// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
-const RANGE_PARTS: u32 = 5;
 
 /// Effective number of responses that suffice.
 const ENOUGH_RESPONSES: f64 = 60.0;
@@ -81,6 +62,28 @@ pub enum EstimatorError {
     /// There are none.
     #[error("there are no sensors; name them in the parameter sensors.names")]
     NoSensors,
+    /// All are too slow for an impact.
+    #[error(
+        "no sensor is fast enough to detect an impact: {sensors}; expected at least one of {} samples per second or more",
+        WITNESS_RATE
+    )]
+    TooSlow {
+        /// Their names with their rates.
+        sensors: String,
+    },
+    /// The times of readings contradict the rate of their sensor.
+    #[error(
+        "the readings of `{sensor}` come at {found:.4} samples per second by their times; expected {declared}, its parameter \
+         sensors.{sensor}.rate: correct the parameter or the times"
+    )]
+    Rate {
+        /// Name of the sensor.
+        sensor: String,
+        /// Its rate by the parameters \[Hz\].
+        declared: f64,
+        /// Its rate by the times \[Hz\].
+        found: f64,
+    },
     /// The parameters make no column.
     #[error(transparent)]
     Column(#[from] ModelError),
@@ -90,17 +93,19 @@ pub enum EstimatorError {
 #[derive(Debug, Clone)]
 pub struct Estimator {
     parameters: Parameters,
-    population: Population,
-    sensors: Vec<Sensor>,
+    pub(super) population: Population,
+    pub(super) sensors: Vec<Sensor>,
     yield_strain: f64,
-    /// Of the column at rest \[s\].
+    /// Period of the column's first transverse mode \[s\].
     period: f64,
+    /// Mass that the model has there \[kg\].
+    pub(super) impact_point_mass: f64,
     undamaged: UndamagedCapacities,
     /// Displacement of the impact point before the impact \[m\].
-    rest_v1: f64,
-    blocks: Option<Blocks>,
+    pub(super) rest_v1: f64,
+    pub(super) blocks: Option<Blocks>,
     /// Instant of contact and its standard deviation \[s\].
-    contact: [f64; 2],
+    pub(super) contact: [f64; 2],
     observed: usize,
     prepared: usize,
     /// The responses to the next hypothesis, as far as they are prepared.
@@ -108,7 +113,7 @@ pub struct Estimator {
     /// Responses that are assessed, from the first on.
     assessed: usize,
     /// Sensors that contradict the others.
-    doubtful: Vec<bool>,
+    pub(super) doubtful: Vec<bool>,
 }
 
 impl Estimator {
@@ -136,7 +141,8 @@ impl Estimator {
             population: Population::new(column, properties, of_population, hypotheses, seed),
             doubtful: vec![false; sensors.len()],
             sensors,
-            period: model.slowest_period,
+            period: first_period(&properties),
+            impact_point_mass: model.impact_point_mass,
             yield_strain: steel.yield_strength / steel.young_modulus,
             parameters: parameters.clone(),
             blocks: None,
@@ -376,9 +382,10 @@ impl Estimator {
         }
     }
 
+    /// The first round is made in any case: responses that explain the data may be found far from those that do so far.
     fn refine_until_settled(&mut self, rounds: usize) {
-        for _ in 0..rounds {
-            if self.is_settled() {
+        for round in 0..rounds {
+            if round > 0 && self.is_settled() {
                 return;
             }
             self.refine(ROUND);
@@ -411,7 +418,7 @@ impl Estimator {
     }
 
     /// Action and capacity ratio after responses that are chosen by their weights.
-    fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Action, f64)> {
+    pub(super) fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Action, f64)> {
         let chosen = self.population.chosen(weights, count);
         for &index in &chosen {
             if self.population.members[index].assessed.is_none() {
@@ -454,7 +461,7 @@ impl Estimator {
     }
 
     /// The weights of the responses, without those that do not count.
-    fn weights(&self) -> Vec<f64> {
+    pub(super) fn weights(&self) -> Vec<f64> {
         let mut weights = self.population.weights();
         for weight in weights.iter_mut().filter(|it| **it < NEGLIGIBLE_WEIGHT) {
             *weight = 0.0;
@@ -462,211 +469,47 @@ impl Estimator {
         weights
     }
 
-    fn doubtful(&self) -> impl Iterator<Item = &str> {
+    pub(super) fn doubtful_names(&self) -> impl Iterator<Item = &str> {
         let each = self.sensors.iter().zip(&self.doubtful);
         each.filter(|(_, doubtful)| **doubtful)
             .map(|(sensor, _)| sensor.name.as_str())
-    }
-
-    /// The largest displacement of the impact point that a sensor at its height has read by `until` \[s\], with its standard
-    /// deviation; `None` without such a sensor that counts. The most exact one tells it.
-    fn measured_peak(&self, until: f64) -> Option<[f64; 2]> {
-        let blocks = self.blocks.as_ref()?;
-        let properties = self.population.properties();
-        let each = self.sensors.iter().zip(&self.doubtful).enumerate();
-        let at_impact = each.filter(|(_, (sensor, doubtful))| {
-            let away = sensor.height - properties.length_below;
-            let part = match away <= 0.0 {
-                true => properties.length_below,
-                false => properties.length_above,
-            };
-            sensor.quantity == Quantity::Displacement
-                && away.abs() <= AT_IMPACT * part
-                && !**doubtful
-        });
-        let measured = at_impact.filter_map(|(index, (sensor, _))| {
-            let highest = blocks.highest(index, until)?;
-            // A sensor at the end of its range has not seen the peak.
-            (sensor.range == 0.0 || highest[0] < CLIPPED * sensor.range).then_some(highest)
-        });
-        measured.min_by(|a, b| a[1].total_cmp(&b[1]))
-    }
-
-    /// Peak displacement of the impact point by one response, relative to the column before the impact \[m\]: its logarithm with its
-    /// standard deviation. What a sensor has measured counts, and once the response is past its peak it is the peak.
-    fn peak_by(&self, member: &Member, until: f64, measured: Option<[f64; 2]>) -> [f64; 2] {
-        let [scale, scatter] = member.scale;
-        let report = &member.prediction.report;
-        let added = report.max_v1 - self.rest_v1;
-        let mut peak = (scale * added).max(LEAST_PEAK);
-        let mut deviation = libm::hypot(scatter * added, PEAK_ERROR * added);
-        if let Some([highest, noise]) = measured {
-            let since = until - (self.contact[0] + member.delay);
-            if since > report.max_v1_time {
-                // Prediction and measurement, each by its precision.
-                let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
-                peak = (own * peak + other * highest) / (own + other);
-                deviation = (1.0 / (own + other)).sqrt();
-            } else if highest > peak {
-                (peak, deviation) = (highest, deviation.max(noise));
-            }
-        }
-        let peak = peak.max(LEAST_PEAK);
-        [libm::log(peak), (deviation / peak).min(1.0)]
     }
 
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
         self.estimate_with(data_until, ASSESSED)
     }
-
-    /// The same with action and residual capacity of so many responses, which are chosen by their weights.
-    pub(crate) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
-        let weights = self.weights();
-        let assessed = self.assess(&weights, count);
-        let members = || {
-            let all = self.population.members.iter().zip(weights.iter().copied());
-            all.filter(|(_, weight)| *weight > 0.0)
-        };
-        let effective = effective(&weights);
-        // Their distributions are skew: the mean is that of the logarithm. A front that is crushed leaves the momentum open, and
-        // the speed with it.
-        let positive = |of_mass: f64, of_velocity: f64| {
-            let each = members().flat_map(|(member, weight)| {
-                let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
-                let (open, parts) = match of_velocity > 0.0 {
-                    true => open_momentum(&member.prediction.report, member),
-                    false => ([0.0; 2], 1),
-                };
-                let width = (open[1] - open[0]) / f64::from(parts);
-                // Each part is a normal distribution of the variance of a uniform one.
-                let deviation = libm::hypot(IMPACT_ERROR, width / 12.0_f64.sqrt());
-                (0..parts).map(move |part| Spread {
-                    mean: known + open[0] + (f64::from(part) + 0.5) * width,
-                    deviation,
-                    weight: weight / f64::from(parts),
-                })
-            });
-            CredibleInterval::of_spread(each.collect(), effective).map(libm::exp)
-        };
-        // The factor of the response belongs to what the impact adds.
-        let before = self.rest_v1;
-        let residual = |member: &Member| {
-            let rest = member.prediction.rest.as_ref();
-            rest.map_or(f64::NAN, |rest| rest.displacement.v1)
-        };
-        let residuals = members().map(|(member, weight)| {
-            let [scale, deviation] = member.scale;
-            let added = residual(member) - before;
-            let peak = member.prediction.report.max_v1 - before;
-            Spread {
-                mean: scale * added + before,
-                deviation: libm::hypot(deviation * added, RESIDUAL_ERROR * peak),
-                weight,
-            }
-        });
-        let residual_v1 = CredibleInterval::of_spread(residuals.collect(), effective);
-        let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
-            members()
-                .filter(|(member, _)| is(member))
-                .fold(0.0, |sum, (_, weight)| sum + weight)
-        };
-        let mut vehicles: Vec<(String, f64)> = self
-            .population
-            .hypotheses
-            .iter()
-            .enumerate()
-            .map(|(k, it)| (it.name.clone(), share(&|member| member.hypothesis == k)))
-            .collect();
-        // The share of the evidence for the hypotheses that is left where none of them explains the data.
-        let explained = 1.0 / self.population.temperature();
-        if explained < 1.0 {
-            vehicles.iter_mut().for_each(|it| it.1 *= explained);
-            vehicles.push((UNKNOWN_VEHICLE.to_owned(), 1.0 - explained));
-        }
-        vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
-        let [contact, deviation] = self.contact;
-        let with_action = |action| {
-            let count = assessed.iter().filter(|(it, _)| *it == action).count();
-            (action, count as f64 / assessed.len().max(1) as f64)
-        };
-        ImpactEstimate {
-            data_until,
-            contact_time: CredibleInterval::normal(contact, deviation),
-            mass: positive(1.0, 0.0),
-            velocity: positive(0.0, 1.0),
-            momentum: positive(1.0, 1.0),
-            mass_velocity_correlation: correlation(
-                members()
-                    .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
-            ),
-            peak_v1: {
-                let measured = self.measured_peak(data_until);
-                let each = members().map(|(member, weight)| {
-                    let [mean, deviation] = self.peak_by(member, data_until, measured);
-                    Spread {
-                        mean,
-                        deviation,
-                        weight,
-                    }
-                });
-                let log = CredibleInterval::of_spread(each.collect(), effective);
-                log.map(|log| libm::exp(log) + before)
-            },
-            residual_v1,
-            yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
-            collapsed: share(&|member| collapses(member.prediction.report.outcome)),
-            capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
-            action: Action::ALL.map(with_action).to_vec(),
-            vehicle_probabilities: vehicles,
-            effective_sample_size: effective,
-            doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
-        }
-    }
 }
 
-/// What a front that is crushed leaves open of the momentum: logarithms of its bounds over the momentum of the response, and the
-/// number of parts in which the range between them counts.
-///
-/// The column feels only the contact force. Any passive front with the same force, whose impulse is `J` and which does the work
-/// `W` on the column, has a momentum from `J / 2 + m W / J`, if it returns all of its energy, to `J`, if it returns none of it. The
-/// upper bound holds once the vehicle has stopped.
-fn open_momentum(report: &Report, member: &Member) -> ([f64; 2], u32) {
-    let lost: f64 = report.vehicle.dissipated.iter().sum();
-    let is_crushed = report.vehicle.masses > 0 && lost > CRUSHED * report.input_energy;
-    if !is_crushed || report.impactor_velocity > 0.0 || report.impulse <= 0.0 {
-        return ([0.0; 2], 1);
-    }
-    let kept = report.impactor_kinetic_energy + lost + report.vehicle.elastic_energy;
-    let work = (report.input_energy - kept).max(0.0);
-    let impulse = report.impulse;
-    let mass = libm::exp(member.unknowns[0]);
-    let least = (0.5 * impulse + mass * work / impulse).min(impulse);
-    let momentum = member.unknowns[0] + member.unknowns[1];
-    let bounds = [least, impulse].map(|bound| libm::log(bound) - momentum);
-    (bounds, RANGE_PARTS)
+/// Period of the first transverse mode of a uniform beam of the length, the stiffness and the mass of the column \[s\]. The bars of the
+/// model have less mass at the impact point and are stiffer there, so that they vibrate up to twice as fast.
+fn first_period(properties: &ColumnProperties) -> f64 {
+    // The first root of the frequency equation of each pair of supports (Blevins, Formulas for Natural Frequency and Mode
+    // Shape). A spring is between a hinge and a clamp, and counts as a hinge.
+    let is_clamped = |support| matches!(support, Support::BuiltIn);
+    let clamped = [properties.base, properties.top].map(is_clamped);
+    let root: f64 = match (clamped, properties.top) {
+        (_, Support::Free) => 1.875_10,
+        ([true, true], _) => 4.730_04,
+        ([false, false], _) => std::f64::consts::PI,
+        _ => 3.926_60,
+    };
+    let length = properties.length_below + properties.length_above;
+    let stiffness = properties.bending_stiffness / properties.mass_per_length;
+    std::f64::consts::TAU * (length / root) * (length / root) / stiffness.sqrt()
 }
 
 /// Responses that are prepared of a hypothesis.
 fn prepared_responses(hypothesis: &Hypothesis) -> usize {
     match hypothesis.front {
+        Front::Elastic if hypothesis.deviation[2] < 0.5 => MIDDLE_BANK,
         Front::Rigid | Front::Elastic => WIDE_BANK,
-        Front::Plateau | Front::TwoMasses => CRUSHED_BANK,
+        Front::Plateau | Front::TwoMasses => MIDDLE_BANK,
         Front::Vehicle(_) => NARROW_BANK,
     }
 }
 
 /// Kish's effective number of weighted responses, whose weights add up to 1.
-fn effective(weights: &[f64]) -> f64 {
+pub(super) fn effective(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>()
-}
-
-fn correlation(pairs: impl Iterator<Item = ([f64; 2], f64)> + Clone) -> f64 {
-    let mean = |k: usize| pairs.clone().map(|(x, weight)| weight * x[k]).sum::<f64>();
-    let (a, b) = (mean(0), mean(1));
-    let moment = |of: &dyn Fn([f64; 2]) -> f64| pairs.clone().map(|(x, w)| w * of(x)).sum::<f64>();
-    let covariance = moment(&|x| (x[0] - a) * (x[1] - b));
-    let variances = moment(&|x| (x[0] - a) * (x[0] - a)) * moment(&|x| (x[1] - b) * (x[1] - b));
-    covariance / variances.sqrt()
 }

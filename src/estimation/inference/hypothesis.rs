@@ -8,7 +8,7 @@ use crate::parameters::{Parameters, vehicle_catalogue};
 pub(crate) const UNKNOWNS: usize = 6;
 
 /// Unknowns of a front that has a factor only.
-const OF_ONE_FACTOR: usize = 4;
+pub(crate) const OF_ONE_FACTOR: usize = 4;
 
 /// Velocities that are considered \[m/s\].
 const VELOCITY_RANGE: [f64; 2] = [0.2, 45.0];
@@ -124,7 +124,7 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
     let before = CRUSH_BEFORE_PLATEAU;
     all.push(crushed("plateau", Front::Plateau, 1.0, &[before]));
     let both = [before, FRONT_SHARE];
-    all.push(crushed("two_masses", Front::TwoMasses, 1.0, &both));
+    all.push(crushed("two_masses", Front::TwoMasses, 0.3, &both));
     let name = &parameters.settings().vehicle.name;
     for entry in vehicle_catalogue() {
         let is_configured = entry.name == *name;

@@ -12,8 +12,9 @@ use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
     Contradictions, contradictions, explains_all, largest,
 };
+use crate::estimation::inference::drawn::Drawn;
 use crate::estimation::inference::event_evidence::EventEvidence;
-use crate::estimation::inference::hypothesis::{Hypothesis, UNKNOWNS};
+use crate::estimation::inference::hypothesis::{Front, Hypothesis, OF_ONE_FACTOR, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
 use crate::estimation::inference::member::{Member, log_sum};
 use crate::estimation::inference::prediction::{Prediction, TimeGrid};
@@ -45,6 +46,19 @@ pub(crate) const EXPLORATION: f64 = 0.1;
 /// Share of a hypothesis, after that power, below which it gets no new members.
 const LEAST_SHARE: f64 = 0.02;
 
+/// Share of the new members that a hypothesis gets at least whose front has more unknowns than a factor: its prepared members are few for
+/// so many unknowns, and those that explain the data have to be found.
+const OPEN_SHARE: f64 = 0.15;
+
+/// The same of vehicles with a hard front mass where the data look like a rigid hit: at first it is one by this mass.
+const SHARE_BESIDE_RIGID: f64 = 0.3;
+
+/// Share of these that begin as the rigid hit that the data have found.
+const FROM_RIGID: f64 = 0.5;
+
+/// Standard deviation of the logarithms of mass and speed about such a rigid hit.
+const ABOUT_RIGID: f64 = 0.15;
+
 /// Logarithm of the ratio of weights or likelihoods beyond which a member is negligible: thousands of them change nothing that can be
 /// seen.
 const NEGLIGIBLE: f64 = 30.0;
@@ -54,20 +68,6 @@ const PREFILTERED_BLOCKS: usize = 4;
 
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
-
-/// A normal distribution from which members of one hypothesis were drawn.
-#[derive(Debug, Clone)]
-struct Drawn {
-    hypothesis: usize,
-    count: f64,
-    /// Unknowns of the hypothesis, from the first on.
-    unknowns: usize,
-    mean: [f64; UNKNOWNS],
-    /// Lower triangular factor of the covariance.
-    factor: [[f64; UNKNOWNS]; UNKNOWNS],
-    /// Logarithms of the diagonal of the factor.
-    log_diagonal: [f64; UNKNOWNS],
-}
 
 /// New members that are to be computed, one after another.
 #[derive(Debug, Clone)]
@@ -263,14 +263,33 @@ impl Population {
                     .map(|(_, w)| w)
                     .sum()
             })
-            .map(|share: f64| libm::pow(share, exploration))
+            .collect();
+        let rigid = self.hypotheses.iter().zip(&shares);
+        let rigid = rigid.filter(|(it, _)| it.front == Front::Rigid);
+        let looks_rigid = rigid.map(|(_, share)| share).sum::<f64>() > 0.5;
+        let shares: Vec<f64> = shares
+            .iter()
+            .map(|&share| libm::pow(share, exploration))
             .collect();
         let total: f64 = shares.iter().sum();
         for (hypothesis, share) in shares.iter().enumerate() {
-            let share = share / total;
+            let Hypothesis {
+                unknowns, front, ..
+            } = &self.hypotheses[hypothesis];
+            let least = match (unknowns > &OF_ONE_FACTOR, front) {
+                (true, Front::TwoMasses) if looks_rigid => SHARE_BESIDE_RIGID,
+                (true, _) => OPEN_SHARE,
+                (false, _) => 0.0,
+            };
+            let share = (share / total).max(least);
             let wanted = (share * count as f64).round() as usize;
             if share < LEAST_SHARE || wanted == 0 {
                 continue;
+            }
+            if self.hypotheses[hypothesis].front == Front::TwoMasses
+                && let Some(from_rigid) = self.from_rigid(hypothesis, &weights, wanted)
+            {
+                round.draw(from_rigid, &mut self.random);
             }
             let kernels = wanted.min(KERNELS);
             let fitted = self.fitted(hypothesis, &weights, wanted.div_ceil(2));
@@ -280,6 +299,32 @@ impl Population {
             round.draw(fitted, &mut self.random);
         }
         round
+    }
+
+    /// Vehicles whose hard front mass does what the most likely rigid vehicle does, with anything behind it.
+    fn from_rigid(&self, hypothesis: usize, weights: &[f64], wanted: usize) -> Option<Drawn> {
+        let count = (FROM_RIGID * wanted as f64).round() as usize;
+        let rigid = self.members.iter().zip(weights);
+        let rigid = rigid.filter(|(it, _)| self.hypotheses[it.hypothesis].front == Front::Rigid);
+        let (likeliest, _) =
+            rigid.max_by(|a, b| a.0.log_posterior().total_cmp(&b.0.log_posterior()))?;
+        let Hypothesis {
+            mut mean,
+            deviation,
+            unknowns,
+            ..
+        } = self.hypotheses[hypothesis];
+        let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+        for (k, row) in factor.iter_mut().enumerate() {
+            row[k] = deviation[k];
+        }
+        // The share of the front times the mass is the mass of the rigid vehicle.
+        const SHARE: usize = UNKNOWNS - 1;
+        mean[1] = likeliest.unknowns[1];
+        mean[SHARE] = likeliest.unknowns[0] - mean[0];
+        (factor[1][1], factor[SHARE][SHARE]) = (ABOUT_RIGID, ABOUT_RIGID);
+        factor[SHARE][0] = -factor[0][0];
+        (count > 0).then(|| Drawn::new((hypothesis, unknowns), count, mean, factor))
     }
 
     /// Computes the next candidate of a round that is not complete.
@@ -369,9 +414,10 @@ impl Population {
 
     /// The weights of the members, which add up to 1.
     pub fn weights(&self) -> Vec<f64> {
+        // Where no response explains the data, the one that explains them least badly is not the truth.
         let log_weight = |member: &Member| {
-            // Where no response explains the data, the one that explains them least badly is not the truth.
-            member.log_weight() - (1.0 - 1.0 / self.temperature) * member.log_likelihood
+            let before = member.log_prior + member.log_events - member.log_drawn;
+            before + member.log_likelihood / self.temperature
         };
         let logs: Vec<f64> = self.members.iter().map(log_weight).collect();
         let largest = largest(logs.iter().copied());
@@ -585,45 +631,6 @@ impl Population {
             )
         };
         self.weighing.take().unwrap_or_else(made)
-    }
-}
-
-impl Drawn {
-    fn new(
-        (hypothesis, unknowns): (usize, usize),
-        count: usize,
-        mean: [f64; UNKNOWNS],
-        factor: [[f64; UNKNOWNS]; UNKNOWNS],
-    ) -> Self {
-        Self {
-            hypothesis,
-            count: count as f64,
-            unknowns,
-            mean,
-            factor,
-            log_diagonal: std::array::from_fn(|k| libm::log(factor[k][k])),
-        }
-    }
-
-    fn sample(&self, random: &mut Random) -> [f64; UNKNOWNS] {
-        let mut z = [0.0; UNKNOWNS];
-        z[..self.unknowns].fill_with(|| random.normal());
-        std::array::from_fn(|i| {
-            let row = &self.factor[i];
-            self.mean[i] + (0..=i).map(|k| row[k] * z[k]).sum::<f64>()
-        })
-    }
-
-    /// Logarithm of the density, without the constant that all have.
-    fn log_density(&self, unknowns: &[f64; UNKNOWNS]) -> f64 {
-        let mut z = [0.0; UNKNOWNS];
-        let mut log = 0.0;
-        for i in 0..self.unknowns {
-            let known: f64 = (0..i).map(|k| self.factor[i][k] * z[k]).sum();
-            z[i] = (unknowns[i] - self.mean[i] - known) / self.factor[i][i];
-            log -= 0.5 * z[i] * z[i] + self.log_diagonal[i];
-        }
-        log
     }
 }
 
