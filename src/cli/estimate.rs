@@ -218,6 +218,7 @@ fn fields(impact: Option<&RecordedImpact>) -> Json {
     let last = impact.estimates.last().map(estimate_fields);
     let mut all = last.unwrap_or_default();
     all.insert("detected".into(), true.into());
+    all.insert("further_impact_s".into(), impact.further.into());
     all.insert(
         "history".into(),
         impact.estimates.iter().map(estimate_fields).collect(),
@@ -276,6 +277,13 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
         "Impact at {:.4} s, confirmed {milliseconds:.0} ms later by {sensor}\n",
         detection.contact.time,
     );
+    if let Some(further) = impact.further {
+        let _ = writeln!(
+            text,
+            "The column was struck once more at {further:.3} s. The estimate rests on the readings before that; the second impact \
+             is not estimated.\n"
+        );
+    }
     let rows = [
         ("Mass", last.mass, 1.0, "kg"),
         ("Speed", last.velocity, 1.0, "m/s"),

@@ -24,12 +24,12 @@ pub use detection::sensing::{Sensing, Work};
 pub use inference::comparison::{ComparedMean, SensorComparison};
 pub use inference::estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use inference::estimate_record::EstimateRecord;
-pub use inference::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+pub use inference::estimator::{Estimator, EstimatorError, UNKNOWN_VEHICLE, UPDATE_INSTANTS};
 pub use inference::event_evidence::{EventEvidence, MAX_EVENTS};
 pub use inference::hypothesis::{Front, Hypothesis, hypotheses};
 pub use inference::library::Library;
 pub use inference::recomputation::{NotRecomputed, Recomputation, SharedPreparations};
-pub use inference::recorded::{RecordedImpact, estimate_recorded};
+pub use inference::recorded::{RecordedImpact, estimate_prepared, estimate_recorded};
 pub use intake::batch::Batch;
 pub use intake::collector::{BATCH_DURATION, Collected, Collector};
 pub use intake::measurement_intake::{

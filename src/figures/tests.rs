@@ -424,6 +424,7 @@ mod estimates {
             means: means.to_vec(),
         };
         RecordedImpact {
+            further: None,
             detection: Detection {
                 contact: Onset {
                     time: 10.0,

@@ -1,9 +1,12 @@
 //! What the sensors of a simulated impact read, and tables of readings.
 
 use column_twin::column::{BarForces, ColumnProperties, Impact, Model, Response, State, simulate};
-use column_twin::estimation::{Probe, Readings, simulate_sensors};
+use column_twin::estimation::{Probe, Readings, predicted_means, simulate_sensors};
 use column_twin::parameters::Parameters;
 use column_twin::sensors::{Quantity, Sensor};
+use column_twin::standing::StandingColumn;
+
+use super::signals::with_sensors;
 
 fn sensor(name: &str, quantity: Quantity, height: f64) -> Sensor {
     Sensor {
@@ -158,6 +161,45 @@ fn a_displacement_at_the_impact_point_and_the_integrated_acceleration_are_those_
             .take(900)
             .all(|(time, row)| time < 0.0 && row == [0.0; 3])
     );
+}
+
+/// They used to stay where the response ended, in the middle of a vibration.
+#[test]
+fn readings_after_the_end_of_a_response_are_those_of_the_column_at_rest() {
+    let parameters = Parameters::default();
+    let properties = parameters.column_properties();
+    let below = properties.length_below;
+    let sensors = [
+        sensor("v", Quantity::Displacement, below),
+        sensor("e", Quantity::BendingStrain, 0.1),
+        sensor("a", Quantity::Acceleration, below),
+    ];
+    for (impact, is_elastic) in [
+        (Impact::rigid(300.0, 1.0), true),
+        (Impact::rigid(1500.0, 5.0), false),
+    ] {
+        let report = simulate(&properties, &impact, 1.0, &mut |_| {}).expect("a response");
+        let residual = report.residual_v1.expect("it stands");
+        assert_eq!(residual.abs() < 1e-9, is_elastic, "{residual}");
+        let readings = simulate_sensors(&properties, &impact, 1.0, &sensors, 1).expect("readings");
+        let rows: Vec<_> = readings.rows().collect();
+        let [displacement, strain, acceleration] = rows[rows.len() - 1].1 else {
+            panic!("three readings");
+        };
+        let tolerance = 1e-6 * report.max_v1;
+        assert!(
+            (displacement - residual).abs() < tolerance,
+            "{displacement} {residual}"
+        );
+        assert!(acceleration.abs() < 1e-3, "{acceleration}");
+        assert!(!is_elastic || strain.abs() < 1e-9, "{strain}");
+        // What the estimator predicts is the same.
+        let column = StandingColumn::undamaged(&parameters);
+        let with_sensors = with_sensors(&parameters, &sensors);
+        let means = predicted_means(&column, &with_sensors, &impact).expect("a response");
+        let last = means[0][means[0].len() - 1];
+        assert!((last - residual).abs() < tolerance, "{last} {residual}");
+    }
 }
 
 #[test]

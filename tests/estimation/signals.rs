@@ -15,7 +15,7 @@ use serde_json::Value as Json;
 const GRAVITY: f64 = 9.806_65;
 
 /// Time between two samples \[s\].
-const PERIOD: f64 = 1e-4;
+pub const PERIOD: f64 = 1e-4;
 
 /// A signal with its truth.
 pub struct Signal {

@@ -9,6 +9,7 @@
 // - damage.rs: What an impact leaves in the column: as little as possible, so that a fleet can keep it
 // - element.rs: The deformations of an element between two nodes, which turn and move by any amount
 // - energy.rs: The energy of a beam
+// - history.rs: What instruments on the beam read during an impact and after it: signals whose truth another model knows
 // - mesh.rs: Where the nodes are: close together where the column yields, further apart between
 // - newton.rs: Newton's method with a line search for a step in time or an increment of equilibrium
 // - opinion.rs: The second opinion: an impact on a column, computed as a beam
@@ -32,6 +33,7 @@ mod contact;
 mod damage;
 mod element;
 mod energy;
+mod history;
 mod mesh;
 mod newton;
 mod opinion;
@@ -46,5 +48,6 @@ mod web;
 
 pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
 pub use damage::{Damage, DamageError};
+pub use history::{History, Instrument, history};
 pub use opinion::{BeamModel, BeamOutcome, Hit, Outcome, is_in_plane};
 pub use section::{Shape, Steel};

@@ -326,24 +326,8 @@ impl BeamModel {
         if !settle(&beam, &mut state, &mut solver) || solver.negative_pivots > 0 {
             return Err(Stopped::Unstable);
         }
-        let at = |x: f64| nearest(&heights, x);
-        let node = at(column.length_below);
-        let half = 0.5 * column.bumper_height;
-        let (low, high) = (
-            at(column.length_below - half),
-            at(column.length_below + half),
-        );
-        // Each node behind the bumper has the share of its part of the height.
-        let touches: Vec<(usize, f64)> = (low..=high)
-            .map(|k| {
-                if low == high {
-                    return (k, 1.0);
-                }
-                let (before, after) = (k.max(low + 1) - 1, k.min(high - 1) + 1);
-                let part = 0.5 * (heights[after] - heights[before]);
-                (k, part / column.bumper_height)
-            })
-            .collect();
+        let node = nearest(&heights, column.length_below);
+        let touches = touches(column, &heights);
         let rest = state.moved[node];
         let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
         if !run.follow(secs, &rest) {
@@ -440,8 +424,24 @@ impl BeamModel {
     }
 }
 
+/// The nodes behind the bumper, each with the share of its part of the height.
+pub(crate) fn touches(column: &BeamColumn, heights: &[f64]) -> Vec<(usize, f64)> {
+    let half = 0.5 * column.bumper_height;
+    let low = nearest(heights, column.length_below - half);
+    let high = nearest(heights, column.length_below + half);
+    let share = |k: usize| {
+        if low == high {
+            return (k, 1.0);
+        }
+        let (before, after) = (k.max(low + 1) - 1, k.min(high - 1) + 1);
+        let part = 0.5 * (heights[after] - heights[before]);
+        (k, part / column.bumper_height)
+    };
+    (low..=high).map(share).collect()
+}
+
 /// The node nearest to a height.
-fn nearest(heights: &[f64], x: f64) -> usize {
+pub(crate) fn nearest(heights: &[f64], x: f64) -> usize {
     let distance = |height: &f64| (height - x).abs();
     let nearest = heights
         .iter()

@@ -106,7 +106,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
     }
 
     /// One step, in halves where it does not converge; whether it succeeded.
-    fn advance(&mut self, secs: f64, depth: u32) -> bool {
+    pub fn advance(&mut self, secs: f64, depth: u32) -> bool {
         let kind = Kind::Motion { secs };
         // The last movement continues. The velocity at its end would lead further away where the column rings faster than the
         // steps can follow.
@@ -171,9 +171,22 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         [c * y + s * z, c * z - s * y]
     }
 
+    /// Whether the column has collapsed, after a step that was solved or not, with its impact point displaced by so much along
+    /// and at right angles to the direction \[m\].
+    pub fn has_collapsed(&self, solved: bool, [along, across]: [f64; 2]) -> bool {
+        let last = self.beam.places.len() - 1;
+        let length = self.beam.places[last][0];
+        match solved {
+            true => {
+                let descent = -self.state.moved[last][0];
+                along.max(across.abs()) > COLLAPSED * length || descent > DESCENDED * length
+            }
+            false => along.abs().max(across.abs()) > CONFIRMED * length,
+        }
+    }
+
     /// Follows the impact until the column comes back.
     pub fn follow(&mut self, secs: f64, rest: &[f64; 3]) -> bool {
-        let length = self.beam.places[self.beam.places.len() - 1][0];
         let before = self.energy();
         let (mut along_now, mut sideways_now) = (0.0_f64, 0.0_f64);
         while self.course.steps < MAX_STEPS {
@@ -181,9 +194,8 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             let solved = self.advance(secs, 0);
             let [along, across] = self.displacement(rest);
             if !solved {
-                let far = along.abs().max(across.abs()) / length;
-                self.course.collapsed = far > CONFIRMED;
-                self.course.stuck = far <= CONFIRMED;
+                self.course.collapsed = self.has_collapsed(false, [along, across]);
+                self.course.stuck = !self.course.collapsed;
                 break;
             }
             if along > self.course.largest[0] {
@@ -196,11 +208,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             let along_before = std::mem::replace(&mut along_now, along);
             let falls = across.abs() < sideways_now;
             sideways_now = across.abs();
-            let top = self.state.moved[self.beam.places.len() - 1][0];
-            if along > COLLAPSED * length
-                || across.abs() > COLLAPSED * length
-                || -top > DESCENDED * length
-            {
+            if self.has_collapsed(true, [along, across]) {
                 self.course.collapsed = true;
                 break;
             }

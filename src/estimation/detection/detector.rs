@@ -59,7 +59,7 @@ const RELEARNING: f64 = 2.0;
 const COMMON_IMPACT: f64 = 60e-3;
 
 /// Sensors with fewer samples per second are not waited for \[Hz\].
-const WITNESS_RATE: f64 = 200.0;
+pub(crate) const WITNESS_RATE: f64 = 200.0;
 
 /// A sensor without a sample for so long, by the times of the others, is not waited for \[s\].
 const ABSENCE: f64 = 0.5;

@@ -20,11 +20,26 @@ const ELASTIC_LIMIT: f64 = 0.9;
 /// Strain, relative to the yield strain, beyond which hinges nearby have probably yielded.
 const NEAR_YIELD: f64 = 0.5;
 
+/// Share of its largest reading by which a level has to come back before its motion is a vibration, and the same in standard
+/// deviations of the noise.
+const TURNED: f64 = 0.03;
+const TURNED_NOISE: f64 = 4.0;
+
 /// Samples of a block that have to be the same, bit for bit, if a sensor with noise is stuck.
 const STUCK_SAMPLES: u32 = 10;
 
 /// Share of its range at which a sensor is at the end of it: the range as a number of 32 bits may be smaller by round-off.
-const CLIPPED: f64 = 1.0 - 1e-6;
+pub(crate) const CLIPPED: f64 = 1.0 - 1e-6;
+
+/// Means over this time tell the peak of a displacement \[s\].
+const PEAK_CELL: f64 = 0.5e-3;
+
+/// Standard deviation of a measured peak, relative to it, beside noise and gain \[A\].
+const PEAK_DEVIATION: f64 = 0.02;
+
+/// A gauge is lost by its mean over this time \[s\]: the waves of the first milliseconds take it beyond the limit for shorter ones
+/// while the column remains elastic. Blocks consist of whole ones.
+const GAUGE_CELL: f64 = 1e-3;
 
 /// A span of time after contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +59,18 @@ pub(crate) struct BlockMean {
     pub variance: f64,
     /// Largest magnitude of such means so far; of an acceleration that of the samples.
     pub largest: f64,
+    /// Half of the range of such means over the last period of the column, once the level has come back from its first peak:
+    /// what then moves is a vibration, of whose phase the model knows nothing.
+    pub swing: f64,
     /// Whether hinges have probably yielded.
     pub yielded: bool,
+}
+
+impl Cell {
+    /// The mean of what is a sum.
+    fn mean(&self) -> f64 {
+        self.value / f64::from(self.count.max(1))
+    }
 }
 
 /// The readings of all sensors, by block.
@@ -53,6 +78,8 @@ pub(crate) struct BlockMean {
 pub(crate) struct Blocks {
     contact: f64,
     yield_strain: f64,
+    /// Of the column \[s\].
+    period: f64,
     layout: Vec<Block>,
     /// For each sensor its declared noise, its zero, the variance of that, and the sums.
     channels: Vec<Channel>,
@@ -73,15 +100,36 @@ struct Channel {
     only: Vec<Option<f64>>,
     /// Block from which on the gauge no longer reads the elastic bar.
     lost_from: usize,
+    /// Gain error of the sensor.
+    gain_error: f64,
+    /// Means over [`PEAK_CELL`] that were larger than all before them, with their numbers of samples and their times after contact
+    /// \[s\].
+    highest: Vec<Cell>,
+    /// The current one, as a sum.
+    cell: Cell,
+    /// The same of a gauge, over [`GAUGE_CELL`].
+    gauge: Cell,
+    /// Number of this cell after contact.
+    gauge_time: f64,
+}
+
+/// A mean over a short time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Cell {
+    number: usize,
+    count: u32,
+    /// Mean, or sum of what will be one.
+    value: f64,
 }
 
 impl Blocks {
-    /// For a contact at `contact` \[s\], on a column that yields at `yield_strain`, until `horizon` after it \[s\]. `zeros` are
-    /// the readings at rest with their standard deviations, sensor by sensor.
+    /// For a contact at `contact` \[s\], on a column that yields at `yield_strain` and vibrates with this period \[s\], until
+    /// `horizon` after it \[s\]. `zeros` are the readings at rest with their standard deviations, sensor by sensor.
     pub fn new(
         contact: f64,
         horizon: f64,
         yield_strain: f64,
+        period: f64,
         sensors: &[Sensor],
         zeros: &[(f64, f64)],
     ) -> Self {
@@ -107,11 +155,17 @@ impl Blocks {
                 range: sensor.range,
                 only: vec![None; layout.len()],
                 lost_from: usize::MAX,
+                gain_error: sensor.gain_error,
+                highest: Vec::new(),
+                cell: Cell::default(),
+                gauge: Cell::default(),
+                gauge_time: f64::NEG_INFINITY,
             })
             .collect();
         Self {
             contact,
             yield_strain,
+            period,
             layout,
             channels,
         }
@@ -141,15 +195,29 @@ impl Blocks {
         channel.sums[index] += reading;
         channel.counts[index] += 1;
         channel.peaks[index] = channel.peaks[index].max(reading.abs());
+        channel.follow_peak(time, reading);
         let only = &mut channel.only[index];
         *only = if channel.counts[index] == 1 {
             Some(value)
         } else {
             only.filter(|only| *only == value)
         };
-        if channel.quantity.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
-            channel.lost_from = channel.lost_from.min(index);
+        if channel.quantity.is_strain() {
+            channel.follow_gauge(time, index, reading, ELASTIC_LIMIT * self.yield_strain);
         }
+    }
+
+    /// The largest displacement that a sensor has read by `until` \[s\], in the direction of the vehicle, and its standard
+    /// deviation. Means over half a millisecond tell it within some hundredths.
+    pub fn highest(&self, sensor: usize, until: f64) -> Option<[f64; 2]> {
+        let channel = &self.channels[sensor];
+        let until = until - self.contact + 5e-10;
+        let known = |cell: &&Cell| (cell.number + 1) as f64 * PEAK_CELL <= until;
+        let highest = channel.highest.iter().rev().find(known)?;
+        let noise = channel.noise * channel.noise / f64::from(highest.count);
+        let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * highest.value;
+        let variance = noise + channel.zero_variance + relative * relative;
+        Some([highest.value, variance.sqrt()])
     }
 
     /// How many blocks are complete with data until `until` \[s\].
@@ -163,7 +231,7 @@ impl Blocks {
     /// What a sensor has read over a block; `None` where it has no samples, is stuck, or no longer reads the elastic bar.
     pub fn mean(&self, sensor: usize, index: usize) -> Option<BlockMean> {
         let channel = &self.channels[sensor];
-        if index >= channel.lost_from {
+        if self.is_lost(channel, index) {
             return None;
         }
         let mean = channel.mean(index)?;
@@ -173,7 +241,7 @@ impl Blocks {
         let count = f64::from(channel.counts[index]);
         let yielded = self.channels.iter().any(|other| {
             other.quantity.is_strain()
-                && (other.lost_from <= index
+                && (self.is_lost(other, index)
                     || (0..=index)
                         .filter_map(|index| other.mean(index))
                         .any(|mean| mean.abs() > NEAR_YIELD * self.yield_strain))
@@ -182,12 +250,97 @@ impl Blocks {
             mean,
             variance: channel.noise * channel.noise / count + channel.zero_variance,
             largest,
+            swing: self.swing(channel, index),
             yielded: yielded && channel.quantity.is_strain(),
         })
+    }
+
+    /// Whether a gauge no longer reads the elastic bar in a complete block.
+    fn is_lost(&self, channel: &Channel, index: usize) -> bool {
+        let limit = ELASTIC_LIMIT * self.yield_strain;
+        index >= channel.lost_from
+            // The last cell of the last block is complete without a sample that follows it.
+            || channel.quantity.is_strain()
+                && channel.gauge.number <= index
+                && channel.gauge.mean().abs() > limit
+    }
+
+    /// See [`BlockMean::swing`].
+    fn swing(&self, channel: &Channel, index: usize) -> f64 {
+        if matches!(
+            channel.quantity,
+            Quantity::Acceleration | Quantity::ContactForce
+        ) {
+            return 0.0;
+        }
+        let end = self.layout[index].start + self.layout[index].length;
+        let (mut largest, mut peak_at, mut has_turned) = (0.0_f64, 0, false);
+        for (at, mean) in (0..=index).filter_map(|at| Some((at, channel.mean(at)?))) {
+            if mean.abs() > largest {
+                (largest, peak_at) = (mean.abs(), at);
+            }
+            let noise = channel.noise / f64::from(channel.counts[at]).sqrt();
+            has_turned |= largest - mean.abs() > (TURNED * largest).max(TURNED_NOISE * noise);
+        }
+        if !has_turned {
+            return 0.0;
+        }
+        let recent = (0..=index).filter(|&at| {
+            let block = self.layout[at];
+            block.start + block.length > end - self.period && at >= peak_at
+        });
+        let [low, high] = recent
+            .filter_map(|at| channel.mean(at))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], mean| {
+                [low.min(mean), high.max(mean)]
+            });
+        0.5 * (high - low).max(0.0)
     }
 }
 
 impl Channel {
+    /// Takes a reading of a strain gauge, relative to its zero, at a time after contact \[s\] in a block. The number of its cell is
+    /// that of the block.
+    fn follow_gauge(&mut self, time: f64, index: usize, reading: f64, limit: f64) {
+        let cell = (time / GAUGE_CELL).floor();
+        if cell != self.gauge_time {
+            if self.gauge.mean().abs() > limit {
+                self.lost_from = self.lost_from.min(self.gauge.number);
+            }
+            self.gauge_time = cell;
+            self.gauge = Cell {
+                number: index,
+                ..Cell::default()
+            };
+        }
+        self.gauge.count += 1;
+        self.gauge.value += reading;
+    }
+
+    /// Takes a reading of a displacement, relative to its zero, at a time after contact \[s\].
+    fn follow_peak(&mut self, time: f64, reading: f64) {
+        if self.quantity != Quantity::Displacement || time < 0.0 {
+            return;
+        }
+        let number = (time / PEAK_CELL) as usize;
+        if number != self.cell.number {
+            let mean = self.cell.mean();
+            let highest = self.highest.last().map_or(0.0, |cell| cell.value);
+            if mean > highest {
+                self.highest.push(Cell {
+                    value: mean,
+                    ..self.cell
+                });
+            }
+            self.cell = Cell {
+                number,
+                ..Cell::default()
+            };
+        }
+        self.cell.count += 1;
+        self.cell.value += reading;
+    }
+
     /// The largest reading of a block. Of an acceleration it is a sample: the waves that the model does not have change its sign
     /// within a block, so that its mean shows neither their size nor what a clipped sample has lost.
     fn largest(&self, index: usize) -> f64 {
@@ -209,5 +362,85 @@ impl Channel {
         self.noise > 0.0
             && self.counts[index] >= STUCK_SAMPLES
             && self.only[index].is_some_and(|value| !is_clipped(value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const YIELD_STRAIN: f64 = 1.7e-3;
+    const PERIOD: f64 = 10e-3;
+    const STEP: f64 = 1e-4;
+
+    fn blocks(quantity: Quantity) -> Blocks {
+        let sensor = Sensor {
+            name: "s".to_owned(),
+            quantity,
+            height: 1.0,
+            range: 0.0,
+            noise: 1e-6,
+            bias: 0.0,
+            gain_error: 0.0,
+            rate: 1.0 / STEP,
+            bandwidth: 0.5 / STEP,
+            reversed: false,
+            fibre: 0.1,
+        };
+        Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &[sensor], &[(0.0, 0.0)])
+    }
+
+    fn fill(blocks: &mut Blocks, until: f64, reading: impl Fn(f64) -> f64) {
+        let samples = (until / STEP).round() as u32;
+        for sample in 0..samples {
+            let time = (f64::from(sample) + 0.5) * STEP;
+            blocks.push(0, time, reading(time));
+        }
+    }
+
+    /// What swings after the first peak was compared as if the model knew its phase.
+    #[test]
+    fn a_vibration_after_the_first_peak_is_known_by_its_size_only() {
+        let mut blocks = blocks(Quantity::Displacement);
+        let turn = |time: f64| std::f64::consts::TAU * time / PERIOD;
+        // It rises to 10 mm and swings about 8 mm by 2 mm.
+        fill(&mut blocks, 0.05, |time| match time < 0.01 {
+            true => 1.0 * time,
+            false => 8e-3 + 2e-3 * turn(time).cos(),
+        });
+        let swing_at = |time: f64| {
+            let index = blocks.complete(time) - 1;
+            blocks.mean(0, index).expect("a mean").swing
+        };
+        assert_eq!(swing_at(0.009), 0.0);
+        let swing = swing_at(0.022);
+        assert!((swing - 2e-3).abs() < 0.5e-3, "{swing}");
+    }
+
+    /// One sample above the limit was enough, as a flexural wave gives.
+    #[test]
+    fn a_gauge_is_lost_by_the_mean_of_a_millisecond_and_not_by_one_wave() {
+        let limit = ELASTIC_LIMIT * YIELD_STRAIN;
+        let mut elastic = blocks(Quantity::BendingStrain);
+        fill(&mut elastic, 0.02, |time| {
+            let is_wave = (2e-3..2.3e-3).contains(&time);
+            if is_wave { 1.5 * limit } else { 0.3 * limit }
+        });
+        assert!(
+            (0..elastic.complete(0.02))
+                .skip(2)
+                .all(|k| elastic.mean(0, k).is_some())
+        );
+        let mut yielded = blocks(Quantity::BendingStrain);
+        fill(&mut yielded, 0.02, |time| {
+            if time < 5e-3 {
+                0.5 * limit
+            } else {
+                1.1 * limit
+            }
+        });
+        let index = yielded.complete(6e-3) - 1;
+        assert!(yielded.mean(0, index - 1).is_some());
+        assert!((index..yielded.complete(0.02)).all(|k| yielded.mean(0, k).is_none()));
     }
 }

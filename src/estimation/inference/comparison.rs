@@ -61,7 +61,7 @@ impl Compared<'_> {
             .filter_map(|(block, means)| {
                 let mean = means[sensor]?;
                 let time = block.start + 0.5 * block.length;
-                let shape = error.deviation(time, mean.largest, mean.yielded);
+                let shape = error.deviation(time, &mean);
                 let [predicted, variance] = self.predicted(sensor, *block, error);
                 let deviation = (variance + shape * shape + mean.variance).sqrt();
                 Some(ComparedMean {

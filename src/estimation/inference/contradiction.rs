@@ -36,14 +36,31 @@ pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
         })
 }
 
+/// The same from which on a sensor is left out: a wrong model of the vehicle or of the column explains a smaller misfit.
+const EXCLUSION: f64 = 25.0;
+
+/// What a closer look at the readings has found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Contradictions {
+    /// Sensors that contradict the others, and those of them that do not count any more.
+    pub doubtful: Vec<bool>,
+    pub ignored: Vec<bool>,
+    /// Mean square of the errors of the sensor that is explained worst by the response that explains all of them best, in terms
+    /// of the variances of noise and model; at least 1. Beyond [`CONTRADICTION`] no response explains the sensors that count.
+    pub misfit: f64,
+}
+
 /// The sensors whose readings no response explains that the other sensors consider plausible, and those of them that
 /// do not count any more. The sensor without which the others are explained best is the one in doubt; where that holds for two
 /// alike, both are, and both count.
+///
+/// Where more sensors would have to be left out than a minority, or those that are left still contradict each other, the
+/// sensors are not at fault but the responses: what has struck is none of the hypotheses. All sensors count then.
 pub(crate) fn contradictions(
     members: &[Member],
     observed: &[Observed],
     sensors: &[Sensor],
-) -> [Vec<bool>; 2] {
+) -> Contradictions {
     let count = sensors.len();
     let blocks: Vec<usize> = (0..count)
         .map(|sensor| {
@@ -65,6 +82,8 @@ pub(crate) fn contradictions(
         })
         .collect();
     let mut found = [vec![false; count], vec![false; count]];
+    let all = active.clone();
+    let most = (active.len().saturating_sub(1) / 2).max(1);
     while active.len() >= 2 {
         let excluded: Vec<(usize, f64)> = active
             .iter()
@@ -84,7 +103,7 @@ pub(crate) fn contradictions(
                     .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
                     .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
                     .fold(f64::INFINITY, f64::min);
-                (misfit > CONTRADICTION).then_some((sensor, best))
+                (misfit > EXCLUSION).then_some((sensor, best))
             })
             .collect();
         let best = largest(excluded.iter().map(|(_, best)| *best));
@@ -102,7 +121,43 @@ pub(crate) fn contradictions(
         found[1][*culprit] = true;
         active.retain(|sensor| sensor != culprit);
     }
-    found
+    let misfit = |active: &[usize]| misfit(members, &fits, &blocks, active);
+    let left_out = all.len() - active.len();
+    let mut worst = misfit(&active);
+    if left_out > most || (left_out > 0 && worst > CONTRADICTION && all.len() > 2) {
+        found = [vec![false; count], vec![false; count]];
+        worst = misfit(&all);
+    }
+    let [doubtful, ignored] = found;
+    Contradictions {
+        doubtful,
+        ignored,
+        misfit: match worst > CONTRADICTION {
+            true => worst,
+            false => 1.0,
+        },
+    }
+}
+
+/// Mean square of the errors of the sensor that is explained worst, among these, by the plausible response that explains it best.
+fn misfit(members: &[Member], fits: &[Vec<Fit>], blocks: &[usize], active: &[usize]) -> f64 {
+    let likelihoods = members.iter().zip(fits).map(|(member, fits)| {
+        let each = active.iter().map(|&sensor| fits[sensor].log_likelihood);
+        member.log_prior + member.log_events + each.sum::<f64>()
+    });
+    let likelihoods: Vec<f64> = likelihoods.collect();
+    let best = largest(likelihoods.iter().copied());
+    let plausible = likelihoods.iter().zip(fits);
+    let worst = plausible
+        .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
+        .map(|(_, fits)| {
+            let each = active
+                .iter()
+                .map(|&sensor| fits[sensor].squares / blocks[sensor] as f64);
+            largest(each)
+        })
+        .fold(f64::INFINITY, f64::min);
+    if worst.is_finite() { worst } else { 1.0 }
 }
 
 /// The largest; minus infinity without any.

@@ -62,6 +62,15 @@ impl CredibleInterval {
         }
     }
 
+    /// With its mean and its ends as this increasing function gives them.
+    pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self {
+            mean: of(self.mean),
+            low: of(self.low),
+            high: of(self.high),
+        }
+    }
+
     /// Of weighted values that are themselves uncertain, of which so many are effective; NaN without any. Values that are not
     /// finite do not count.
     ///

@@ -2,11 +2,13 @@
 
 use crate::assessment::{Action, AssessmentInput, ResidualCapacity, assess, imperfection};
 use crate::column::{
-    Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
+    Capacity, CapacityEnd, ColumnProperties, Impact, Model, ModelError, PerBar, State, Support,
+    capacity,
 };
+use crate::estimation::detection::detector::WITNESS_RATE;
 use crate::estimation::inference::blocks::Blocks;
 use crate::estimation::inference::comparison::SensorComparison;
-use crate::estimation::inference::estimate::{CredibleInterval, ImpactEstimate, Spread};
+use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::{Front, Hypothesis};
 use crate::estimation::inference::member::Member;
@@ -25,17 +27,12 @@ pub const UPDATE_INSTANTS: [f64; 13] = [
 /// Prepared responses of a hypothesis whose front has a free stiffness, or whose mass is free.
 const WIDE_BANK: usize = 300;
 
+/// The same where the mass is free and the front is crushed, of which the hypotheses of the catalogue cover the middle, and of an
+/// elastic front that is known about.
+const MIDDLE_BANK: usize = 200;
+
 /// Prepared responses of a vehicle of the catalogue.
-const NARROW_BANK: usize = 120;
-
-/// Error of a peak that the model keeps when its scale is known, relative to the peak \[A\].
-const PEAK_ERROR: f64 = 0.03;
-
-/// The same of a residual displacement, also relative to the peak \[A\].
-const RESIDUAL_ERROR: f64 = 0.04;
-
-/// The same of mass, speed and momentum, relative to them \[A\].
-const IMPACT_ERROR: f64 = 0.03;
+const NARROW_BANK: usize = 90;
 
 /// Effective number of responses that suffice.
 const ENOUGH_RESPONSES: f64 = 60.0;
@@ -56,12 +53,37 @@ const BEST_YIELD_SCATTER: f64 = 0.015;
 /// Weight below which a response does not count: two thousand of them change nothing that can be seen.
 const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
 
+/// Name of what has struck where no hypothesis explains the readings of sensors that do not contradict each other.
+pub const UNKNOWN_VEHICLE: &str = "unknown";
+
 /// Why sensors cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EstimatorError {
     /// There are none.
     #[error("there are no sensors; name them in the parameter sensors.names")]
     NoSensors,
+    /// All are too slow for an impact.
+    #[error(
+        "no sensor is fast enough to detect an impact: {sensors}; expected at least one of {} samples per second or more",
+        WITNESS_RATE
+    )]
+    TooSlow {
+        /// Their names with their rates.
+        sensors: String,
+    },
+    /// The times of readings contradict the rate of their sensor.
+    #[error(
+        "the readings of `{sensor}` come at {found:.4} samples per second by their times; expected {declared}, its parameter \
+         sensors.{sensor}.rate: correct the parameter or the times"
+    )]
+    Rate {
+        /// Name of the sensor.
+        sensor: String,
+        /// Its rate by the parameters \[Hz\].
+        declared: f64,
+        /// Its rate by the times \[Hz\].
+        found: f64,
+    },
     /// The parameters make no column.
     #[error(transparent)]
     Column(#[from] ModelError),
@@ -71,15 +93,19 @@ pub enum EstimatorError {
 #[derive(Debug, Clone)]
 pub struct Estimator {
     parameters: Parameters,
-    population: Population,
-    sensors: Vec<Sensor>,
+    pub(super) population: Population,
+    pub(super) sensors: Vec<Sensor>,
     yield_strain: f64,
+    /// Period of the column's first transverse mode \[s\].
+    period: f64,
+    /// Mass that the model has there \[kg\].
+    pub(super) impact_point_mass: f64,
     undamaged: UndamagedCapacities,
     /// Displacement of the impact point before the impact \[m\].
-    rest_v1: f64,
-    blocks: Option<Blocks>,
+    pub(super) rest_v1: f64,
+    pub(super) blocks: Option<Blocks>,
     /// Instant of contact and its standard deviation \[s\].
-    contact: [f64; 2],
+    pub(super) contact: [f64; 2],
     observed: usize,
     prepared: usize,
     /// The responses to the next hypothesis, as far as they are prepared.
@@ -87,7 +113,7 @@ pub struct Estimator {
     /// Responses that are assessed, from the first on.
     assessed: usize,
     /// Sensors that contradict the others.
-    doubtful: Vec<bool>,
+    pub(super) doubtful: Vec<bool>,
 }
 
 impl Estimator {
@@ -115,6 +141,8 @@ impl Estimator {
             population: Population::new(column, properties, of_population, hypotheses, seed),
             doubtful: vec![false; sensors.len()],
             sensors,
+            period: first_period(&properties),
+            impact_point_mass: model.impact_point_mass,
             yield_strain: steel.yield_strength / steel.young_modulus,
             parameters: parameters.clone(),
             blocks: None,
@@ -172,6 +200,12 @@ impl Estimator {
         self.is_prepared() && self.assessed >= self.population.members.len()
     }
 
+    /// The sensors whose readings it weighs.
+    #[must_use]
+    pub fn sensors(&self) -> &[Sensor] {
+        &self.sensors
+    }
+
     /// Hypotheses whose responses are prepared, among the first of all of them.
     #[must_use]
     pub fn prepared(&self) -> usize {
@@ -219,6 +253,7 @@ impl Estimator {
             contact,
             HORIZON,
             yield_strain,
+            self.period,
             &self.sensors,
             zeros,
         ));
@@ -305,15 +340,18 @@ impl Estimator {
     /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
     /// or because some did not count so far.
     pub(crate) fn has_doubts(&self) -> bool {
-        self.doubtful.contains(&true) || !self.population.explains_all()
+        self.doubtful.contains(&true)
+            || self.population.temperature() > 1.0
+            || !self.population.explains_all()
     }
 
     /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be
     /// weighed then.
     pub(crate) fn judge_sensors(&mut self) -> bool {
-        let [doubtful, ignored] = self.population.contradictions();
-        self.doubtful = doubtful;
-        self.population.ignore(ignored)
+        let found = self.population.contradictions();
+        self.doubtful = found.doubtful;
+        self.population.temper(found.misfit);
+        self.population.ignore(found.ignored)
     }
 
     /// The number of responses that it rests on if all counted alike.
@@ -344,9 +382,10 @@ impl Estimator {
         }
     }
 
+    /// The first round is made in any case: responses that explain the data may be found far from those that do so far.
     fn refine_until_settled(&mut self, rounds: usize) {
-        for _ in 0..rounds {
-            if self.is_settled() {
+        for round in 0..rounds {
+            if round > 0 && self.is_settled() {
                 return;
             }
             self.refine(ROUND);
@@ -379,7 +418,7 @@ impl Estimator {
     }
 
     /// Action and capacity ratio after responses that are chosen by their weights.
-    fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Action, f64)> {
+    pub(super) fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Action, f64)> {
         let chosen = self.population.chosen(weights, count);
         for &index in &chosen {
             if self.population.members[index].assessed.is_none() {
@@ -422,7 +461,7 @@ impl Estimator {
     }
 
     /// The weights of the responses, without those that do not count.
-    fn weights(&self) -> Vec<f64> {
+    pub(super) fn weights(&self) -> Vec<f64> {
         let mut weights = self.population.weights();
         for weight in weights.iter_mut().filter(|it| **it < NEGLIGIBLE_WEIGHT) {
             *weight = 0.0;
@@ -430,7 +469,7 @@ impl Estimator {
         weights
     }
 
-    fn doubtful(&self) -> impl Iterator<Item = &str> {
+    pub(super) fn doubtful_names(&self) -> impl Iterator<Item = &str> {
         let each = self.sensors.iter().zip(&self.doubtful);
         each.filter(|(_, doubtful)| **doubtful)
             .map(|(sensor, _)| sensor.name.as_str())
@@ -440,114 +479,37 @@ impl Estimator {
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
         self.estimate_with(data_until, ASSESSED)
     }
+}
 
-    /// The same with action and residual capacity of so many responses, which are chosen by their weights.
-    pub(crate) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
-        let weights = self.weights();
-        let assessed = self.assess(&weights, count);
-        let members = || {
-            let all = self.population.members.iter().zip(weights.iter().copied());
-            all.filter(|(_, weight)| *weight > 0.0)
-        };
-        let effective = effective(&weights);
-        // Their distributions are skew: the mean is that of the logarithm.
-        let positive = |logarithm: &dyn Fn(&Member) -> f64| {
-            let each = members().map(|(member, weight)| Spread {
-                mean: logarithm(member),
-                deviation: IMPACT_ERROR,
-                weight,
-            });
-            let interval = CredibleInterval::of_spread(each.collect(), effective);
-            CredibleInterval {
-                mean: libm::exp(interval.mean),
-                low: libm::exp(interval.low),
-                high: libm::exp(interval.high),
-            }
-        };
-        // The factor of the response belongs to what the impact adds.
-        let before = self.rest_v1;
-        let spread = |value: &dyn Fn(&Member) -> f64, error: f64| {
-            let each = members().map(|(member, weight)| {
-                let [scale, deviation] = member.scale;
-                let added = value(member) - before;
-                let (scaled, error) = (
-                    deviation * added,
-                    error * (member.prediction.report.max_v1 - before),
-                );
-                Spread {
-                    mean: scale * added + before,
-                    deviation: (scaled * scaled + error * error).sqrt(),
-                    weight,
-                }
-            });
-            CredibleInterval::of_spread(each.collect(), effective)
-        };
-        let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
-            members()
-                .filter(|(member, _)| is(member))
-                .fold(0.0, |sum, (_, weight)| sum + weight)
-        };
-        let mut vehicles: Vec<(String, f64)> = self
-            .population
-            .hypotheses
-            .iter()
-            .enumerate()
-            .map(|(k, it)| (it.name.clone(), share(&|member| member.hypothesis == k)))
-            .collect();
-        vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
-        let [contact, deviation] = self.contact;
-        let with_action = |action| {
-            let count = assessed.iter().filter(|(it, _)| *it == action).count();
-            (action, count as f64 / assessed.len().max(1) as f64)
-        };
-        ImpactEstimate {
-            data_until,
-            contact_time: CredibleInterval::normal(contact, deviation),
-            mass: positive(&|member| member.unknowns[0]),
-            velocity: positive(&|member| member.unknowns[1]),
-            momentum: positive(&|member| member.unknowns[0] + member.unknowns[1]),
-            mass_velocity_correlation: correlation(
-                members()
-                    .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
-            ),
-            peak_v1: spread(&|member| member.prediction.report.max_v1, PEAK_ERROR),
-            residual_v1: spread(
-                &|member| {
-                    let rest = member.prediction.rest.as_ref();
-                    rest.map_or(f64::NAN, |rest| rest.displacement.v1)
-                },
-                RESIDUAL_ERROR,
-            ),
-            yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
-            collapsed: share(&|member| collapses(member.prediction.report.outcome)),
-            capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
-            action: Action::ALL.map(with_action).to_vec(),
-            vehicle_probabilities: vehicles,
-            effective_sample_size: effective,
-            doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
-        }
-    }
+/// Period of the first transverse mode of a uniform beam of the length, the stiffness and the mass of the column \[s\]. The bars of the
+/// model have less mass at the impact point and are stiffer there, so that they vibrate up to twice as fast.
+fn first_period(properties: &ColumnProperties) -> f64 {
+    // The first root of the frequency equation of each pair of supports (Blevins, Formulas for Natural Frequency and Mode
+    // Shape). A spring is between a hinge and a clamp, and counts as a hinge.
+    let is_clamped = |support| matches!(support, Support::BuiltIn);
+    let clamped = [properties.base, properties.top].map(is_clamped);
+    let root: f64 = match (clamped, properties.top) {
+        (_, Support::Free) => 1.875_10,
+        ([true, true], _) => 4.730_04,
+        ([false, false], _) => std::f64::consts::PI,
+        _ => 3.926_60,
+    };
+    let length = properties.length_below + properties.length_above;
+    let stiffness = properties.bending_stiffness / properties.mass_per_length;
+    std::f64::consts::TAU * (length / root) * (length / root) / stiffness.sqrt()
 }
 
 /// Responses that are prepared of a hypothesis.
 fn prepared_responses(hypothesis: &Hypothesis) -> usize {
     match hypothesis.front {
+        Front::Elastic if hypothesis.deviation[2] < 0.5 => MIDDLE_BANK,
         Front::Rigid | Front::Elastic => WIDE_BANK,
+        Front::Plateau | Front::TwoMasses => MIDDLE_BANK,
         Front::Vehicle(_) => NARROW_BANK,
     }
 }
 
 /// Kish's effective number of weighted responses, whose weights add up to 1.
-fn effective(weights: &[f64]) -> f64 {
+pub(super) fn effective(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>()
-}
-
-fn correlation(pairs: impl Iterator<Item = ([f64; 2], f64)> + Clone) -> f64 {
-    let mean = |k: usize| pairs.clone().map(|(x, weight)| weight * x[k]).sum::<f64>();
-    let (a, b) = (mean(0), mean(1));
-    let moment = |of: &dyn Fn([f64; 2]) -> f64| pairs.clone().map(|(x, w)| w * of(x)).sum::<f64>();
-    let covariance = moment(&|x| (x[0] - a) * (x[1] - b));
-    let variances = moment(&|x| (x[0] - a) * (x[0] - a)) * moment(&|x| (x[1] - b) * (x[1] - b));
-    covariance / variances.sqrt()
 }

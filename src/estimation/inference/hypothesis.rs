@@ -3,8 +3,12 @@
 use crate::column::{CrushCurve, CrushSpring, Impact, Vehicle};
 use crate::parameters::{Parameters, vehicle_catalogue};
 
-/// Unknowns of a hypothesis: the logarithms of mass, velocity, factor of the front, factor of the yield strength.
-pub(crate) const UNKNOWNS: usize = 4;
+/// Most unknowns of a hypothesis: the logarithms of mass, velocity, factor of the front, factor of the yield strength, and those
+/// that a front has beside its factor.
+pub(crate) const UNKNOWNS: usize = 6;
+
+/// Unknowns of a front that has a factor only.
+pub(crate) const OF_ONE_FACTOR: usize = 4;
 
 /// Velocities that are considered \[m/s\].
 const VELOCITY_RANGE: [f64; 2] = [0.2, 45.0];
@@ -28,6 +32,27 @@ const JCSS_STIFFNESS: [f64; 2] = [300e3, 0.2];
 /// The same for a vehicle of which nothing is known \[A\].
 const ANY_STIFFNESS: [f64; 2] = [600e3, 1.0];
 
+/// Median force of a front that is crushed \[N\] and standard deviation of its logarithm \[A\]: from a small car to a lorry.
+const CRUSH_FORCE: [f64; 2] = [300e3, 0.7];
+
+/// The same of the crush at which it reaches this force \[m\].
+const CRUSH_BEFORE_PLATEAU: [f64; 2] = [0.2, 0.8];
+
+/// Crush up to which it keeps this force \[m\]: further than any vehicle is crushed.
+const LONGEST_PLATEAU: f64 = 20.0;
+
+/// Median of the mass that is ahead of the crushed part, over that of the vehicle, and standard deviation of its logarithm \[A\].
+const FRONT_SHARE: [f64; 2] = [0.12, 0.5];
+
+/// Largest share that is considered.
+const MOST_FRONT_SHARE: f64 = 0.8;
+
+/// Stiffness between the column and a front mass that is hard, such as an engine \[N/m\] \[A\].
+const HARD_FRONT: f64 = 5e8;
+
+/// Median mass of a vehicle whose front is crushed \[kg\] and standard deviation of its logarithm \[A\].
+const CRUSHED_MASS: [f64; 2] = [2500.0, 1.0];
+
 /// What the front of a vehicle does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Front {
@@ -35,6 +60,10 @@ pub enum Front {
     Rigid,
     /// It is one elastic spring, whose stiffness is the factor of the front \[N/m\].
     Elastic,
+    /// Its force rises to a plateau, which is the factor of the front \[N\], over a crush that is unknown, too.
+    Plateau,
+    /// A hard mass, an unknown share of the vehicle, is ahead of such a plateau.
+    TwoMasses,
     /// It is that of a given vehicle, with its forces times the factor of the front.
     Vehicle(Box<Vehicle>),
 }
@@ -42,7 +71,8 @@ pub enum Front {
 /// A kind of vehicle that may have struck.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
-    /// Its name: of the catalogue, or `rigid`, `elastic` for any elastic front, `configured` for the vehicle of the parameters.
+    /// Its name: of the catalogue, or `rigid`, `elastic` for any elastic front, `plateau` for any front that is crushed,
+    /// `two_masses` for one with a hard mass ahead of it, `configured` for the vehicle of the parameters.
     pub name: String,
     /// What its front does.
     pub front: Front,
@@ -54,6 +84,8 @@ pub struct Hypothesis {
     pub(crate) mean: [f64; UNKNOWNS],
     /// Their standard deviations.
     pub(crate) deviation: [f64; UNKNOWNS],
+    /// How many of them there are, from the first on.
+    pub(crate) unknowns: usize,
 }
 
 /// The hypotheses for a column: a rigid mass, elastic fronts, every vehicle of the catalogue, and the vehicle of the
@@ -71,14 +103,28 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
             front,
             bumper_height: parameters.bumper_named(name),
             probability: weight,
-            mean: [ln(mass), ln(VELOCITY[0]), ln(factor), 0.0],
-            deviation: [mass_scatter, VELOCITY[1], scatter, YIELD_SCATTER],
+            mean: [ln(mass), ln(VELOCITY[0]), ln(factor), 0.0, 0.0, 0.0],
+            deviation: [mass_scatter, VELOCITY[1], scatter, YIELD_SCATTER, 1.0, 1.0],
+            unknowns: OF_ONE_FACTOR,
         }
     };
     let mut all = vec![
         make("rigid", Front::Rigid, 2.0, [1500.0, 1.0], [1.0, NO_SCATTER]),
         make("elastic", Front::Elastic, 1.0, [3000.0, 1.0], ANY_STIFFNESS),
     ];
+    let crushed = |name: &str, front, weight: f64, more: &[[f64; 2]]| {
+        let mut it = make(name, front, weight, CRUSHED_MASS, CRUSH_FORCE);
+        for [median, deviation] in more {
+            it.mean[it.unknowns] = libm::log(*median);
+            it.deviation[it.unknowns] = *deviation;
+            it.unknowns += 1;
+        }
+        it
+    };
+    let before = CRUSH_BEFORE_PLATEAU;
+    all.push(crushed("plateau", Front::Plateau, 1.0, &[before]));
+    let both = [before, FRONT_SHARE];
+    all.push(crushed("two_masses", Front::TwoMasses, 0.3, &both));
     let name = &parameters.settings().vehicle.name;
     for entry in vehicle_catalogue() {
         let is_configured = entry.name == *name;
@@ -135,7 +181,8 @@ impl Hypothesis {
             return f64::NEG_INFINITY;
         }
         let mut density = libm::log(self.probability);
-        for ((x, mean), deviation) in unknowns.iter().zip(self.mean).zip(self.deviation) {
+        let each = unknowns.iter().zip(self.mean).zip(self.deviation);
+        for ((x, mean), deviation) in each.take(self.unknowns) {
             let z = (x - mean) / deviation;
             density -= 0.5 * z * z + libm::log(deviation);
         }
@@ -144,7 +191,7 @@ impl Hypothesis {
 
     /// The impact with these unknowns; `None` where they make no vehicle.
     pub(crate) fn impact(&self, unknowns: &[f64; UNKNOWNS]) -> Option<Impact> {
-        let [mass, velocity, factor, _] = unknowns.map(libm::exp);
+        let [mass, velocity, factor, _, crush, share] = unknowns.map(libm::exp);
         let vehicle = match &self.front {
             Front::Rigid => {
                 return Some(Impact {
@@ -160,6 +207,19 @@ impl Hypothesis {
                     slack: 0.0,
                 };
                 Vehicle::new(&[mass], &[spring]).ok()?
+            }
+            Front::Plateau => Vehicle::new(&[mass], &[plateau(factor, crush)?]).ok()?,
+            Front::TwoMasses => {
+                if share > MOST_FRONT_SHARE {
+                    return None;
+                }
+                let hard = CrushSpring {
+                    envelope: CrushCurve::new(&[[1.0, HARD_FRONT]]).ok()?,
+                    unloading_stiffness: HARD_FRONT,
+                    slack: 0.0,
+                };
+                let masses = [share * mass, (1.0 - share) * mass];
+                Vehicle::new(&masses, &[hard, plateau(factor, crush)?]).ok()?
             }
             Front::Vehicle(vehicle) => {
                 let vehicle = vehicle.with_total_mass(mass).ok()?;
@@ -185,4 +245,14 @@ impl Hypothesis {
             ..Impact::rigid(mass, velocity)
         })
     }
+}
+
+/// A spring whose force rises to `force` \[N\] over this crush \[m\], and then stays.
+fn plateau(force: f64, crush: f64) -> Option<CrushSpring> {
+    let envelope = CrushCurve::new(&[[crush, force], [crush + LONGEST_PLATEAU, force]]).ok()?;
+    Some(CrushSpring {
+        unloading_stiffness: envelope.steepest_slope(),
+        envelope,
+        slack: 0.0,
+    })
 }

@@ -5,6 +5,7 @@
 // - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
 // - contradiction.rs: Sensors that contradict each other
+// - drawn.rs: A normal distribution from which members of one hypothesis were drawn
 // - estimate.rs: An estimate: what struck the column and how it ends, with its uncertainty
 // - estimate_record.rs: An estimate together with what made it so
 // - estimator.rs: From readings to estimates
@@ -20,6 +21,7 @@
 // - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
 // - recomputation.rs: Estimates computed again from recorded measurements
 // - recorded.rs: Estimates from recorded readings: the same detection and the same updates as with live ones
+// - statement.rs: What an estimate states: the weighted responses as quantities with their intervals
 // - undamaged_capacities.rs: Residual capacity of the undamaged column, for any yield strength near the given one
 // - update.rs: The work on an estimate in slices of a few milliseconds, so that a thread can take new data between them
 // - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
@@ -28,6 +30,7 @@
 pub(super) mod blocks;
 pub(super) mod comparison;
 pub(super) mod contradiction;
+pub(super) mod drawn;
 pub(super) mod estimate;
 pub(super) mod estimate_record;
 pub(super) mod estimator;
@@ -41,6 +44,7 @@ pub(super) mod population;
 pub(super) mod prediction;
 pub(super) mod recomputation;
 pub(super) mod recorded;
+pub(super) mod statement;
 pub(super) mod undamaged_capacities;
 pub(super) mod update;
 pub(super) mod weighing;

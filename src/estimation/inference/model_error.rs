@@ -88,18 +88,24 @@ impl ModelError {
     /// next blocks do not take that into account themselves, so that it counts once.
     fn variance(&self, (block, mean): &(Block, BlockMean)) -> f64 {
         let time = middle(block).max(0.0);
-        let deviation = self.deviation(time, mean.largest, mean.yielded);
+        let deviation = self.shape_deviation(time, mean);
         let persistent = CORRELATION_SHARE * time;
         let inflation = match self.is_motion {
             true => persistent / block.length.max(self.correlation),
             false => persistent.max(self.correlation) / block.length,
         };
-        deviation * deviation * inflation.max(1.0)
+        // A vibration is over within its period, and counts in each block.
+        deviation * deviation * inflation.max(1.0) + mean.swing * mean.swing
     }
 
-    /// Standard deviation of the error of the shape at a time after contact \[s\], where the largest reading so far is
-    /// `largest`. `yielded`: hinges have yielded, so that strains elsewhere depend on the details of the plastic zones.
-    pub fn deviation(&self, time: f64, largest: f64, yielded: bool) -> f64 {
+    /// Standard deviation of the error at a time after contact \[s\], without noise.
+    pub fn deviation(&self, time: f64, mean: &BlockMean) -> f64 {
+        let shape = self.shape_deviation(time, mean);
+        (shape * shape + mean.swing * mean.swing).sqrt()
+    }
+
+    /// The same without vibrations. Where hinges have yielded, strains elsewhere depend on the details of the plastic zones.
+    fn shape_deviation(&self, time: f64, mean: &BlockMean) -> f64 {
         let time = time.max(0.0);
         let (grown, waves) = match self.is_motion {
             true => (
@@ -109,10 +115,10 @@ impl ModelError {
             false => (1.0, WAVES),
         };
         let mut share = self.shape * grown + self.waves * libm::exp(-time / waves);
-        if yielded {
+        if mean.yielded {
             share = share.max(YIELDED_STRAIN);
         }
-        share * largest
+        share * mean.largest
     }
 }
 
@@ -134,6 +140,7 @@ mod tests {
             mean,
             variance: deviation * deviation,
             largest: mean,
+            swing: 0.0,
             yielded: false,
         };
         (Block { start, length }, mean)
@@ -149,8 +156,8 @@ mod tests {
         let (carried, v2) = error.given(Some(&first), &second);
         assert!(none.abs() < f64::EPSILON);
         let (s1, s2) = (
-            error.deviation(1.5e-3, 0.010, false),
-            error.deviation(2.5e-3, 0.013, false),
+            error.deviation(1.5e-3, &first.1),
+            error.deviation(2.5e-3, &second.1),
         );
         let covariance = 1.5 * libm::exp(-0.5) * s1 * s2;
         let [a, b] = [s1 * s1 + noise * noise, s2 * s2 + noise * noise];

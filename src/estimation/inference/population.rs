@@ -9,9 +9,12 @@ use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelI
 use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
-use crate::estimation::inference::contradiction::{contradictions, explains_all, largest};
+use crate::estimation::inference::contradiction::{
+    Contradictions, contradictions, explains_all, largest,
+};
+use crate::estimation::inference::drawn::Drawn;
 use crate::estimation::inference::event_evidence::EventEvidence;
-use crate::estimation::inference::hypothesis::{Hypothesis, UNKNOWNS};
+use crate::estimation::inference::hypothesis::{Front, Hypothesis, OF_ONE_FACTOR, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
 use crate::estimation::inference::member::{Member, log_sum};
 use crate::estimation::inference::prediction::{Prediction, TimeGrid};
@@ -43,6 +46,19 @@ pub(crate) const EXPLORATION: f64 = 0.1;
 /// Share of a hypothesis, after that power, below which it gets no new members.
 const LEAST_SHARE: f64 = 0.02;
 
+/// Share of the new members that a hypothesis gets at least whose front has more unknowns than a factor: its prepared members are few for
+/// so many unknowns, and those that explain the data have to be found.
+const OPEN_SHARE: f64 = 0.15;
+
+/// The same of vehicles with a hard front mass where the data look like a rigid hit: at first it is one by this mass.
+const SHARE_BESIDE_RIGID: f64 = 0.3;
+
+/// Share of these that begin as the rigid hit that the data have found.
+const FROM_RIGID: f64 = 0.5;
+
+/// Standard deviation of the logarithms of mass and speed about such a rigid hit.
+const ABOUT_RIGID: f64 = 0.15;
+
 /// Logarithm of the ratio of weights or likelihoods beyond which a member is negligible: thousands of them change nothing that can be
 /// seen.
 const NEGLIGIBLE: f64 = 30.0;
@@ -52,18 +68,6 @@ const PREFILTERED_BLOCKS: usize = 4;
 
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
-
-/// A normal distribution from which members of one hypothesis were drawn.
-#[derive(Debug, Clone)]
-struct Drawn {
-    hypothesis: usize,
-    count: f64,
-    mean: [f64; UNKNOWNS],
-    /// Lower triangular factor of the covariance.
-    factor: [[f64; UNKNOWNS]; UNKNOWNS],
-    /// Logarithms of the diagonal of the factor.
-    log_diagonal: [f64; UNKNOWNS],
-}
 
 /// New members that are to be computed, one after another.
 #[derive(Debug, Clone)]
@@ -132,6 +136,8 @@ pub(crate) struct Population {
     events: Vec<EventEvidence>,
     /// Sensors that do not count.
     ignored: Vec<bool>,
+    /// Divisor of the logarithms of the likelihoods: 1, or more where no response explains the data.
+    temperature: f64,
     /// What the likelihoods need of the data; `None` if it is to be made of them.
     weighing: Option<Weighing>,
     /// Members, distributions and random numbers before an impact.
@@ -151,6 +157,7 @@ impl Population {
             column,
             properties,
             ignored: vec![false; sensors.len()],
+            temperature: 1.0,
             sensors,
             grid: TimeGrid::new(),
             hypotheses,
@@ -178,7 +185,10 @@ impl Population {
     /// Draws `count` members of a hypothesis from what is known before the impact.
     pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
         let Hypothesis {
-            mean, deviation, ..
+            mean,
+            deviation,
+            unknowns,
+            ..
         } = self.hypotheses[hypothesis];
         let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
         for (k, row) in factor.iter_mut().enumerate() {
@@ -186,7 +196,7 @@ impl Population {
         }
         let mut round = Round::new(&self.random);
         round.draw(
-            Drawn::new(hypothesis, count, mean, factor),
+            Drawn::new((hypothesis, unknowns), count, mean, factor),
             &mut self.random,
         );
         round
@@ -208,6 +218,7 @@ impl Population {
         let (members, drawn, random) = &self.prepared;
         self.random = random.clone();
         self.ignored.fill(false);
+        self.temperature = 1.0;
         self.weighing = None;
         let is_prepared = self.members.len() == *members && self.drawn.len() == *drawn;
         if is_prepared && self.observed.is_empty() && self.events.is_empty() {
@@ -252,14 +263,33 @@ impl Population {
                     .map(|(_, w)| w)
                     .sum()
             })
-            .map(|share: f64| libm::pow(share, exploration))
+            .collect();
+        let rigid = self.hypotheses.iter().zip(&shares);
+        let rigid = rigid.filter(|(it, _)| it.front == Front::Rigid);
+        let looks_rigid = rigid.map(|(_, share)| share).sum::<f64>() > 0.5;
+        let shares: Vec<f64> = shares
+            .iter()
+            .map(|&share| libm::pow(share, exploration))
             .collect();
         let total: f64 = shares.iter().sum();
         for (hypothesis, share) in shares.iter().enumerate() {
-            let share = share / total;
+            let Hypothesis {
+                unknowns, front, ..
+            } = &self.hypotheses[hypothesis];
+            let least = match (unknowns > &OF_ONE_FACTOR, front) {
+                (true, Front::TwoMasses) if looks_rigid => SHARE_BESIDE_RIGID,
+                (true, _) => OPEN_SHARE,
+                (false, _) => 0.0,
+            };
+            let share = (share / total).max(least);
             let wanted = (share * count as f64).round() as usize;
             if share < LEAST_SHARE || wanted == 0 {
                 continue;
+            }
+            if self.hypotheses[hypothesis].front == Front::TwoMasses
+                && let Some(from_rigid) = self.from_rigid(hypothesis, &weights, wanted)
+            {
+                round.draw(from_rigid, &mut self.random);
             }
             let kernels = wanted.min(KERNELS);
             let fitted = self.fitted(hypothesis, &weights, wanted.div_ceil(2));
@@ -269,6 +299,32 @@ impl Population {
             round.draw(fitted, &mut self.random);
         }
         round
+    }
+
+    /// Vehicles whose hard front mass does what the most likely rigid vehicle does, with anything behind it.
+    fn from_rigid(&self, hypothesis: usize, weights: &[f64], wanted: usize) -> Option<Drawn> {
+        let count = (FROM_RIGID * wanted as f64).round() as usize;
+        let rigid = self.members.iter().zip(weights);
+        let rigid = rigid.filter(|(it, _)| self.hypotheses[it.hypothesis].front == Front::Rigid);
+        let (likeliest, _) =
+            rigid.max_by(|a, b| a.0.log_posterior().total_cmp(&b.0.log_posterior()))?;
+        let Hypothesis {
+            mut mean,
+            deviation,
+            unknowns,
+            ..
+        } = self.hypotheses[hypothesis];
+        let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+        for (k, row) in factor.iter_mut().enumerate() {
+            row[k] = deviation[k];
+        }
+        // The share of the front times the mass is the mass of the rigid vehicle.
+        const SHARE: usize = UNKNOWNS - 1;
+        mean[1] = likeliest.unknowns[1];
+        mean[SHARE] = likeliest.unknowns[0] - mean[0];
+        (factor[1][1], factor[SHARE][SHARE]) = (ABOUT_RIGID, ABOUT_RIGID);
+        factor[SHARE][0] = -factor[0][0];
+        (count > 0).then(|| Drawn::new((hypothesis, unknowns), count, mean, factor))
     }
 
     /// Computes the next candidate of a round that is not complete.
@@ -358,7 +414,12 @@ impl Population {
 
     /// The weights of the members, which add up to 1.
     pub fn weights(&self) -> Vec<f64> {
-        let logs: Vec<f64> = self.members.iter().map(Member::log_weight).collect();
+        // Where no response explains the data, the one that explains them least badly is not the truth.
+        let log_weight = |member: &Member| {
+            let before = member.log_prior + member.log_events - member.log_drawn;
+            before + member.log_likelihood / self.temperature
+        };
+        let logs: Vec<f64> = self.members.iter().map(log_weight).collect();
         let largest = largest(logs.iter().copied());
         let mut weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
         let sum: f64 = weights.iter().sum();
@@ -419,7 +480,8 @@ impl Population {
             let least = LEAST_WIDTH * deviation;
             covariance[k][k] += least * least;
         }
-        Drawn::new(hypothesis, count, mean, cholesky(&covariance))
+        let unknowns = self.hypotheses[hypothesis].unknowns;
+        Drawn::new((hypothesis, unknowns), count, mean, cholesky(&covariance))
     }
 
     /// Narrower distributions about members that are chosen by their weights, for `count` members together.
@@ -449,7 +511,8 @@ impl Population {
                 let factor = fitted
                     .factor
                     .map(|row| row.map(|entry| KERNEL_WIDTH * entry));
-                kernels.push(Drawn::new(hypothesis, each, member.unknowns, factor));
+                let of = (hypothesis, fitted.unknowns);
+                kernels.push(Drawn::new(of, each, member.unknowns, factor));
             }
         }
         kernels
@@ -471,8 +534,9 @@ impl Population {
     pub fn weigh_some(&mut self, count: usize) -> bool {
         let blocks = self.observed.len();
         let up_to_date = || self.members.iter().filter(|member| member.seen == blocks);
-        let likely = largest(up_to_date().map(Member::log_posterior)) - NEGLIGIBLE;
-        let weighty = largest(up_to_date().map(Member::log_weight)) - NEGLIGIBLE;
+        let negligible = NEGLIGIBLE * self.temperature;
+        let likely = largest(up_to_date().map(Member::log_posterior)) - negligible;
+        let weighty = largest(up_to_date().map(Member::log_weight)) - negligible;
         let mut behind: Vec<(f64, usize)> = (0..)
             .zip(&self.members)
             .filter(|(_, it)| {
@@ -520,7 +584,7 @@ impl Population {
     }
 
     /// See [`contradictions`]; all members have to be weighed with all data.
-    pub fn contradictions(&self) -> [Vec<bool>; 2] {
+    pub fn contradictions(&self) -> Contradictions {
         contradictions(&self.members, &self.observed, &self.sensors)
     }
 
@@ -545,6 +609,16 @@ impl Population {
         changes
     }
 
+    /// Divides the logarithms of all likelihoods by this number, because no response explains the data; 1 for none.
+    pub fn temper(&mut self, temperature: f64) {
+        self.temperature = temperature;
+    }
+
+    /// What [`Population::temper`] has set.
+    pub fn temperature(&self) -> f64 {
+        self.temperature
+    }
+
     fn take_weighing(&mut self) -> Weighing {
         let (observed, sensors, grid) = (&self.observed, &self.sensors, &self.grid);
         let made = || {
@@ -557,43 +631,6 @@ impl Population {
             )
         };
         self.weighing.take().unwrap_or_else(made)
-    }
-}
-
-impl Drawn {
-    fn new(
-        hypothesis: usize,
-        count: usize,
-        mean: [f64; UNKNOWNS],
-        factor: [[f64; UNKNOWNS]; UNKNOWNS],
-    ) -> Self {
-        Self {
-            hypothesis,
-            count: count as f64,
-            mean,
-            factor,
-            log_diagonal: std::array::from_fn(|k| libm::log(factor[k][k])),
-        }
-    }
-
-    fn sample(&self, random: &mut Random) -> [f64; UNKNOWNS] {
-        let z: [f64; UNKNOWNS] = std::array::from_fn(|_| random.normal());
-        std::array::from_fn(|i| {
-            let row = &self.factor[i];
-            self.mean[i] + (0..=i).map(|k| row[k] * z[k]).sum::<f64>()
-        })
-    }
-
-    /// Logarithm of the density, without the constant that all have.
-    fn log_density(&self, unknowns: &[f64; UNKNOWNS]) -> f64 {
-        let mut z = [0.0; UNKNOWNS];
-        let mut log = 0.0;
-        for i in 0..UNKNOWNS {
-            let known: f64 = (0..i).map(|k| self.factor[i][k] * z[k]).sum();
-            z[i] = (unknowns[i] - self.mean[i] - known) / self.factor[i][i];
-            log -= 0.5 * z[i] * z[i] + self.log_diagonal[i];
-        }
-        log
     }
 }
 

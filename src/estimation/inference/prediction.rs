@@ -1,11 +1,8 @@
 //! What one conceivable impact would have let the sensors read, and how it would have ended.
 
-use crate::column::{
-    ColumnProperties, End, Impact, Model, Progress, Report, Response, State,
-    residual_without_bumper,
-};
+use crate::column::{ColumnProperties, Impact, Model, Progress, Report, Response, State};
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
-use crate::estimation::simulation::probe::SteppedProbe;
+use crate::estimation::simulation::probe::{Rest, SteppedProbe};
 use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
 
@@ -115,6 +112,8 @@ impl Prediction {
         let mut response = Response::begin(&model, &mut state, *impact, 2.0 * HORIZON).ok()?;
         let mut integrals = Vec::with_capacity(grid.nanos.len() * last.len());
         let mut end = None;
+        let mut rest = None;
+        let at_rest = |whole: &Model| column.state(whole);
         let mut sums = lanes(sensors.len());
         integrals.extend_from_slice(&sums);
         let mut last_nanos = 0;
@@ -125,11 +124,15 @@ impl Prediction {
                         response.advance(&model, &mut state, u64::MAX).ok()?
                 {
                     end = Some(over);
+                    rest = Rest::after(&model, &state, over, at_rest);
+                    for (probe, sensor) in probes.iter_mut().zip(sensors) {
+                        probe.settle(&state, sensor, rest.as_ref());
+                    }
                 }
                 let each = probes.iter_mut().zip(sensors);
                 let readings = last.as_flattened_mut().iter_mut();
                 for ((probe, sensor), reading) in each.zip(readings) {
-                    *reading = sensor.clipped(probe.read(&state, secs, end.is_some()));
+                    *reading = sensor.clipped(probe.read(&state, secs));
                 }
                 for (sum, reading) in sums.iter_mut().zip(&last) {
                     *sum = std::array::from_fn(|k| sum[k] + secs * reading[k]);
@@ -138,27 +141,20 @@ impl Prediction {
             last_nanos = edge;
             integrals.extend_from_slice(&sums);
         }
-        let end = loop {
-            match end {
-                Some(end) => break end,
-                None => {
-                    if let Progress::Over(over) =
-                        response.advance(&model, &mut state, u64::MAX).ok()?
-                    {
-                        end = Some(over);
-                    }
+        let end = match end {
+            Some(end) => end,
+            None => loop {
+                if let Progress::Over(end) = response.advance(&model, &mut state, u64::MAX).ok()? {
+                    rest = Rest::after(&model, &state, end, at_rest);
+                    break end;
                 }
-            }
+            },
         };
         let report = response.report(&model, &state, end);
-        let stands = !matches!(end, End::Collapsed | End::Fractured);
-        let whole = model.without_bumper();
-        let residual = || residual_without_bumper(&model, &state, &whole);
-        let rest = stands.then(residual).flatten();
         Some(Self {
             at_end: last,
             integrals,
-            rest: rest.map(Box::new),
+            rest: rest.map(|rest| Box::new(rest.after)),
             report,
         })
     }

@@ -1,6 +1,7 @@
 //! Estimates from recorded readings: the same detection and the same updates as with live ones.
 
-use crate::estimation::detection::detector::{Detection, Detector};
+use crate::estimation::detection::detector::{Detection, Detector, WITNESS_RATE};
+use crate::estimation::detection::second_blow::SecondBlow;
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
@@ -14,11 +15,17 @@ use crate::standing::StandingColumn;
 /// Rounds of refinement for each update of recorded readings, for which there is time.
 const ROUNDS: usize = 20;
 
+/// How much the rate of readings by their times may differ from the declared one, relative to it.
+const RATE_TOLERANCE: f64 = 0.05;
+
 /// What recorded readings say about one impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedImpact {
     /// How it was detected.
     pub detection: Detection,
+    /// When the column was struck once more \[s\], if it was: the estimates use the readings before that, and the second impact is not
+    /// estimated.
+    pub further: Option<f64>,
     /// One estimate for each instant of [`UPDATE_INSTANTS`] up to which there are data, and one for all data; at least one.
     pub estimates: Vec<ImpactEstimate>,
     /// For each sensor, what it has read against what the last estimate predicts.
@@ -37,6 +44,7 @@ pub fn estimate_recorded(
     seed: u64,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Option<RecordedImpact>, EstimatorError> {
+    check(sensors, readings)?;
     let hypotheses = hypotheses(parameters);
     let preparations = hypotheses.len() as f64;
     let column = StandingColumn::undamaged(parameters);
@@ -52,6 +60,54 @@ pub fn estimate_recorded(
         }
         prepared += 1.0;
     }
+    let progress = &mut |share: f64| progress(0.5 + 0.5 * share);
+    Ok(Some(follow(&mut estimator, detection, readings, progress)))
+}
+
+/// The same with an estimator that is prepared for the undamaged column, for many recordings of the same sensors.
+///
+/// # Errors
+/// Sensors that cannot be used.
+pub fn estimate_prepared(
+    estimator: &mut Estimator,
+    readings: &Readings,
+) -> Result<Option<RecordedImpact>, EstimatorError> {
+    check(estimator.sensors(), readings)?;
+    let detection = detect(estimator.sensors(), readings);
+    Ok(detection.map(|detection| follow(estimator, detection, readings, &mut |_| {})))
+}
+
+/// Whether the sensors are fast enough for an impact, and their readings come at the rates that are declared.
+fn check(sensors: &[Sensor], readings: &Readings) -> Result<(), EstimatorError> {
+    if !sensors.is_empty() && sensors.iter().all(|it| it.rate < WITNESS_RATE) {
+        let each = sensors
+            .iter()
+            .map(|it| format!("{} ({} Hz)", it.name, it.rate));
+        return Err(EstimatorError::TooSlow {
+            sensors: each.collect::<Vec<_>>().join(", "),
+        });
+    }
+    for (index, sensor) in sensors.iter().enumerate() {
+        let Some(found) = readings.rate_of(index) else {
+            continue;
+        };
+        if (found / sensor.rate - 1.0).abs() > RATE_TOLERANCE {
+            return Err(EstimatorError::Rate {
+                sensor: sensor.name.clone(),
+                declared: sensor.rate,
+                found,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn follow(
+    estimator: &mut Estimator,
+    detection: Detection,
+    readings: &Readings,
+    progress: &mut dyn FnMut(f64),
+) -> RecordedImpact {
     let contact = detection.contact.time;
     estimator.begin(contact, detection.contact.deviation, &detection.zeros);
     for (time, values) in readings.rows() {
@@ -59,7 +115,9 @@ pub fn estimate_recorded(
             estimator.push(sensor, time, value);
         }
     }
-    let last = readings.times.last().map_or(0.0, |last| last - contact);
+    let further = second_blow(estimator.sensors(), readings, contact);
+    let last = further.or(readings.times.last().copied());
+    let last = last.map_or(0.0, |last| last - contact);
     let mut instants: Vec<f64> = UPDATE_INSTANTS
         .into_iter()
         .filter(|instant| *instant < last)
@@ -67,16 +125,27 @@ pub fn estimate_recorded(
     instants.push(last.min(HORIZON));
     let mut estimates = Vec::with_capacity(instants.len());
     for instant in &instants {
-        progress(0.5 + 0.5 * estimates.len() as f64 / instants.len() as f64);
+        progress(estimates.len() as f64 / instants.len() as f64);
         estimator.observe(contact + instant);
         estimator.settle(ROUNDS);
         estimates.push(estimator.estimate(contact + instant));
     }
-    Ok(Some(RecordedImpact {
+    RecordedImpact {
         comparisons: estimator.comparisons(),
         detection,
+        further,
         estimates,
-    }))
+    }
+}
+
+fn second_blow(sensors: &[Sensor], readings: &Readings, contact: f64) -> Option<f64> {
+    let mut blow = SecondBlow::new(sensors, contact);
+    for (time, values) in readings.rows().filter(|(time, _)| *time > contact) {
+        for (sensor, &value) in values.iter().enumerate() {
+            blow.push(sensor, time, value);
+        }
+    }
+    blow.found()
 }
 
 fn detect(sensors: &[Sensor], readings: &Readings) -> Option<Detection> {

@@ -18,6 +18,9 @@ const MAX_ROW_BYTES: u64 = 1 << 20;
 /// How much of a text from a table an error shows \[characters\].
 const MAX_SHOWN: usize = 60;
 
+/// Fewest distances between readings that tell their rate.
+const LEAST_DISTANCES: usize = 19;
+
 /// A table as it is read, up to a length of each row and of the whole.
 struct BoundedRows<'a, R> {
     source: R,
@@ -125,6 +128,19 @@ fn shown(text: &str) -> String {
 }
 
 impl Readings {
+    /// Samples per second of a sensor by the times of its readings, the median of their distances; `None` for fewer than 20.
+    #[must_use]
+    pub fn rate_of(&self, sensor: usize) -> Option<f64> {
+        let present = self.rows().filter(|(_, values)| values[sensor].is_finite());
+        let times: Vec<f64> = present.map(|(time, _)| time).collect();
+        let mut distances: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if distances.len() < LEAST_DISTANCES {
+            return None;
+        }
+        distances.sort_by(f64::total_cmp);
+        Some(1.0 / distances[distances.len() / 2])
+    }
+
     /// Reads a table with a column `time` \[s\] and one column for each sensor, by its name. Empty cells are missing samples.
     /// A sensor without a column has no samples, as long as one has.
     ///

@@ -14,7 +14,7 @@
 //! The bars have no mass of their own between their ends: the flexural waves of the first milliseconds are not in these
 //! readings.
 
-use crate::column::{Model, State};
+use crate::column::{End, Model, State, residual_without_bumper};
 use crate::sensors::{Quantity, Sensor};
 
 /// Reads one sensor in a state of the column.
@@ -107,6 +107,8 @@ pub(crate) struct SteppedProbe {
     is_acceleration: bool,
     displacement: f64,
     velocity: f64,
+    /// What it reads for good, once the response is over.
+    settled: Option<f64>,
 }
 
 impl SteppedProbe {
@@ -119,21 +121,64 @@ impl SteppedProbe {
             is_acceleration: sensor.quantity == Quantity::Acceleration,
             displacement: 0.0,
             velocity: 0.0,
+            settled: None,
         }
     }
 
-    /// The reading after a step of `secs` seconds. A response that is over has no acceleration.
-    pub fn read(&mut self, state: &State, secs: f64, is_over: bool) -> f64 {
+    /// The reading after a step of `secs` seconds.
+    pub fn read(&mut self, state: &State, secs: f64) -> f64 {
+        if let Some(settled) = self.settled {
+            return settled;
+        }
         let reading = self.probe.read(state) - self.at_rest;
         if !self.is_acceleration {
-            reading
-        } else if is_over {
-            0.0
-        } else {
-            let velocity = (reading - self.displacement) / secs;
-            let acceleration = (velocity - self.velocity) / secs;
-            (self.displacement, self.velocity) = (reading, velocity);
-            acceleration
+            return reading;
         }
+        let velocity = (reading - self.displacement) / secs;
+        let acceleration = (velocity - self.velocity) / secs;
+        (self.displacement, self.velocity) = (reading, velocity);
+        acceleration
+    }
+
+    /// The response is over: from now on it reads the column at rest, if it comes to rest. The last state of the response is
+    /// somewhere in a vibration, and the column would stay there for ever if that were read.
+    pub fn settle(&mut self, last: &State, sensor: &Sensor, rest: Option<&Rest>) {
+        self.settled = Some(match rest {
+            _ if self.is_acceleration => 0.0,
+            Some(rest) => {
+                let probe = Probe::new(&rest.model, sensor);
+                probe.read(&rest.after) - probe.read(&rest.before)
+            }
+            None => self.probe.read(last) - self.at_rest,
+        });
+    }
+}
+
+/// A column at rest before and after an impact, without a bumper before it.
+#[derive(Debug, Clone)]
+pub(crate) struct Rest {
+    model: Model,
+    before: State,
+    pub after: State,
+}
+
+impl Rest {
+    /// What a response on the column of `model` that ended so in `last` leaves behind; `None` if the column does not stand, or has
+    /// no equilibrium. `at_rest` gives the column before the impact.
+    pub fn after(
+        model: &Model,
+        last: &State,
+        end: End,
+        at_rest: impl Fn(&Model) -> State,
+    ) -> Option<Self> {
+        if matches!(end, End::Collapsed | End::Fractured) {
+            return None;
+        }
+        let whole = model.without_bumper();
+        Some(Self {
+            after: residual_without_bumper(model, last, &whole)?,
+            before: at_rest(&whole),
+            model: whole,
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::column::{ColumnProperties, Impact, Model, Progress, Response, SimulationError, State};
 use crate::estimation::intake::readings::Readings;
-use crate::estimation::simulation::probe::SteppedProbe;
+use crate::estimation::simulation::probe::{Rest, SteppedProbe};
 use crate::numerics::Random;
 use crate::sensors::Sensor;
 
@@ -47,14 +47,18 @@ pub fn simulate_sensors(
     }
     loop {
         if over_since.is_none()
-            && let Progress::Over(_) = response.advance(&model, &mut state, 1)?
+            && let Progress::Over(end) = response.advance(&model, &mut state, 1)?
         {
             over_since = Some(step);
+            let rest = Rest::after(&model, &state, end, State::at_rest);
+            for channel in &mut channels {
+                channel.probe.settle(&state, channel.sensor, rest.as_ref());
+            }
         }
         step += 1;
         let time = step as f64 * secs;
         for (sensor, channel) in channels.iter_mut().enumerate() {
-            channel.advance(&state, secs, over_since.is_some());
+            channel.advance(&state, secs);
             while channel.next_time() <= time {
                 let filtered = channel.at(time, secs);
                 channel.take(sensor, filtered, &mut random, &mut samples);
@@ -164,8 +168,8 @@ impl<'a> Channel<'a> {
     }
 
     /// Reads the column after a step.
-    fn advance(&mut self, state: &State, secs: f64, is_over: bool) {
-        let reading = self.probe.read(state, secs, is_over);
+    fn advance(&mut self, state: &State, secs: f64) {
+        let reading = self.probe.read(state, secs);
         self.filtered = [self.filter.next(reading), self.filtered[0]];
     }
 
