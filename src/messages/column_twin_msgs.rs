@@ -8,6 +8,7 @@ use ros_interface::BoundedSequence;
 use super::std_msgs::Header;
 use crate::column::MAX_MASSES;
 
+pub use super::column_twin_msgs_beam::*;
 pub use super::column_twin_msgs_fleet::*;
 pub use super::column_twin_msgs_hinges::*;
 pub use super::column_twin_msgs_services::*;
@@ -445,61 +446,6 @@ impl ImpactEstimate {
     pub const DECISION_MERGED: u8 = 2;
     pub const DECISION_DECLINED: u8 = 3;
     pub const DECISION_REJECTED: u8 = 4;
-}
-
-/// What the fibre beam says of an impact beside the two bars.
-///
-/// ```text
-#[doc = include_str!("../../msg/SecondOpinion.msg")]
-/// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SecondOpinion {
-    pub state: u8,
-    pub text: String,
-    pub outcome: u8,
-    pub max_displacement: f64,
-    pub max_sideways: f64,
-    pub max_displacement_time: f64,
-    pub residual_displacement: f64,
-    pub residual_sideways: f64,
-    pub undamaged_capacity: [f64; 2],
-    pub residual_capacity: [f64; 2],
-    pub base_shear: f64,
-    pub error_estimate: f64,
-    pub ratio_to_two_bars: f64,
-    pub action: u8,
-    pub counts: bool,
-    pub decides: bool,
-}
-
-impl SecondOpinion {
-    pub const NONE: u8 = 0;
-    pub const PENDING: u8 = 1;
-    pub const KNOWN: u8 = 2;
-}
-
-impl Default for SecondOpinion {
-    /// That there is none, without a reason.
-    fn default() -> Self {
-        Self {
-            state: Self::NONE,
-            text: String::new(),
-            outcome: ImpactReport::OUTCOME_UNKNOWN,
-            max_displacement: f64::NAN,
-            max_sideways: f64::NAN,
-            max_displacement_time: f64::NAN,
-            residual_displacement: f64::NAN,
-            residual_sideways: f64::NAN,
-            undamaged_capacity: [f64::NAN; 2],
-            residual_capacity: [f64::NAN; 2],
-            base_shear: f64::NAN,
-            error_estimate: f64::NAN,
-            ratio_to_two_bars: f64::NAN,
-            action: ImpactReport::ACTION_UNKNOWN,
-            counts: false,
-            decides: false,
-        }
-    }
 }
 
 /// The outcome of one impact.

@@ -20,6 +20,7 @@
 //
 // - builtin_interfaces.rs: `builtin_interfaces`: time stamps and durations
 // - column_twin_msgs.rs: `column_twin`: the messages and services of this program
+// - column_twin_msgs_beam.rs: What the fibre beam says, which the module of `column_twin_msgs` re-exports
 // - column_twin_msgs_fleet.rs: `column_twin`: messages that only fleets use
 // - column_twin_msgs_hinges.rs: What the arrays about hinges and webs consist of, which the module of `column_twin_msgs`
 //   re-exports
@@ -41,6 +42,7 @@ mod table;
 
 pub mod builtin_interfaces;
 pub mod column_twin_msgs;
+mod column_twin_msgs_beam;
 mod column_twin_msgs_fleet;
 mod column_twin_msgs_hinges;
 mod column_twin_msgs_services;

@@ -11,6 +11,7 @@
 // - estimate.rs: What the sensors say about an impact as a message
 // - joint_states.rs: The four hinges as joints, with rotation, rate and moment, for tools that plot or display joints
 // - markers.rs: Markers for RViz and Foxglove: the deformed column, its hinges, the vehicle, and the contact force
+// - second_opinion.rs: The second opinion on an impact as a message
 // - tap.rs: The interface through which the node passes messages to a recording
 // - withdrawn.rs: A forecast that no longer holds, or that will never be there, as a message
 

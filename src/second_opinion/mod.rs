@@ -18,8 +18,9 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - answer.rs: What the beam computes of one hit: all that takes time, as plain data that another thread can compute
 // - beam.rs: The column of the parameters as a fibre beam
-// - criteria.rs: What the criteria of a verdict need of the beam
+// - criteria.rs: What the criteria of a verdict need of the two bars, before the beam replaces what it sees otherwise
 // - opinion.rs: What the beam says of an impact beside the two bars, and where its verdict counts
 
 mod answer;

@@ -68,8 +68,10 @@
 //   forecasts were complete
 // - journal.rs: What a recording needs so that everything can be recomputed: the state from which the twin starts, the commands
 //   that it was given, and how far it had come by then
-// - judged_impact.rs: An impact whose verdict has, or will have, a range, as a checkpoint holds it
+// - judged_impact.rs: An impact whose verdict has, or will have, a range or a second opinion, as a checkpoint holds it
 // - lifecycle/: The twin: the order in which its parts act on a command and on the clock
+// - opinion.rs: The second opinion on an impact: what the fibre beam says beside the two bars
+// - opinion_state.rs: Where the second opinion on an impact stands, and the damage of the column as the beam knows it
 // - output.rs: What leaves the twin
 // - parameter_set.rs: The parameters that hold, and the ones that wait for the end of a response
 // - plant.rs: The plant: the column, and what strikes it

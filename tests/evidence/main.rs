@@ -26,7 +26,6 @@ mod node;
 #[path = "../../crates/recording/tests/recording/random_damage.rs"]
 mod random_damage;
 mod range;
-mod second_opinion;
 mod recomputed_estimates;
 mod recorded_twin;
 mod replayed;
@@ -34,6 +33,7 @@ mod rotations;
 mod scenarios;
 mod scripted_fleet;
 mod sealed;
+mod second_opinion;
 #[allow(dead_code)] // the tests of the sensors use the rest
 #[path = "../estimation/signals.rs"]
 mod signals;

@@ -55,7 +55,7 @@ pub const ROOMS: &[Room] = &[
     room("results", "results by name", &["mechanics", "parameters", "assessment", "second_opinion"], "the twin, files"),
     room("study", "many impacts on a column", &["mechanics", "numerics", "parameters", "assessment", "results"], "the twin, clocks, files"),
     room("estimation", "what readings say about an impact", &["mechanics", "printable", "time", "numerics", "sensors", "parameters", "exact_number", "standing", "assessment"], "the twin, threads, DDS"),
-    room("twin", "the twin of one column", &["mechanics", "hexadecimal", "printable", "bounded_file", "time", "sensors", "parameters", "exact_number", "standing", "assessment", "second_opinion", "study", "estimation"], "threads, clocks, DDS, messages"),
+    room("twin", "the twin of one column", &["mechanics", "beam", "hexadecimal", "printable", "bounded_file", "time", "sensors", "parameters", "exact_number", "standing", "assessment", "second_opinion", "study", "estimation"], "threads, clocks, DDS, messages"),
     room("shape", "the geometry of a deformed column", &["mechanics", "parameters", "assessment", "twin"], "RViz, Rerun"),
     room("live", "the twin in real time", &["mechanics", "time", "parameters", "standing", "estimation", "twin"], "DDS, messages, recordings"),
     room("fleet", "a fleet without DDS", &["mechanics", "ros_interface", "printable", "time", "messages", "parameters", "twin"], "threads, DDS"),

@@ -9,8 +9,8 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - background.rs: The one thread that computes what columns await in the background, with the lowest priority: ranges of
-//   verdicts, and the critical velocities of columns at rest
+// - background.rs: The one thread that computes what columns await in the background, with the lowest priority: second
+//   opinions, ranges of verdicts, and the critical velocities of columns at rest
 // - by_key.rs: Columns in the order of a key, from which each can be taken out: a binary heap that allocates nothing after the
 //   start
 // - fleet_news.rs: What the solver threads of a fleet tell those that detect impacts
