@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::column_twin_msgs::ImpactReport;
+/// An outcome or an action that is not known, as in `ImpactReport`.
+const UNKNOWN: u8 = 255;
 
 /// What the fibre beam says of an impact beside the two bars.
 ///
@@ -42,7 +43,7 @@ impl Default for SecondOpinion {
         Self {
             state: Self::NONE,
             text: String::new(),
-            outcome: ImpactReport::OUTCOME_UNKNOWN,
+            outcome: UNKNOWN,
             max_displacement: f64::NAN,
             max_sideways: f64::NAN,
             max_displacement_time: f64::NAN,
@@ -53,7 +54,7 @@ impl Default for SecondOpinion {
             base_shear: f64::NAN,
             error_estimate: f64::NAN,
             ratio_to_two_bars: f64::NAN,
-            action: ImpactReport::ACTION_UNKNOWN,
+            action: UNKNOWN,
             counts: false,
             decides: false,
         }

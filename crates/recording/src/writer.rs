@@ -493,7 +493,6 @@ impl Writer {
         &self.directory
     }
 
-    /// The file that is written in it.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
