@@ -38,6 +38,7 @@ pub const ROOMS: &[Room] = &[
     room("beam", "the column as a fibre beam, the second opinion", &["mechanics"], "the two bars, names of parameters, files, clocks, threads"),
     room("ros_interface", "definitions and bytes of messages", &[], "columns, DDS"),
     room("recording crate", "recordings in MCAP", &[], "columns, DDS"),
+    room("alarm crate", "alarms that arrive", &[], "columns, DDS"),
     room("hexadecimal", "bytes as hexadecimal digits", &[], "everything else"),
     room("printable", "text from outside, escaped", &[], "everything else"),
     room("bounded_file", "a file that is expected to be short", &[], "what is in it"),
@@ -121,7 +122,7 @@ fn room_of(path: &Path) -> String {
         .collect();
     match (parts[0].as_str(), parts[1].as_str()) {
         ("src", room) => room.trim_end_matches(".rs").to_owned(),
-        (_, name @ ("recording" | "python")) => format!("{name} crate"),
+        (_, name @ ("alarm" | "recording" | "python")) => format!("{name} crate"),
         (_, name) => name.to_owned(),
     }
 }
