@@ -1,5 +1,6 @@
 //! One way of delivery with its rules, active alarms and spool: all but the network.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,6 +15,9 @@ use crate::rules::Rules;
 use crate::spool::{MAX_WAITING, Next, Spool, write_whole};
 use crate::statistics::ChannelStatistics;
 
+/// Most different problems that are told until it works again.
+const MAX_TOLD: usize = 16;
+
 /// The rank of a node that stopped.
 const STOPPED: u8 = 1;
 
@@ -26,6 +30,8 @@ pub(crate) struct Channel {
     spool: Spool,
     statistics: ChannelStatistics,
     notices: Notices,
+    /// The problems since it worked last that were told.
+    told: BTreeSet<String>,
     /// Keeps the folder for this process.
     _lock: File,
 }
@@ -85,6 +91,7 @@ impl Channel {
                 ..Default::default()
             },
             notices,
+            told: BTreeSet::new(),
             _lock: lock,
         };
         if found.damaged > 0 {
@@ -135,7 +142,12 @@ impl Channel {
 
     /// The connection is back: the broker may have published the will.
     pub fn reconnected(&mut self, now: SystemTime) {
-        if let Some(armed) = self.book.disarm() {
+        // Until the last news about this has arrived, another one would only add to it.
+        let pending = self
+            .spool
+            .messages()
+            .any(|it| it.watched.kind == NODE_STOPPED);
+        if let Some(armed) = (!pending).then(|| self.book.disarm()).flatten() {
             self.book.note(&armed);
             let running = self.node_condition(0, "The node is connected again.", now);
             let message = self.book.observe(&self.rules, &self.node, &running);
@@ -227,6 +239,7 @@ impl Channel {
         }
         self.statistics.works = Some(true);
         self.statistics.problem.clear();
+        self.told.clear();
     }
 
     /// The receiver rejected this message.
@@ -234,6 +247,11 @@ impl Channel {
         self.statistics.rejected += 1;
         let wait = self.spool.rejected(number, now);
         self.tell(&format!("the receiver rejected a message: {why}"), wait);
+    }
+
+    /// This message waits for a moment, and others go first.
+    pub fn postpone(&mut self, number: u64, now: Duration) {
+        self.spool.rejected(number, now);
     }
 
     /// The receiver cannot be reached.
@@ -245,8 +263,8 @@ impl Channel {
     /// Each problem is logged once, not at each attempt.
     fn tell(&mut self, why: &str, wait: Duration) {
         self.statistics.works = Some(false);
-        if self.statistics.problem != why {
-            why.clone_into(&mut self.statistics.problem);
+        why.clone_into(&mut self.statistics.problem);
+        if self.told.len() < MAX_TOLD && self.told.insert(why.to_owned()) {
             let waiting = self.spool.waiting();
             (self.notices)(
                 Importance::Warning,

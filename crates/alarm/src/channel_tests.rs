@@ -253,6 +253,25 @@ fn a_rejected_message_holds_up_only_those_about_the_same_thing() {
 }
 
 #[test]
+fn a_message_that_breaks_the_connection_each_time_does_not_hold_up_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut channel = open(folder.path());
+    channel.observe(&[
+        condition("action", "bad", 3, "e"),
+        condition("action", "good", 3, "e"),
+    ]);
+    let Next::Send(first) = channel.next(Duration::ZERO) else {
+        panic!("nothing waits");
+    };
+    channel.postpone(first.number, Duration::ZERO);
+    // Both are due by the time that the connection is back.
+    let Next::Send(next) = channel.next(Duration::from_secs(60)) else {
+        panic!("nothing waits");
+    };
+    assert_eq!(next.message.watched.subject, "good");
+}
+
+#[test]
 fn a_second_process_cannot_use_the_spool() {
     let folder = tempfile::tempdir().unwrap();
     let _first = open(folder.path());

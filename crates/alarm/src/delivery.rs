@@ -135,8 +135,8 @@ impl Alarms {
     /// Takes the present condition of something. Never waits: if the queue is full, the condition is dropped, counted and
     /// told as an error.
     pub fn observe(&self, condition: Condition) {
-        let sent = self.queue.as_ref().map(|it| it.try_send(condition));
-        if !matches!(sent, Some(Ok(()))) {
+        let queue = self.queue.as_ref();
+        if queue.is_none_or(|it| it.try_send(condition).is_err()) {
             let dropped = self.dropped.fetch_add(1, Ordering::Relaxed) + 1;
             // 1, 2, 4, 8, ...: a flood must not fill the log.
             if dropped.is_power_of_two() {
@@ -245,13 +245,15 @@ fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
         .build()
 }
 
-/// Sends one message of the state `test` by each way, past the spool and beside a running node, and returns for each way
-/// its name and why it failed.
+/// What became of a message that was tried: the name of the way, and why it failed.
+pub type Tried = (&'static str, Result<(), String>);
+
+/// Sends one message of the state `test` by each way, past the spool and beside a running node.
 ///
 /// # Errors
 ///
 /// If the settings cannot be used.
-pub fn try_out(settings: &Settings) -> Result<Vec<(&'static str, Result<(), String>)>, StartError> {
+pub fn try_out(settings: &Settings) -> Result<Vec<Tried>, StartError> {
     let now = time_of_day();
     let reason = "Somebody tries whether alarms arrive. Nothing has to be done.";
     let message = aside("test", State::Test, &settings.node, reason, now);

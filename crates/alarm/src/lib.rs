@@ -21,7 +21,7 @@ mod topic;
 mod webhook;
 
 pub use condition::{Condition, Level, NODE_STOPPED, Watched};
-pub use delivery::{Alarms, MAX_QUEUED, Settings, try_out};
+pub use delivery::{Alarms, MAX_QUEUED, Settings, Tried, try_out};
 pub use error::{StartError, TopicFault};
 pub use message::{JSON_SCHEMA, MAX_REASON, Message, SCHEMA, State};
 pub use mqtt::MqttSettings;

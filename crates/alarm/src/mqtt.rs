@@ -155,7 +155,7 @@ impl Broker {
                 match next {
                     Next::Send(it) => {
                         let topic = self.topic(&it.message);
-                        link.publish(&topic, QoS::AtLeastOnce, &it.message)?;
+                        link.publish(&topic, QoS::AtLeastOnce, &it.message);
                         on_its_way = Some((it.number, topic, now + TIMEOUT));
                     }
                     Next::At(time) => due = time,
@@ -167,7 +167,7 @@ impl Broker {
                 }
                 if pulse.is_due(now, sender.signs_of_life.load(Ordering::Relaxed)) {
                     let message = sender.channel().heartbeat(time_of_day());
-                    link.publish(&self.topic(&message), QoS::AtMostOnce, &message)?;
+                    link.publish(&self.topic(&message), QoS::AtMostOnce, &message);
                     sender.channel().heartbeat_sent();
                 }
                 if let Some(beat) = pulse.next() {
@@ -188,21 +188,35 @@ impl Broker {
                         if std::mem::replace(connected_before, true) {
                             channel.reconnected(time_of_day());
                         }
-                        channel.works();
+                        if matches!(channel.next(sender.now()), Next::Nothing) {
+                            backoff.succeeded();
+                            channel.works();
+                        }
                     }
                     Ok(Ok(Event::Incoming(Packet::PubAck(ack)))) => {
-                        backoff.succeeded();
                         if let Some((number, topic, _)) = on_its_way.take() {
                             let mut channel = sender.channel();
                             match self.rejection(&topic, ack.reason) {
-                                None => channel.delivered(number),
+                                None => {
+                                    backoff.succeeded();
+                                    channel.delivered(number);
+                                }
                                 Some(why) => channel.rejected(number, sender.now(), &why),
                             }
                         }
                     }
                     Ok(Ok(_)) => {}
-                    Ok(Err(fault)) => return Err(self.in_words(&fault)),
-                    Err(_) => return Err(format!("{}: the connection ended", self.address)),
+                    broken => {
+                        if let Some((number, _, _)) = on_its_way {
+                            // It may be the reason: mosquitto hangs up after a message that it does not take, sometimes
+                            // before its acknowledgement says so. The others go first.
+                            sender.channel().postpone(number, sender.now());
+                        }
+                        return Err(match broken {
+                            Ok(Err(fault)) => self.in_words(&fault),
+                            _ => format!("{}: the connection ended", self.address),
+                        });
+                    }
                 },
                 () = sender.bell.heard() => {
                     if sender.ends() && !connected {
@@ -263,8 +277,7 @@ impl Broker {
         ));
         let mut link = Link::open(options);
         let topic = self.topic(message);
-        link.publish(&topic, QoS::AtLeastOnce, message)
-            .map_err(away)?;
+        link.publish(&topic, QoS::AtLeastOnce, message);
         let acknowledged = async {
             loop {
                 match link.events.recv_async().await {
@@ -317,16 +330,18 @@ impl Link {
         }
     }
 
-    fn publish(&mut self, topic: &str, qos: QoS, message: &Message) -> Result<(), String> {
+    /// Hands a message to the poller. If that has ended, its last event says why.
+    fn publish(&mut self, topic: &str, qos: QoS, message: &Message) {
         let properties = PublishProperties {
             payload_format_indicator: Some(1),
             content_type: Some(CONTENT_TYPE.to_owned()),
             ..Default::default()
         };
         let retain = message.is_state() && message.state != State::Test;
-        self.client
-            .try_publish_with_properties(topic, qos, retain, message.json(), properties)
-            .map_err(|fault| fault.to_string())
+        let json = message.json();
+        let _ = self
+            .client
+            .try_publish_with_properties(topic, qos, retain, json, properties);
     }
 
     /// Leaves in order, so that the broker does not publish the will.
@@ -356,6 +371,14 @@ async fn poll(mut events: EventLoop, sent: flume::Sender<Result<Event, Connectio
     loop {
         let event = events.poll().await;
         let broken = event.is_err();
+        if broken {
+            // What arrived before the end, such as the acknowledgement after which mosquitto hangs up.
+            for earlier in std::mem::take(&mut events.state.events) {
+                if sent.send_async(Ok(earlier)).await.is_err() {
+                    return;
+                }
+            }
+        }
         if sent.send_async(event).await.is_err() || broken {
             return;
         }
@@ -371,9 +394,12 @@ fn address(text: &str) -> Option<(bool, &str, u16)> {
     };
     let (host, port) = rest.trim_end_matches('/').rsplit_once(':')?;
     // rumqttc looks an address of IPv6 up with brackets, and compares it with the certificate with them, too.
-    let is_host = !host.is_empty()
-        && !(encrypted && host.starts_with('['))
-        && !host.contains(['/', '@', ' ', '?', '#']);
+    let forbidden: &[char] = if encrypted {
+        &['/', '@', ' ', '?', '#', '[']
+    } else {
+        &['/', '@', ' ', '?', '#']
+    };
+    let is_host = !host.is_empty() && !host.contains(forbidden);
     let port = port.parse().ok().filter(|it| *it != 0)?;
     is_host.then_some((encrypted, host, port))
 }

@@ -4,7 +4,7 @@
 //! Lines are only ever appended, and the disk has them before a message is sent; what is not acknowledged is sent again.
 //! Acknowledgements need not reach the disk: without one a message is repeated with its id.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -124,27 +124,33 @@ impl Spool {
         Ok(())
     }
 
-    /// What to do at this time. A rejected message holds up only those about the same thing, so that these stay in order.
+    /// What to do at this time. A message that failed holds up only those about the same thing, so that these stay in
+    /// order; the others go first, even if it is due again.
     pub fn next(&self, now: Duration) -> Next {
-        let Some(first) = self.waiting.front() else {
-            return Next::Nothing;
-        };
-        if first.not_before <= now {
-            return Next::Send(Box::new(first.clone()));
-        }
-        let mut rejected = std::collections::BTreeSet::new();
-        let mut earliest = first.not_before;
+        let mut held_up = BTreeSet::new();
+        let mut best: Option<&Waiting> = None;
+        let mut earliest = None;
         for it in &self.waiting {
-            if rejected.contains(&it.message.watched) {
+            if held_up.contains(&it.message.watched) {
                 continue;
             }
-            if it.not_before <= now {
-                return Next::Send(Box::new(it.clone()));
+            if it.not_before > now {
+                earliest = Some(
+                    earliest.map_or(it.not_before, |other: Duration| other.min(it.not_before)),
+                );
+            } else if best.is_none_or(|best| it.rejections < best.rejections) {
+                best = Some(it);
             }
-            earliest = earliest.min(it.not_before);
-            rejected.insert(&it.message.watched);
+            if best.is_some_and(|best| best.rejections == 0) {
+                break;
+            }
+            held_up.insert(&it.message.watched);
         }
-        Next::At(earliest)
+        match (best, earliest) {
+            (Some(best), _) => Next::Send(Box::new(best.clone())),
+            (None, Some(time)) => Next::At(time),
+            (None, None) => Next::Nothing,
+        }
     }
 
     /// This message was delivered.
@@ -232,7 +238,7 @@ fn read_line(line: &str) -> Option<Line> {
 /// The messages that wait, the next number, and how many lines are damaged. What follows the last line end was being
 /// written when the process was killed, and nobody relies on it.
 fn read_lines(bytes: &[u8]) -> (VecDeque<Waiting>, u64, usize) {
-    let mut waiting: std::collections::BTreeMap<u64, Message> = Default::default();
+    let mut waiting: BTreeMap<u64, Message> = BTreeMap::new();
     let mut next_number = 0;
     let mut damaged = 0;
     let whole = bytes

@@ -157,7 +157,11 @@ fn child_that_is_killed() {
     let delivers = std::env::var("ALARM_TEST_DELIVERS").is_ok();
     wait_until(&alarms, "spooled", |it| {
         let channel = &it.channels[0];
-        channel.waiting == 3 || (delivers && channel.delivered == 3)
+        (if delivers {
+            channel.delivered
+        } else {
+            channel.waiting
+        }) == 3
     });
     println!("\nspooled");
     std::thread::park();
@@ -272,7 +276,7 @@ fn a_topic_that_the_broker_forbids_is_told_and_kept_and_does_not_hold_up_others(
     let acl = folder.path().join("acl");
     fs::write(
         &acl,
-        "topic read #\ntopic write hello\ntopic write site/twin/good/#\n",
+        "topic read #\ntopic write hello\ntopic write site/twin/good/#\ntopic write site/twin/twin/node_stopped\n",
     )
     .unwrap();
     let broker = Mosquitto::started(folder.path(), &format!("acl_file {}", acl.display()));
@@ -281,18 +285,13 @@ fn a_topic_that_the_broker_forbids_is_told_and_kept_and_does_not_hold_up_others(
     let alarms = Alarms::start(&settings(&broker.address(), folder.path()), notices).unwrap();
     alarms.observe(condition("bad", 3));
     alarms.observe(condition("good", 3));
-    let (topic, _, _) = next(&lines);
-    assert_eq!(topic, "site/twin/good/action");
+    while next(&lines).0 != "site/twin/good/action" {}
     wait_until(&alarms, "rejected", |it| {
-        it.channels[0].rejected > 0 && it.channels[0].waiting == 1
+        it.channels[0].rejected > 0 && it.channels[0].waiting > 0
     });
     let told = told.lock().unwrap().clone();
-    assert!(
-        told[0]
-            .1
-            .contains("does not take site/twin/bad/action: NotAuthorized"),
-        "{told:?}"
-    );
+    let expected = "does not take site/twin/bad/action: NotAuthorized";
+    assert!(told.iter().any(|it| it.1.contains(expected)), "{told:?}");
     let tried = try_out(&settings(&broker.address(), folder.path())).unwrap();
     assert!(
         tried[0]

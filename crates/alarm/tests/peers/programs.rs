@@ -8,7 +8,7 @@ use std::io::{BufRead as _, BufReader};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::PATIENCE;
@@ -78,10 +78,7 @@ impl Lines {
 
     /// A further line, if one comes within a moment.
     pub fn next_soon(&self) -> Option<String> {
-        match self.lines.recv_timeout(Duration::from_millis(500)) {
-            Ok(line) => Some(line),
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-        }
+        self.lines.recv_timeout(Duration::from_millis(500)).ok()
     }
 }
 
