@@ -58,7 +58,10 @@ impl Settings {
 
 /// Whether a parameter is not written while it has its default, as in the files of programs that do not know it.
 fn is_left_out(name: &str) -> bool {
-    name == "impact.direction" || name.starts_with("beam.")
+    name == "impact.direction"
+        || ["beam.", "alarm.", "metrics."]
+            .iter()
+            .any(|group| name.starts_with(group))
 }
 
 impl Settings {
@@ -107,7 +110,7 @@ fn value_of_json(json: &Json, parameter: &Parameter) -> Value {
 }
 
 /// Inserts a value under a name whose groups are separated by dots.
-fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
+pub(super) fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
     let Some((group, rest)) = name.split_once('.') else {
         tree.insert(name.to_owned(), value);
         return;
@@ -155,6 +158,8 @@ mod tests {
         // What is left out while it has its default.
         settings.impact.direction = 0.1;
         settings.beam.elements = 16;
+        settings.alarm.heartbeat = 1.0;
+        settings.metrics.address = "127.0.0.1:1".to_owned();
         settings.sensors.names = vec!["<name>".to_owned()];
         settings.sensors.each.insert("<name>".to_owned(), sensor);
         let mut names = Vec::new();

@@ -145,6 +145,8 @@ impl Broker {
         }
         let mut link = Link::open(options);
         let mut connected = false;
+        // Whether the last acknowledgement was a rejection, which would explain why the broker hangs up.
+        let mut was_rejected = false;
         // The message on its way, and when its acknowledgement is overdue.
         let mut on_its_way: Option<(u64, String, Duration)> = None;
         loop {
@@ -199,15 +201,19 @@ impl Broker {
                             match self.rejection(&topic, ack.reason) {
                                 None => {
                                     backoff.succeeded();
+                                    was_rejected = false;
                                     channel.delivered(number);
                                 }
-                                Some(why) => channel.rejected(number, sender.now(), &why),
+                                Some(why) => {
+                                    was_rejected = true;
+                                    channel.rejected(number, sender.now(), &why);
+                                }
                             }
                         }
                     }
                     Ok(Ok(_)) => {}
                     broken => {
-                        if let Some((number, _, _)) = on_its_way {
+                        if let (Some((number, _, _)), false) = (on_its_way, was_rejected) {
                             // It may be the reason: mosquitto hangs up after a message that it does not take, sometimes
                             // before its acknowledgement says so. The others go first.
                             sender.channel().postpone(number, sender.now());
