@@ -1,10 +1,6 @@
 //! The rows of the table about alarms and metrics.
 
-use serde_json::{Map, Value as Json};
-
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
-use super::settings::{AlarmSettings, MetricsSettings};
-use super::settings_values::insert;
 
 /// The rows, in the order of the documentation.
 pub(super) const ROWS: [Parameter; 21] = [
@@ -148,41 +144,4 @@ const fn action(name: &'static str) -> Parameter {
         applies: Applies::Restart,
         meaning: "mildest action that is an alarm; off: none is",
     }
-}
-
-impl Default for AlarmSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        defaults("alarm", &ROWS)
-    }
-}
-
-impl AlarmSettings {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl Default for MetricsSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        defaults("metrics", &[METRICS_ADDRESS])
-    }
-}
-
-impl MetricsSettings {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-/// A group of settings as its rows have it.
-fn defaults<T: serde::de::DeserializeOwned>(group: &str, rows: &[Parameter]) -> T {
-    let mut tree = Map::new();
-    for row in rows {
-        let value = serde_json::to_value(row.default_value());
-        insert(&mut tree, row.name, value.expect("a value is JSON"));
-    }
-    let settings = tree.remove(group).unwrap_or(Json::Null);
-    serde_json::from_value(settings).expect("a test compares rows and struct")
 }

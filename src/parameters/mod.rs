@@ -23,6 +23,7 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - alarm_rows.rs: The rows of the table about alarms and metrics
 // - base.rs: The connection of the column's base, as given and as assumed
 // - beam.rs: The rows of the table about the direction of a hit and the fibre beam, and what follows from them
 // - catalogue.rs: The catalogue of rolled sections: HEA, HEB, HEM and IPE of EN 10365, from `config/sections.csv`

@@ -5,7 +5,9 @@ use serde_json::{Map, Value as Json};
 use super::base::FRICTION;
 use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
-use super::settings::{BaseConnection, BaseSettings, SensorSettings, Settings};
+use super::settings::{
+    AlarmSettings, BaseConnection, BaseSettings, MetricsSettings, SensorSettings, Settings,
+};
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
 use super::vehicles::impact_point_of;
@@ -26,6 +28,44 @@ impl Default for BaseSettings {
             friction: FRICTION,
         }
     }
+}
+
+impl Default for AlarmSettings {
+    /// The defaults of the table.
+    fn default() -> Self {
+        defaults("alarm")
+    }
+}
+
+impl Default for MetricsSettings {
+    /// The defaults of the table.
+    fn default() -> Self {
+        defaults("metrics")
+    }
+}
+
+impl AlarmSettings {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl MetricsSettings {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A group of settings with the defaults of the table.
+fn defaults<T: serde::de::DeserializeOwned>(group: &str) -> T {
+    let mut tree = Map::new();
+    let is_of_group = |row: &&Parameter| row.name.split('.').next() == Some(group);
+    for row in PARAMETERS.iter().filter(is_of_group) {
+        let value = serde_json::to_value(row.default_value());
+        insert(&mut tree, row.name, value.expect("a value is JSON"));
+    }
+    let settings = tree.remove(group).unwrap_or(Json::Null);
+    serde_json::from_value(settings).expect("a test compares table and struct")
 }
 
 impl Settings {
@@ -110,7 +150,7 @@ fn value_of_json(json: &Json, parameter: &Parameter) -> Value {
 }
 
 /// Inserts a value under a name whose groups are separated by dots.
-pub(super) fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
+fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
     let Some((group, rest)) = name.split_once('.') else {
         tree.insert(name.to_owned(), value);
         return;

@@ -133,10 +133,11 @@ impl Alarms {
     }
 
     /// Takes the present condition of something. Never waits: if the queue is full, the condition is dropped, counted and
-    /// told as an error.
-    pub fn observe(&self, condition: Condition) {
+    /// told as an error, and the result is false.
+    pub fn observe(&self, condition: Condition) -> bool {
         let queue = self.queue.as_ref();
-        if queue.is_none_or(|it| it.try_send(condition).is_err()) {
+        let is_taken = queue.is_some_and(|it| it.try_send(condition).is_ok());
+        if !is_taken {
             let dropped = self.dropped.fetch_add(1, Ordering::Relaxed) + 1;
             // 1, 2, 4, 8, ...: a flood must not fill the log.
             if dropped.is_power_of_two() {
@@ -148,6 +149,7 @@ impl Alarms {
                 );
             }
         }
+        is_taken
     }
 
     /// The host lives: without this, no heartbeat is sent.
