@@ -2,6 +2,7 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - alarm.rs: `column-twin alarm`: tries whether alarms arrive
 // - capacity.rs: `column-twin capacity`: the axial capacity of the column, undamaged and as it is, and what follows for its
 //   load
 // - demo/: `column-twin demo`: one impact from the event to the verified recording, on this machine and with nothing installed
@@ -36,6 +37,8 @@
 // - verify.rs: `column-twin verify`: verifies a recording by recomputation
 // - watch.rs: `column-twin watch`: prints what a running twin or a fleet publishes
 
+#[cfg(feature = "alarm")]
+mod alarm;
 mod capacity;
 #[cfg(test)]
 mod capacity_tests;
@@ -156,6 +159,9 @@ enum CliCommand {
     /// Print the topics and messages of the node as OMG IDL, for DDS programs without ROS
     #[cfg(feature = "ros")]
     Idl(idl::IdlArgs),
+    /// Try whether alarms arrive
+    #[cfg(feature = "alarm")]
+    Alarm(alarm::AlarmArgs),
     /// Make and maintain keys, certificates and permissions for DDS security
     Keystore(keystore::KeystoreArgs),
     /// Summarise a recording: topics, impacts with their outcomes, losses
@@ -227,6 +233,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Watch(arguments) => watch::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
+        #[cfg(feature = "alarm")]
+        CliCommand::Alarm(arguments) => alarm::run(arguments, ros, &mut shown()),
         #[cfg(feature = "security")]
         CliCommand::Keystore(arguments) => keystore::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(not(feature = "security"))]

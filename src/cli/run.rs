@@ -6,7 +6,9 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use column_twin::ros::security::protection;
-use column_twin::ros::{self, Environment, RosArguments, RunEnd, RunError, RunOptions, StartError};
+use column_twin::ros::{
+    self, Environment, NodeError, RosArguments, RunEnd, RunError, RunOptions, StartError,
+};
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -50,6 +52,9 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
             _,
             StartError::Selection(_) | StartError::SensorTopics { .. } | StartError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
+        error @ RunError::Node(NodeError::Alarms(_) | NodeError::Metrics(_)) => {
+            Failure::plain(Exit::BadInput, error)
+        }
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),

@@ -38,7 +38,7 @@ const NAMESPACE: &str = "namespace";
 const COLUMN_ID: &str = "column_id";
 
 /// Parameters, and groups of parameters, that all columns of a fleet share, because they belong to the node.
-const OF_THE_NODE: [&str; 7] = [
+const OF_THE_NODE: [&str; 9] = [
     "use_sim_time",
     "start_type_description_service",
     "senders",
@@ -46,6 +46,8 @@ const OF_THE_NODE: [&str; 7] = [
     "real_time",
     "record",
     "viewer",
+    "alarm",
+    "metrics",
 ];
 
 /// Whether a parameter belongs to the node of a fleet, and not to each of its columns.

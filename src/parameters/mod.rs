@@ -23,6 +23,7 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - alarm_rows.rs: The rows of the table about alarms and metrics
 // - base.rs: The connection of the column's base, as given and as assumed
 // - beam.rs: The rows of the table about the direction of a hit and the fibre beam, and what follows from them
 // - catalogue.rs: The catalogue of rolled sections: HEA, HEB, HEM and IPE of EN 10365, from `config/sections.csv`
@@ -63,6 +64,7 @@
 // - yaml.rs: YAML text as a tree that knows the place of every node, keeps duplicate keys and bounds its own depth
 // - yaml_1_1.rs: Values as programs send them that read YAML 1.1, such as `ros2 param`
 
+mod alarm_rows;
 mod base;
 mod beam;
 mod catalogue;
@@ -128,14 +130,16 @@ pub use section::ColumnSection;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
-    AcceptEstimates, AssessmentSettings, BaseConnection, BaseSettings, BeamMode, BeamSettings,
-    BowAxes, CapacitySettings, Compression, DampingSettings, EstimationSettings, EventSettings,
-    GeometrySettings, HardeningSettings, HingeSettings, LoadBasis, RateLawKind, RateSettings,
-    RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings,
-    Settings, ShearModel, ShearSettings, SiteSettings, SofteningModel, SofteningSettings,
-    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
-    TopSettings, TorsionModel, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AcceptEstimates, AlarmAction, AlarmMqttSettings, AlarmSettings, AlarmWebhookSettings,
+    AssessmentSettings, BaseConnection, BaseSettings, BeamMode, BeamSettings, BowAxes,
+    CapacitySettings, Compression, DampingSettings, EstimationSettings, EventSettings,
+    GeometrySettings, HardeningSettings, HingeSettings, LoadBasis, MetricsSettings, RateLawKind,
+    RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
+    ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
+    SensorsSettings, Settings, ShearModel, ShearSettings, SiteSettings, SofteningModel,
+    SofteningSettings, SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind,
+    SupportSettings, TopSettings, TorsionModel, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use shear::{NoShear, POISSON_RATIO};
 pub use steel::{STEEL_GRADES, SteelGrade};

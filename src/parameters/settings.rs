@@ -55,6 +55,11 @@ pub struct Settings {
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
+    // Left out where nothing differs from the defaults, as in the recordings and states of programs that know no alarms.
+    #[serde(default, skip_serializing_if = "AlarmSettings::is_default")]
+    pub alarm: AlarmSettings,
+    #[serde(default, skip_serializing_if = "MetricsSettings::is_default")]
+    pub metrics: MetricsSettings,
     // Left out where there are none, as in the recordings and states of programs that know no sensors.
     #[serde(default, skip_serializing_if = "SensorsSettings::is_empty")]
     pub sensors: SensorsSettings,
@@ -280,6 +285,40 @@ groups! {
         #[serde(default)]
         select: Vec<String>,
     }
+    /// Alarms that arrive.
+    AlarmSettings {
+        spool: String,
+        heartbeat: f64,
+        mqtt: AlarmMqttSettings,
+        webhook: AlarmWebhookSettings,
+    }
+    /// Alarms by MQTT.
+    AlarmMqttSettings {
+        broker: String,
+        client_id: String,
+        topic: String,
+        user: String,
+        password_file: String,
+        ca_file: String,
+        certificate_file: String,
+        key_file: String,
+        action: AlarmAction,
+        sensor_failed: bool,
+        node_stopped: bool,
+    }
+    /// Alarms by webhook.
+    AlarmWebhookSettings {
+        url: String,
+        secret_file: String,
+        ca_file: String,
+        certificate_file: String,
+        key_file: String,
+        action: AlarmAction,
+        sensor_failed: bool,
+        node_stopped: bool,
+    }
+    /// Metrics for Prometheus.
+    MetricsSettings { address: String }
     /// One sensor.
     SensorSettings {
         quantity: String,
@@ -431,6 +470,19 @@ words! {
         Y,
         /// The third one.
         Z,
+    }
+    /// The mildest action that is an alarm.
+    AlarmAction {
+        /// None is.
+        Off,
+        /// To inspect the column.
+        Inspect,
+        /// To keep people and loads away.
+        Restrict,
+        /// To take the load off.
+        Shore,
+        /// To leave the building.
+        Evacuate,
     }
     /// Destination of the pictures.
     ViewerMode {

@@ -5,7 +5,9 @@ use serde_json::{Map, Value as Json};
 use super::base::FRICTION;
 use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
-use super::settings::{BaseConnection, BaseSettings, SensorSettings, Settings};
+use super::settings::{
+    AlarmSettings, BaseConnection, BaseSettings, MetricsSettings, SensorSettings, Settings,
+};
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
 use super::vehicles::impact_point_of;
@@ -26,6 +28,44 @@ impl Default for BaseSettings {
             friction: FRICTION,
         }
     }
+}
+
+impl Default for AlarmSettings {
+    /// The defaults of the table.
+    fn default() -> Self {
+        defaults("alarm")
+    }
+}
+
+impl Default for MetricsSettings {
+    /// The defaults of the table.
+    fn default() -> Self {
+        defaults("metrics")
+    }
+}
+
+impl AlarmSettings {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl MetricsSettings {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A group of settings with the defaults of the table.
+fn defaults<T: serde::de::DeserializeOwned>(group: &str) -> T {
+    let mut tree = Map::new();
+    let is_of_group = |row: &&Parameter| row.name.split('.').next() == Some(group);
+    for row in PARAMETERS.iter().filter(is_of_group) {
+        let value = serde_json::to_value(row.default_value());
+        insert(&mut tree, row.name, value.expect("a value is JSON"));
+    }
+    let settings = tree.remove(group).unwrap_or(Json::Null);
+    serde_json::from_value(settings).expect("a test compares table and struct")
 }
 
 impl Settings {
@@ -58,7 +98,10 @@ impl Settings {
 
 /// Whether a parameter is not written while it has its default, as in the files of programs that do not know it.
 fn is_left_out(name: &str) -> bool {
-    name == "impact.direction" || name.starts_with("beam.")
+    name == "impact.direction"
+        || ["beam.", "alarm.", "metrics."]
+            .iter()
+            .any(|group| name.starts_with(group))
 }
 
 impl Settings {
@@ -155,6 +198,8 @@ mod tests {
         // What is left out while it has its default.
         settings.impact.direction = 0.1;
         settings.beam.elements = 16;
+        settings.alarm.heartbeat = 1.0;
+        settings.metrics.address = "127.0.0.1:1".to_owned();
         settings.sensors.names = vec!["<name>".to_owned()];
         settings.sensors.each.insert("<name>".to_owned(), sensor);
         let mut names = Vec::new();

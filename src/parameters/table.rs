@@ -1,5 +1,6 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
+use super::alarm_rows;
 use super::base::{CONCRETE_WORDS, FRICTION, GRADE_WORDS};
 use super::beam;
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
@@ -1288,6 +1289,28 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "columns of a fleet that the viewer always shows in full, besides the one that was hit last: their `column_id`, or their \
                   names with the wildcards of parameter files (`/garage/*`); a single twin ignores it",
     },
+    alarm_rows::ROWS[0],
+    alarm_rows::ROWS[1],
+    alarm_rows::ROWS[2],
+    alarm_rows::ROWS[3],
+    alarm_rows::ROWS[4],
+    alarm_rows::ROWS[5],
+    alarm_rows::ROWS[6],
+    alarm_rows::ROWS[7],
+    alarm_rows::ROWS[8],
+    alarm_rows::ROWS[9],
+    alarm_rows::ROWS[10],
+    alarm_rows::ROWS[11],
+    alarm_rows::ROWS[12],
+    alarm_rows::ROWS[13],
+    alarm_rows::ROWS[14],
+    alarm_rows::ROWS[15],
+    alarm_rows::ROWS[16],
+    alarm_rows::ROWS[17],
+    alarm_rows::ROWS[18],
+    alarm_rows::ROWS[19],
+    alarm_rows::ROWS[20],
+    alarm_rows::METRICS_ADDRESS,
     // The last row: the rows of every sensor, in `sensors.rs`, continue the table.
     Parameter {
         name: "sensors.names",

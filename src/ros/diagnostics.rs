@@ -31,6 +31,9 @@ pub(super) struct Observed<'a> {
     pub recording: Option<&'a RecordingHealth>,
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
+    /// `None` without alarms.
+    #[cfg(feature = "alarm")]
+    pub alarms: Option<DiagnosticStatus>,
     /// `None` without sensors.
     pub sensors: Option<DiagnosticStatus>,
     /// The columns of a fleet that need somebody.
@@ -49,6 +52,8 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
         topics,
         recording,
         security,
+        #[cfg(feature = "alarm")]
+        alarms,
         sensors,
         of_columns,
         is_responding,
@@ -66,6 +71,8 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
     status.extend(counters.senders.as_deref().map(senders_status));
     let clock = counters.clock.as_ref();
     status.extend(clock.map(|it| clock_status(it, is_responding)));
+    #[cfg(feature = "alarm")]
+    status.extend(alarms);
     status.extend(sensors);
     for one in &mut status {
         hardware_id.clone_into(&mut one.hardware_id);
@@ -396,6 +403,8 @@ mod tests {
             topics: None,
             recording: None,
             security: None,
+            #[cfg(feature = "alarm")]
+            alarms: None,
             sensors: None,
             of_columns: Vec::new(),
             is_responding: !twin.is_at_rest(),

@@ -135,6 +135,11 @@ impl SensorInputs {
         }
     }
 
+    /// The health of the sensors.
+    pub fn health(&self, now: Nanos) -> Vec<SensorHealth> {
+        self.intake().health(now)
+    }
+
     /// Logs what has changed since the last call, and returns the health of the sensors.
     pub fn status(&self, now: Nanos) -> SensorStatus {
         let (health, strays) = {

@@ -10,6 +10,8 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - address_space.rs: How much address space the system grants to the node
+// - alarms.rs: Alarms of the node: which outputs of the columns are conditions, and the delivery that the parameters describe
+// - alarms_absent.rs: Alarms in a program without the feature `alarm`: says so if the parameters ask for them
 // - arguments.rs: The arguments after `--ros-args`, as in rcl
 //   (<https://design.ros2.org/articles/ros_command_line_arguments.html>)
 // - client.rs: Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation
@@ -23,6 +25,7 @@
 //   aggregators
 // - duplicates.rs: Warns about another node with the same name, and about another twin of the same column, on the network
 // - environment.rs: The environment variables of ROS 2 for domain, discovery and namespace
+// - exposition.rs: Metrics in the text format that Prometheus reads (version 0.0.4)
 // - face.rs: The two faces of a node
 // - fleet/: What the node of a fleet does besides: topics of single columns while somebody listens there, the status of all
 //   columns in few messages, vehicles that hit several columns, and the diagnostics of many columns
@@ -43,6 +46,8 @@
 // - measure.rs: `column-twin measure`: publishes a table of readings as the sensors would, in real time
 // - measurements.rs: The measurements over DDS: from the topics of the sensors through their intake to the recording and to the
 //   queue
+// - metrics.rs: The metrics of the node: what the publishing thread knows, as a page for Prometheus
+// - metrics_server.rs: The port from which Prometheus reads the metrics
 // - missed.rs: Detects lost messages
 // - names.rs: Names of topics and services: validation, expansion and remapping
 //   (<https://design.ros2.org/articles/topic_and_service_names.html>, static remapping as in rcl)
@@ -68,6 +73,7 @@
 // - sending.rs: How a message leaves the node: to its readers, and to the recording
 // - sensor_watch.rs: The health of the sensors, in `/diagnostics` and in the log
 // - signals.rs: SIGINT and SIGTERM: the first signal asks the program to stop, the second ends it immediately
+// - standing_action.rs: What has to be done with a column, as its outputs say it: for alarms and metrics
 // - subscribed.rs: What a client of the twin subscribes to, and its waits
 // - task.rs: Named threads that run futures until they are stopped
 // - twin_node.rs: The node of one column or many: all topics and services, in separate threads
@@ -76,6 +82,8 @@
 // - utc.rs: A time for people
 
 mod address_space;
+#[cfg_attr(not(feature = "alarm"), path = "alarms_absent.rs")]
+mod alarms;
 mod arguments;
 mod client;
 mod client_error;
@@ -86,6 +94,7 @@ mod detected;
 mod diagnostics;
 mod duplicates;
 mod environment;
+mod exposition;
 mod face;
 mod fleet;
 mod fleet_view;
@@ -102,6 +111,8 @@ mod lost_peers;
 mod matches;
 mod measure;
 mod measurements;
+mod metrics;
+mod metrics_server;
 mod missed;
 mod names;
 mod node;
@@ -124,6 +135,7 @@ mod senders;
 mod sending;
 mod sensor_watch;
 mod signals;
+mod standing_action;
 mod subscribed;
 mod task;
 mod twin_node;
@@ -150,6 +162,8 @@ pub use node::{Node, NodeError};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
 pub use row_client::{RowImpactOptions, send_row_impact};
+#[cfg(feature = "alarm")]
+pub use run::try_alarms;
 pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;

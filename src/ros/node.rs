@@ -42,6 +42,12 @@ pub enum NodeError {
     /// The enclave is missing or cannot be used.
     #[error(transparent)]
     Security(#[from] SecurityError),
+    /// The delivery of alarms cannot be started.
+    #[error("the alarms cannot start: {0}")]
+    Alarms(String),
+    /// The metrics cannot be served.
+    #[error("{0}")]
+    Metrics(String),
     /// The node or an endpoint cannot be created.
     #[error("cannot create {what}: {reason}")]
     Endpoint {

@@ -25,6 +25,7 @@ use super::fleet::FleetPublishing;
 use super::loss_log::LossLog;
 use super::matches::Matches;
 use super::measurements::SensedColumns;
+use super::metrics::Known;
 use super::node::{Node, NodeError};
 use super::output_log::OutputLog;
 use super::parameter_services;
@@ -161,9 +162,46 @@ impl Publishing {
                 self.warn_of_a_missing_clock();
                 let last = self.last_diagnostics.as_ref();
                 if last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
+                    self.look_at_sensors();
                     self.diagnose(true);
                 }
             }
+        }
+    }
+
+    /// Tells the alarms how the sensors are, and that the node lives; shows the newest metrics.
+    fn look_at_sensors(&mut self) {
+        let is_wanted = self.sending.metrics.is_some();
+        #[cfg(feature = "alarm")]
+        let is_wanted = is_wanted || self.sending.alarms.is_some();
+        if !is_wanted {
+            return;
+        }
+        let now = self.sending.columns.now();
+        let sensed = self.sensed.iter().flat_map(|it| it.columns());
+        let sensors: Vec<_> = sensed
+            .map(|it| (it.column_id().to_owned(), it.health(now)))
+            .collect();
+        let mut channels = Vec::new();
+        #[cfg(feature = "alarm")]
+        if let Some(alarms) = &mut self.sending.alarms {
+            alarms.sign_of_life();
+            for (column_id, health) in &sensors {
+                alarms.sensors(column_id, health);
+            }
+            channels = alarms.channels();
+        }
+        #[cfg(not(feature = "alarm"))]
+        channels.clear();
+        if let Some(metrics) = &self.sending.metrics {
+            let health = self.sending.columns.health();
+            metrics.show(&Known {
+                recording: self.sending.recording_health(&health).as_ref(),
+                health: &health,
+                counters: &self.sending.counters,
+                sensors: &sensors,
+                alarms: &channels,
+            });
         }
     }
 
@@ -180,6 +218,10 @@ impl Publishing {
     fn finish(&mut self) {
         if let Some(fleet) = &mut self.fleet {
             fleet.finish(&self.sending, &self.publishers);
+        }
+        #[cfg(feature = "alarm")]
+        if let Some(alarms) = self.sending.alarms.take() {
+            alarms.stop();
         }
     }
 
@@ -211,6 +253,14 @@ impl Publishing {
     fn publish(&mut self, column: u32, output: Output) {
         let is_fleet = self.fleet.is_some();
         self.log.note(column, &output);
+        let columns = &self.sending.columns;
+        #[cfg(feature = "alarm")]
+        if let Some(alarms) = &mut self.sending.alarms {
+            alarms.note(columns.face().id(column), &output);
+        }
+        if let Some(metrics) = &mut self.sending.metrics {
+            metrics.note(columns.face().id(column), &output, columns.now());
+        }
         if let Some(fleet) = &mut self.fleet {
             fleet.note(column, &output, &self.sending.columns);
         }
@@ -392,6 +442,8 @@ impl Publishing {
                 topics: self.fleet.as_ref().map(FleetPublishing::topics_status),
                 recording: self.sending.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
+                #[cfg(feature = "alarm")]
+                alarms: self.sending.alarms.as_ref().map(|it| it.status()),
                 sensors,
                 of_columns,
                 is_responding: self.is_responding(),

@@ -99,21 +99,45 @@ enum Loaded {
 /// # Errors
 /// Names or parameters are not valid, or the node, the twin or the recording cannot be started.
 pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
-    run_loaded(options, |names| {
-        let files = options.parameter_files.iter().cloned().map(Source::File);
-        let sources: Vec<_> = files
-            .chain(options.ros.parameters.iter().cloned())
-            .collect();
-        let files = sources.iter().filter_map(|source| match source {
-            Source::File(path) => Some(path.as_path()),
-            Source::Override(_) | Source::Value(..) => None,
-        });
-        if FleetColumns::are_named_in(names, files) {
-            return load_fleet(options, names);
-        }
-        let (parameters, warnings) = Parameters::load_in_order(names, sources)?;
-        Ok((Loaded::One(Box::new(parameters)), warnings))
-    })
+    run_loaded(options, |names| load(options, names))
+}
+
+/// A single twin, or a fleet if the parameter files name several columns.
+fn load(options: &RunOptions, names: &NodeName) -> Result<(Loaded, Vec<Fault>), ParameterFaults> {
+    let files = options.parameter_files.iter().cloned().map(Source::File);
+    let sources: Vec<_> = files
+        .chain(options.ros.parameters.iter().cloned())
+        .collect();
+    let files = sources.iter().filter_map(|source| match source {
+        Source::File(path) => Some(path.as_path()),
+        Source::Override(_) | Source::Value(..) => None,
+    });
+    if FleetColumns::are_named_in(names, files) {
+        return load_fleet(options, names);
+    }
+    let (parameters, warnings) = Parameters::load_in_order(names, sources)?;
+    Ok((Loaded::One(Box::new(parameters)), warnings))
+}
+
+/// Sends a message of the state `test` by each way of delivery that the parameters ask for, without a node; `None` if they
+/// ask for none.
+///
+/// # Errors
+/// Names or parameters are not valid, or the delivery cannot be used.
+#[cfg(feature = "alarm")]
+pub fn try_alarms(options: &RunOptions) -> Result<Option<Vec<column_alarm::Tried>>, RunError> {
+    let names = Names::new(
+        &options.environment.namespace,
+        NODE_NAME,
+        &options.ros.remap_rules,
+    )?;
+    let (loaded, _) = load(options, &names.for_parameters())?;
+    let settings = match &loaded {
+        Loaded::One(parameters) => parameters.settings(),
+        Loaded::Many(columns) => columns.node.settings(),
+    };
+    let tried = super::alarms::try_out(&settings.alarm, &names.fully_qualified());
+    Ok(tried?)
 }
 
 /// Runs the node of a fleet until SIGINT or SIGTERM.

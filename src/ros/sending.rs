@@ -18,6 +18,11 @@ pub(super) struct Sending {
     pub columns: Arc<LiveColumns>,
     pub counters: Arc<NodeCounters>,
     pub recording: Option<Arc<dyn RecordingTap>>,
+    /// Alarms that leave past DDS, if the parameters ask for them.
+    #[cfg(feature = "alarm")]
+    pub alarms: Option<super::alarms::NodeAlarms>,
+    /// Metrics, if the parameters ask for them.
+    pub metrics: Option<super::metrics::NodeMetrics>,
     /// The time to publish is over: what remains is only recorded.
     pub is_over: bool,
 }

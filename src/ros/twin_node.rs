@@ -22,6 +22,10 @@ use crate::live::{OutputSource, RealTime, Waker, request_for_publisher};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
+#[cfg(feature = "alarm")]
+use super::alarms::NodeAlarms;
+#[cfg(not(feature = "alarm"))]
+use super::alarms::none_wanted;
 use super::clock_watch::ClockWatch;
 use super::counters::NodeCounters;
 use super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
@@ -31,6 +35,7 @@ use super::inputs::{Services, Subscriptions};
 use super::live_columns::LiveColumns;
 use super::matches::Matches;
 use super::measurements::SensedColumns;
+use super::metrics::NodeMetrics;
 use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
@@ -87,6 +92,11 @@ impl TwinNode {
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let settings = columns.node_parameters().settings();
+        let metrics = NodeMetrics::start(&settings.metrics.address)?;
+        #[cfg(feature = "alarm")]
+        let alarms = NodeAlarms::start(&settings.alarm, &node.names().fully_qualified())?;
+        #[cfg(not(feature = "alarm"))]
+        none_wanted(&settings.alarm)?;
         let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
         let senders = Senders::new(&settings.senders, identities);
         senders.warn_of_enclaves();
@@ -134,6 +144,9 @@ impl TwinNode {
             columns: Arc::clone(&columns),
             counters,
             recording,
+            #[cfg(feature = "alarm")]
+            alarms,
+            metrics,
             is_over: false,
         };
         let publishing = Publishing::new(&mut node, sending, sensed.clone(), fleet)?;

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 const MAX_RE_EXPORTS: usize = 20;
 
 /// The crates of the workspace by the names that code uses for them, and the file with which each begins.
-pub const CRATES: [(&str, &str); 7] = [
+pub const CRATES: [(&str, &str); 8] = [
+    ("column_alarm", "crates/alarm/src/lib.rs"),
     ("column_beam", "crates/beam/src/lib.rs"),
     ("column_mechanics", "crates/mechanics/src/lib.rs"),
     ("ros_interface", "crates/ros_interface/src/lib.rs"),

@@ -38,6 +38,7 @@ pub const ROOMS: &[Room] = &[
     room("beam", "the column as a fibre beam, the second opinion", &["mechanics"], "the two bars, names of parameters, files, clocks, threads"),
     room("ros_interface", "definitions and bytes of messages", &[], "columns, DDS"),
     room("recording crate", "recordings in MCAP", &[], "columns, DDS"),
+    room("alarm crate", "alarms that arrive", &[], "columns, DDS"),
     room("hexadecimal", "bytes as hexadecimal digits", &[], "everything else"),
     room("printable", "text from outside, escaped", &[], "everything else"),
     room("bounded_file", "a file that is expected to be short", &[], "what is in it"),
@@ -66,7 +67,7 @@ pub const ROOMS: &[Room] = &[
     room("figures", "figures of one impact", &["mechanics", "whole_file", "sensors", "parameters", "assessment", "study", "estimation", "twin", "shape"], "recordings, DDS"),
     room("report", "the report for people", &["mechanics", "recording crate", "time", "sensors", "parameters", "assessment", "second_opinion", "results", "study", "estimation", "twin", "shape", "live", "recording", "evidence", "figures"], "DDS, the command line"),
     room("viewer", "the column in Rerun", &["mechanics", "printable", "time", "messages", "parameters", "standing", "assessment", "study", "estimation", "twin", "shape", "live", "fleet", "outgoing"], "DDS, recordings"),
-    room("ros", "the ROS 2 node", &["mechanics", "ros_interface", "recording crate", "hexadecimal", "printable", "bounded_file", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "fleet", "incoming", "outgoing", "recording", "evidence", "viewer"], "reports, figures"),
+    room("ros", "the ROS 2 node", &["mechanics", "ros_interface", "recording crate", "alarm crate", "hexadecimal", "printable", "bounded_file", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "fleet", "incoming", "outgoing", "recording", "evidence", "viewer"], "reports, figures"),
     room("keystore", "keystores for DDS security", &["bounded_file", "endpoints", "ros"], "columns"),
     room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "second_opinion", "study", "estimation", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
     room("main", "the program's entry", &["cli"], "everything else"),
@@ -121,7 +122,7 @@ fn room_of(path: &Path) -> String {
         .collect();
     match (parts[0].as_str(), parts[1].as_str()) {
         ("src", room) => room.trim_end_matches(".rs").to_owned(),
-        (_, name @ ("recording" | "python")) => format!("{name} crate"),
+        (_, name @ ("alarm" | "recording" | "python")) => format!("{name} crate"),
         (_, name) => name.to_owned(),
     }
 }
