@@ -99,7 +99,7 @@ fn errors_say_what_was_expected_and_found() {
     assert_eq!(
         error.to_string(),
         format!(
-            "column_twin_msgs/msg/ImpactEvent: expected 84 bytes, found {}; compare the sender's definition of the type",
+            "column_twin_msgs/msg/ImpactEvent: expected 92 bytes, found {}; compare the sender's definition of the type",
             state.len()
         )
     );

@@ -38,6 +38,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         ours::ImpactReport,
         ours::Measurement,
         ours::RowImpactEvent,
+        ours::SecondOpinion,
         ours::TwinStatus,
         ours::CorrectDamageRequest,
         ours::CorrectDamageResponse,

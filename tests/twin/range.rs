@@ -16,14 +16,19 @@ fn hit(bench: &mut Bench, id: &str, velocity: f64) {
     bench.hit(event);
 }
 
-fn computed(bench: &Bench) -> Arc<VerdictRange> {
+/// With the second opinion before it.
+fn computed(bench: &mut Bench) -> Arc<VerdictRange> {
+    if let Some(task) = bench.twin.opinion_task() {
+        let given = bench.handle(Command::SecondOpinion(task.compute()));
+        assert_eq!(given, Ok(Accepted::Applied));
+    }
     let task = bench.twin.range_task().expect("awaited");
     task.compute(&mut || true).expect("not abandoned")
 }
 
 fn ranged(bench: &Bench) -> Vec<&SupplementedReport> {
     let all = bench.out.iter().filter_map(|it| match it {
-        Output::Supplemented(ranged) => Some(ranged),
+        Output::Supplemented(again) if again.report.range.is_some() => Some(again),
         _ => None,
     });
     all.collect()
@@ -50,10 +55,11 @@ fn it_is_that_of_a_simulation_and_is_awaited_once_the_forecast_is_complete() {
     hit(&mut bench, "a", 5.0);
     assert!(!bench.twin.awaits_range(), "there is no forecast yet");
     bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+    assert!(!bench.twin.awaits_range(), "there is no second opinion yet");
+    let range = computed(&mut bench);
     assert!(bench.twin.awaits_range());
     let first = bench.twin.background_tasks().next().expect("a task");
     assert!(matches!(first, BackgroundTask::Range(_)), "before all else");
-    let range = computed(&bench);
     assert_eq!(*range, by_simulation(5.0).ends);
 
     let given = bench.handle(Command::VerdictRange(Arc::clone(&range)));
@@ -84,7 +90,7 @@ fn after_the_response_the_report_is_given_out_once_more() {
     hit(&mut bench, "a", 5.0);
     bench.rest();
     assert_eq!(bench.reports()[0].range, None);
-    let range = computed(&bench);
+    let range = computed(&mut bench);
     let checkpoint = bench.twin.checkpoint(bench.now).expect("at rest");
     let text = serde_json::to_string(&checkpoint).expect("JSON");
     let read: Checkpoint = serde_json::from_str(&text).expect("a checkpoint");
@@ -92,7 +98,7 @@ fn after_the_response_the_report_is_given_out_once_more() {
     let mut continued = Bench::new(&[]);
     continued.twin = Twin::from_checkpoint(&read, Box::new(|| 0)).expect("a column");
     continued.now = bench.now;
-    assert_eq!(computed(&continued), range);
+    assert_eq!(computed(&mut continued), range);
     let report = bench.reports()[0].clone();
     for bench in [&mut bench, &mut continued] {
         let given = bench.handle(Command::VerdictRange(Arc::clone(&range)));
@@ -128,7 +134,7 @@ fn another_impact_or_a_reset_withdraws_what_is_not_known_yet() {
                 true => bench.go_on(20 * MS),
                 false => bench.rest(),
             }
-            let late = computed(&bench);
+            let late = computed(&mut bench);
             let task = bench.twin.background_tasks().next().expect("a task");
             way(&mut bench);
             assert!(!bench.twin.awaits(&task));
@@ -148,7 +154,7 @@ fn it_ends_with_a_correction_or_a_change_of_parameters() {
     let mut bench = Bench::new(&[]);
     hit(&mut bench, "a", 5.0);
     bench.rest();
-    let range = computed(&bench);
+    let range = computed(&mut bench);
     let _ = bench.handle(Command::VerdictRange(range));
     assert!(bench.twin.status(bench.now).range.is_some());
     bench.change(&[("top.load", Value::from(1e5))]);

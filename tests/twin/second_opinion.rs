@@ -16,11 +16,17 @@ use column_twin::twin::{
 use super::{Bench, MS, event};
 
 fn parameters() -> Parameters {
-    let given = Parameters::load(&["config/heb220_s355.yaml".into()], &[]).expect("admissible");
-    // A large step keeps the tests short.
-    given
-        .with_changes([("solver.dt", Value::from(1e-4))])
-        .expect("admissible")
+    parameters_of("config/heb220_s355.yaml")
+}
+
+fn parameters_of(file: &str) -> Parameters {
+    let given = Parameters::load(&[file.into()], &[]).expect("admissible");
+    let changes = [
+        ("column_id", Value::from("column")),
+        // A large step keeps the tests short.
+        ("solver.dt", Value::from(1e-4)),
+    ];
+    given.with_changes(changes).expect("admissible")
 }
 
 fn bench() -> Bench {
@@ -173,7 +179,7 @@ fn the_damage_of_the_beam_accumulates_and_survives_a_restart() {
 
 #[test]
 fn a_section_without_plates_has_none_and_says_why() {
-    let mut bench = Bench::new(&[]);
+    let mut bench = Bench::with(parameters_of("config/heb220_paper.yaml"), None);
     hit(&mut bench, "a", 5.0, 0.0);
     bench.rest();
     assert!(!bench.twin.awaits_opinion());
