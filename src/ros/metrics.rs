@@ -137,7 +137,7 @@ impl NodeMetrics {
         page.metric(
             Kind::Gauge,
             "column_twin_action",
-            "What has to be done: 0 none, 1 inspect, 2 restrict, 3 shore, 4 evacuate or not assessed.",
+            "the required action: 0 none, 1 inspect, 2 restrict, 3 shore, 4 evacuate or not assessed.",
             each().filter_map(|(labels, it)| Some((labels, it.action?))),
         );
         page.metric(

@@ -71,7 +71,7 @@ impl StandingAction {
                 event_id: event_id.to_owned(),
             },
             None => {
-                let what = "the column cannot be assessed. An engineer has to look at it.";
+                let what = "the column cannot be assessed. An engineer must examine it.";
                 Self::not_assessed(format!("{begin}: {what}"), event_id)
             }
         }

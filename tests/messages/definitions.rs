@@ -6,7 +6,7 @@ use std::path::Path;
 
 use column_twin::messages::column_twin_msgs::{
     ColumnParameters, ColumnState, CorrectDamageRequest, HingeDescription, HingeForces,
-    ImpactEstimate, ImpactReport, ParameterEntry, TwinStatus,
+    ImpactEstimate, ImpactReport, ParameterEntry, SecondOpinion, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::rcl_interfaces::Log;

@@ -257,7 +257,7 @@ pub type Tried = (&'static str, Result<(), String>);
 /// If the settings cannot be used.
 pub fn try_out(settings: &Settings) -> Result<Vec<Tried>, StartError> {
     let now = time_of_day();
-    let reason = "Somebody tries whether alarms arrive. Nothing has to be done.";
+    let reason = "Somebody tries whether alarms arrive. No action is required.";
     let message = aside("test", State::Test, &settings.node, reason, now);
     let in_words = |result: Result<(), SendFault>| {
         result.map_err(|fault| match fault {
