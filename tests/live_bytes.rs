@@ -219,7 +219,9 @@ impl Run {
     fn play(mut self, all: &[u32], hit: &[u32]) -> String {
         let knows_velocities =
             |it: &Output| matches!(it, Output::Status(it) if it.critical_velocities.is_some());
-        let is_ranged = |it: &Output| matches!(it, Output::Supplemented(_));
+        // Behind the second opinion.
+        let is_ranged =
+            |it: &Output| matches!(it, Output::Supplemented(it) if it.report.range.is_some());
         // With the error of the time step, after which nothing is left to compute ahead.
         let is_refined =
             |it: &Output| matches!(it, Output::Forecast(it) if it.error_estimate.is_some());

@@ -241,7 +241,8 @@ fn the_range_of_the_verdict_follows_the_forecast_of_each_column() {
         let hit = impact(column, "a", START);
         fleet.handle.submit(column, hit).expect("room");
     }
-    let is_ranged = |output: &Output| matches!(output, Output::Supplemented(_));
+    let is_ranged =
+        |output: &Output| matches!(output, Output::Supplemented(it) if it.report.range.is_some());
     let is_told = |output: &Output| matches!(output, Output::Status(it) if it.range.is_some());
     let mut now = START;
     let ranges = of_all(COLUMNS, 1, is_ranged);
@@ -258,13 +259,18 @@ fn the_range_of_the_verdict_follows_the_forecast_of_each_column() {
         let hit = impact(column, "a", START);
         single.handle(hit, START, &mut out).expect("accepted");
         single.run_ahead(u64::MAX, START, &mut out);
+        let opinion = single.opinion_task().expect("awaited").compute();
+        let told = single.handle(Command::SecondOpinion(opinion), START, &mut out);
+        told.expect("accepted");
         let task = single.range_task().expect("awaited");
         let expected = task.compute(&mut || true);
         let received = &fleet.received[&column];
         let ranged: Vec<_> = received
             .iter()
             .filter_map(|it| match it {
-                Output::Supplemented(it) => Some(it.report.range.clone()),
+                Output::Supplemented(it) if it.report.range.is_some() => {
+                    Some(it.report.range.clone())
+                }
                 _ => None,
             })
             .collect();

@@ -26,7 +26,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
 from column_twin_msgs.msg import (
-    ColumnParameters, ColumnState, HingeDescription, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+    ColumnParameters, ColumnState, HingeDescription, HingeForces, ImpactEvent, ImpactReport, SecondOpinion, TwinStatus,
 )
 from column_twin_msgs.srv import PredictImpact
 
@@ -62,6 +62,15 @@ def check(what, found, expected):
         isinstance(found, float) and isinstance(expected, float) and math.isnan(found) and math.isnan(expected))
     if not same:
         faults.append(f"{what}: expected {expected!r}, found {found!r}")
+
+
+def value_of(found):
+    """A field as `check_fields` expects it."""
+    if isinstance(found, list):
+        return [value_of(it) for it in found]
+    if hasattr(found, "get_fields_and_field_types"):
+        return {name: value_of(getattr(found, name)) for name in found.get_fields_and_field_types()}
+    return found
 
 
 def check_fields(what, message, expected):
@@ -273,6 +282,11 @@ def check_response(peer, expected, event_id, event_stamp):
             check(f"first {name} has an error estimate", math.isnan(of(name)[0].error_estimate), wanted == 2)
             report = of(name)[wanted - 1]
             check(f"kind of {name}", report.kind, kind)
+            # The second opinion is computed behind the forecast, and the action is that of both models from then on.
+            if report.beam.state == SecondOpinion.KNOWN:
+                both = ["beam", "action", "deciding_criterion", "action_reason", "criteria"]
+                check(f"{name}: the beam has a peak", report.beam.max_displacement > 0, True)
+                numbers |= {field: value_of(getattr(report, field)) for field in both}
             # The range of the verdict is computed behind the forecast, before or after the response is over.
             numbers = dict(expected["report"])
             if report.range_least != ImpactReport.ACTION_UNKNOWN:
