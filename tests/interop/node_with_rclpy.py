@@ -66,7 +66,7 @@ def check(what, found, expected):
 
 def value_of(found):
     """A field as `check_fields` expects it."""
-    if isinstance(found, list):
+    if hasattr(found, "__len__") and not isinstance(found, str):
         return [value_of(it) for it in found]
     if hasattr(found, "get_fields_and_field_types"):
         return {name: value_of(getattr(found, name)) for name in found.get_fields_and_field_types()}
