@@ -1,8 +1,10 @@
 //! Sensors: what they read, detection, and estimates, against signals of a fibre-beam model of other authorship.
 
+mod beam_signals;
 mod detection;
 mod estimates;
 mod live;
 mod made_impacts;
 mod readings;
 mod signals;
+mod unseen_impacts;

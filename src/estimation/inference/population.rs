@@ -292,7 +292,9 @@ impl Population {
                 round.draw(from_rigid, &mut self.random);
             }
             let kernels = wanted.min(KERNELS);
-            let fitted = self.fitted(hypothesis, &weights, wanted.div_ceil(2));
+            let Some(fitted) = self.fitted(hypothesis, wanted.div_ceil(2)) else {
+                continue;
+            };
             for kernel in self.kernels(&fitted, &weights, kernels, wanted / 2) {
                 round.draw(kernel, &mut self.random);
             }
@@ -412,14 +414,16 @@ impl Population {
         chosen
     }
 
+    /// Logarithm of the weight of a member. Where no response explains the data, the one that explains them least badly is not the
+    /// truth, and differences of the likelihood count less.
+    fn log_weight(&self, member: &Member) -> f64 {
+        let before = member.log_prior + member.log_events - member.log_drawn;
+        before + member.log_likelihood / self.temperature
+    }
+
     /// The weights of the members, which add up to 1.
     pub fn weights(&self) -> Vec<f64> {
-        // Where no response explains the data, the one that explains them least badly is not the truth.
-        let log_weight = |member: &Member| {
-            let before = member.log_prior + member.log_events - member.log_drawn;
-            before + member.log_likelihood / self.temperature
-        };
-        let logs: Vec<f64> = self.members.iter().map(log_weight).collect();
+        let logs: Vec<f64> = self.members.iter().map(|it| self.log_weight(it)).collect();
         let largest = largest(logs.iter().copied());
         let mut weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
         let sum: f64 = weights.iter().sum();
@@ -438,18 +442,20 @@ impl Population {
         members.filter(move |(member, _)| member.hypothesis == hypothesis)
     }
 
-    /// The distribution of the weighted members of a hypothesis.
-    fn fitted(&self, hypothesis: usize, weights: &[f64], count: usize) -> Drawn {
-        let own: Vec<_> = self.of_hypothesis(hypothesis, weights).collect();
-        let largest = own
-            .iter()
-            .map(|(_, weight)| *weight)
-            .fold(f64::MIN_POSITIVE, f64::max);
+    /// The distribution of the weighted members of a hypothesis; `None` if no member of it has a weight, however small.
+    fn fitted(&self, hypothesis: usize, count: usize) -> Option<Drawn> {
+        let own = self.members.iter().filter(|it| it.hypothesis == hypothesis);
+        // Beside another hypothesis the weights may be too small for a number.
+        let own: Vec<_> = own.map(|it| (it, self.log_weight(it))).collect();
+        let largest = largest(own.iter().map(|(_, log)| *log));
+        if !largest.is_finite() {
+            return None;
+        }
         let mut power = 1.0;
         let tempered = loop {
             let mut tempered: Vec<f64> = own
                 .iter()
-                .map(|(_, weight)| libm::pow(weight / largest, power))
+                .map(|(_, log)| libm::exp(power * (log - largest)))
                 .collect();
             let sum: f64 = tempered.iter().sum();
             let squares: f64 = tempered.iter().map(|weight| weight * weight).sum();
@@ -481,7 +487,8 @@ impl Population {
             covariance[k][k] += least * least;
         }
         let unknowns = self.hypotheses[hypothesis].unknowns;
-        Drawn::new((hypothesis, unknowns), count, mean, cholesky(&covariance))
+        let factor = cholesky(&covariance);
+        Some(Drawn::new((hypothesis, unknowns), count, mean, factor))
     }
 
     /// Narrower distributions about members that are chosen by their weights, for `count` members together.

@@ -151,6 +151,9 @@ impl Prediction {
             },
         };
         let report = response.report(&model, &state, end);
+        if !sums.as_flattened().iter().all(|sum| sum.is_finite()) {
+            return None;
+        }
         Some(Self {
             at_end: last,
             integrals,

@@ -80,7 +80,8 @@ impl Estimator {
         let report = &member.prediction.report;
         let added = report.max_v1 - self.rest_v1;
         let mut peak = (scale * added).max(LEAST_PEAK);
-        let mut deviation = libm::hypot(scatter * added, PEAK_ERROR * added);
+        let error = libm::hypot(PEAK_ERROR, self.impact_error(member, true));
+        let mut deviation = libm::hypot(scatter * added, error * added);
         if let Some([highest, noise]) = measured {
             let since = until - (self.contact[0] + member.delay);
             if since > report.max_v1_time {

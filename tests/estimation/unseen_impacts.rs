@@ -1,0 +1,167 @@
+//! Impacts of the fibre beam to which nobody has tuned the estimator. Each test is named after a fault that it had.
+
+use std::sync::OnceLock;
+
+use column_twin::estimation::{
+    Estimator, EstimatorError, ImpactEstimate, Readings, RecordedImpact, estimate_prepared,
+    hypotheses,
+};
+use column_twin::sensors::Sensor;
+use column_twin::standing::StandingColumn;
+
+use super::beam_signals::{AFTER, BEFORE, BeamSignal, parameters, sensors};
+
+fn unprepared(sensors: Vec<Sensor>) -> Estimator {
+    let parameters = parameters();
+    let column = StandingColumn::undamaged(&parameters);
+    let hypotheses = hypotheses(&parameters);
+    Estimator::new(&parameters, &column, sensors, hypotheses, 1).expect("sensors")
+}
+
+/// The estimator of all tests here, prepared once.
+fn prepared() -> Estimator {
+    static PREPARED: OnceLock<Estimator> = OnceLock::new();
+    let prepare = || {
+        let mut estimator = unprepared(sensors());
+        while !estimator.prepare() {}
+        estimator
+    };
+    PREPARED.get_or_init(prepare).clone()
+}
+
+fn estimated(name: &'static str, seed: u64) -> (BeamSignal, RecordedImpact) {
+    let signal = BeamSignal::make(name, &sensors(), AFTER);
+    let readings = signal.readings(&sensors(), BEFORE, seed);
+    let found = estimate_prepared(&mut prepared(), &readings)
+        .expect("sensors")
+        .unwrap_or_else(|| panic!("{name} is not detected"));
+    (signal, found)
+}
+
+/// A car of 1.3 t at 15 m/s whose front is crushed by 260 kN; the column stays elastic.
+fn crushed_car() -> &'static (BeamSignal, RecordedImpact) {
+    static CRUSHED_CAR: OnceLock<(BeamSignal, RecordedImpact)> = OnceLock::new();
+    CRUSHED_CAR.get_or_init(|| estimated("crush_car_15", 1))
+}
+
+fn last(found: &RecordedImpact) -> &ImpactEstimate {
+    found.estimates.last().expect("an estimate")
+}
+
+/// The scale of the responses was not tied to what the sensor at the impact point has read: the peak was up to 60 % too large, with
+/// an interval that excluded the reading.
+#[test]
+fn the_peak_is_what_the_sensor_at_the_impact_point_has_measured() {
+    for (signal, found) in [crushed_car(), &estimated("light_rigid_12", 1)] {
+        let (peak, last) = (signal.truth.peak[0], last(found));
+        let error = (last.peak_v1.mean - peak).abs();
+        assert!(error < (0.1 * peak).max(1e-3), "{last:#?}");
+        let width = last.peak_v1.high - last.peak_v1.low;
+        assert!(width < (0.4 * peak).max(2e-3), "{last:#?}");
+    }
+}
+
+/// A normal distribution about a positive quantity reached below zero.
+#[test]
+fn no_interval_of_a_peak_begins_below_zero() {
+    let (_, found) = crushed_car();
+    for estimate in &found.estimates {
+        assert!(estimate.peak_v1.low > 0.0, "{estimate:#?}");
+    }
+}
+
+/// No hypothesis had a plateau of unknown force: the momentum was certain and wrong, and with this noise the column had yielded with
+/// a probability of 1.
+#[test]
+fn the_momentum_of_a_crushed_front_lies_between_half_of_its_impulse_and_the_impulse() {
+    let (signal, found) = crushed_car();
+    let (impulse, last) = (signal.truth.impulse, last(found));
+    assert!(signal.truth.released && !signal.truth.yielded);
+    let momentum = &last.momentum;
+    let inside = 0.45 * impulse..=1.1 * impulse;
+    assert!(inside.contains(&momentum.mean), "{impulse} {last:#?}");
+    let holds = (momentum.low..=momentum.high).contains(&signal.momentum());
+    assert!(holds, "{} {last:#?}", signal.momentum());
+    assert!(last.yielded < 0.1, "{last:#?}");
+}
+
+/// All weights were no numbers where a hypothesis that is always searched had weights too small for one.
+#[test]
+fn an_estimate_is_a_number_whatever_hypothesis_is_ruled_out() {
+    let (_, found) = estimated("forklift_2", 1);
+    for estimate in &found.estimates {
+        assert!(estimate.effective_sample_size >= 1.0, "{estimate:#?}");
+        assert!(estimate.momentum.mean > 0.0, "{estimate:#?}");
+    }
+}
+
+/// Nothing was detected, without a word.
+#[test]
+fn readings_at_another_rate_than_the_declared_one_are_an_error() {
+    let signal = BeamSignal::make("light_rigid_12", &sensors(), 0.05);
+    let readings = signal.readings(&sensors(), BEFORE, 1);
+    let mut slower = Readings {
+        sensors: readings.sensors,
+        ..Readings::default()
+    };
+    for (time, values) in readings.rows().step_by(10) {
+        slower.times.push(time);
+        slower.values.extend(values);
+    }
+    let fault = estimate_prepared(&mut unprepared(sensors()), &slower).expect_err("another rate");
+    let said = fault.to_string();
+    assert!(matches!(fault, EstimatorError::Rate { .. }), "{said}");
+    assert!(said.contains("1000 samples per second"), "{said}");
+    assert!(said.contains("sensors.a_075L.rate"), "{said}");
+}
+
+/// Nothing was detected, without a word.
+#[test]
+fn sensors_that_are_too_slow_for_an_impact_are_named() {
+    let slow = |sensor| Sensor {
+        rate: 100.0,
+        bandwidth: 50.0,
+        ..sensor
+    };
+    let sensors: Vec<Sensor> = sensors().into_iter().map(slow).collect();
+    let readings = Readings {
+        times: vec![0.0],
+        values: vec![0.0; sensors.len()],
+        sensors: sensors.len(),
+    };
+    let fault = estimate_prepared(&mut unprepared(sensors), &readings).expect_err("too slow");
+    let said = fault.to_string();
+    assert!(
+        said.contains("v1 (100 Hz)") && said.contains("200"),
+        "{said}"
+    );
+}
+
+/// The second of two impacts was lost, and the estimate of the first one explained the readings of both.
+#[test]
+fn a_second_impact_soon_after_the_first_one_is_told() {
+    let sensors = sensors();
+    let signal = BeamSignal::make("light_rigid_12", &sensors, 0.4);
+    let first = signal.readings(&sensors, BEFORE, 1);
+    let second = signal.readings(&sensors, BEFORE, 2);
+    // The second one adds to what the first one has left.
+    let mut both = first.clone();
+    let left: Vec<f64> = first.values[first.values.len() - sensors.len()..].to_vec();
+    for (time, values) in second.rows().skip(1) {
+        both.times.push(first.times[first.times.len() - 1] + time);
+        for ((value, left), sensor) in values.iter().zip(&left).zip(&sensors) {
+            let is_level = sensor.name != "a_075L";
+            both.values.push(value + if is_level { *left } else { 0.0 });
+        }
+    }
+    let find = |readings: &Readings| {
+        let found = estimate_prepared(&mut prepared(), readings).expect("sensors");
+        found.expect("an impact")
+    };
+    let struck = first.times[first.times.len() - 1] + BEFORE;
+    let found = find(&both);
+    let further = found.further.expect("a second impact");
+    assert!((further - struck).abs() < 0.01, "{further} {struck}");
+    assert!(last(&found).data_until <= further + 1e-9);
+    assert_eq!(find(&first).further, None);
+}
