@@ -297,7 +297,13 @@ impl Case {
         let impact = parameters.impact();
         let properties = parameters.column_properties().before(&impact);
         let vehicle = &parameters.settings().vehicle.name;
-        let title = title(&parameters, vehicle, &impact, properties.length_below);
+        let title = title(
+            &parameters,
+            vehicle,
+            &impact,
+            properties.length_below,
+            parameters.direction(),
+        );
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,

@@ -16,7 +16,7 @@ pub(super) struct Assessed {
     pub assessment: Assessment,
     /// Between which actions the verdict lies, or why that was not computed.
     pub range: Result<ActionRange, &'static str>,
-    /// What the fibre beam says of a simulated impact, or why it says nothing; `None` for other impacts, and where it is switched off.
+    /// What the fibre beam says of the impact, or why it says nothing; `None` where it was not asked.
     pub second_opinion: Option<Result<SecondOpinion, NoSecondOpinion>>,
     /// `F0`: plastic plateau of the column \[N\].
     pub plateau: f64,
@@ -69,7 +69,13 @@ impl Assessed {
         );
         let mut assessment = assess(&input);
         let mut range = range(impact, &assessment);
-        let second_opinion = second_opinion(impact, remaining, &mut assessment, &mut range);
+        let second_opinion = match &impact.second_opinion {
+            Some(known) => {
+                let range = range.as_mut().ok();
+                Some(Ok(known.weighed(&input, &mut assessment, range)))
+            }
+            None => second_opinion(impact, remaining, &mut assessment, &mut range),
+        };
         Ok(Self {
             remaining,
             range,

@@ -317,6 +317,13 @@ impl Gathered {
             Observed::Entry(JournalEntry::Twin(Journal::Command(record))) => self.command(record),
             Observed::Recomputed(Output::State(state)) => self.state(state),
             Observed::Recomputed(Output::Report(output)) => self.report(output),
+            Observed::Recomputed(Output::Supplemented(again)) if again.is_result => {
+                let output = &again.report;
+                let same = |it: &&mut Finished| it.output.event_id == output.event_id;
+                if let Some(finished) = self.finished.iter_mut().rev().find(same) {
+                    finished.output = output.clone();
+                }
+            }
             Observed::Recomputed(Output::Estimate(output)) => {
                 let mut detected = self.detected.iter_mut().rev();
                 let event_id = Some(&*output.record.event_id);
@@ -543,6 +550,15 @@ impl Finished {
     /// The impact computed again in every step from the column before it or, where that is not known, as it was published.
     fn reported(self) -> Option<ReportedImpact> {
         let mut reported = self.recomputed().or_else(|| self.published())?;
+        reported.title = words::title(
+            &reported.parameters,
+            &reported.vehicle,
+            &reported.impact,
+            reported.model.properties.length_below,
+            self.output.striking.direction(),
+        );
+        let assessed = self.output.assessed.as_ref();
+        reported.second_opinion = assessed.and_then(|it| it.second_opinion.clone());
         reported.event = Some((self.output.event_id.to_string(), self.output.stamp));
         if let Some(later) = &self.superseded_by {
             reported.remarks.push(format!(
@@ -605,7 +621,7 @@ impl Finished {
             }
         };
         Some(ReportedImpact {
-            title: words::title(&parameters, vehicle, &impact, properties.length_below),
+            title: String::new(),
             event: None,
             vehicle: vehicle.to_owned(),
             impact,
@@ -614,6 +630,7 @@ impl Finished {
             report: output.report,
             settled: after.filter(|_| output.report.residual_v1.is_some()),
             struck: None,
+            second_opinion: None,
             remarks: vec![format!(
                 "{why} The histories have the values that were published, at most {rate} per second; the error of the time step \
                  was not estimated."

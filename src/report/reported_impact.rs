@@ -10,6 +10,7 @@ use crate::column::{
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
+use crate::second_opinion::SecondOpinion;
 use crate::time::Nanos;
 use crate::twin::Lengths;
 
@@ -36,6 +37,8 @@ pub struct ReportedImpact {
     pub settled: Option<State>,
     /// The beginning of the impact, if it is known; computations with other properties start from it.
     pub struck: Option<Struck>,
+    /// The second opinion on an impact that was recorded; that of a simulated one is computed for the report.
+    pub second_opinion: Option<Arc<SecondOpinion>>,
     /// What a reader has to know about the origin of these data.
     pub remarks: Vec<String>,
 }
@@ -86,6 +89,7 @@ impl ReportedImpact {
                 vehicle,
                 &impact,
                 struck.model.properties.length_below,
+                parameters.direction(),
             ),
             event: None,
             vehicle: vehicle.to_owned(),
@@ -96,6 +100,7 @@ impl ReportedImpact {
             report,
             settled,
             struck: Some(*struck),
+            second_opinion: None,
             remarks: Vec::new(),
         })
     }

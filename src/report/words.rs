@@ -28,9 +28,15 @@ pub fn end_in_words(end: End) -> &'static str {
 }
 
 /// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base. The velocity is that
-/// of `impact`, of which the line says where it is a component only.
+/// of `impact`, of which the line says where it is a component only: where the vehicle travels in another direction \[rad\] than 0.
 #[must_use]
-pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_below: f64) -> String {
+pub fn title(
+    parameters: &Parameters,
+    vehicle: &str,
+    impact: &Impact,
+    length_below: f64,
+    direction: f64,
+) -> String {
     let section = parameters.section().name;
     let mut text = format!(
         "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
@@ -41,7 +47,7 @@ pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_bel
         short(3.6 * impact.velocity),
         short(length_below),
     );
-    if let Some(component) = component_in_words(parameters.direction()) {
+    if let Some(component) = component_in_words(direction) {
         text += "; ";
         text += &component;
     }

@@ -153,15 +153,20 @@ impl SecondOpinion {
     }
 
     /// The same opinion with its verdict, by all on which the verdict of the two bars depends; where it counts and is more severe,
-    /// that of the two bars becomes it.
+    /// that of the two bars becomes it, and `range` contains it.
     #[must_use]
-    pub fn weighed(&self, input: &AssessmentInput, bars: &mut Assessment) -> Self {
+    pub fn weighed(
+        &self,
+        input: &AssessmentInput,
+        bars: &mut Assessment,
+        range: Option<&mut ActionRange>,
+    ) -> Self {
         let mut opinion = Self {
             assessment: Some(assess(&self.seen_by_the_beam(input))),
             decides: false,
             ..self.clone()
         };
-        opinion.weigh(bars, None);
+        opinion.weigh(bars, range);
         opinion
     }
 

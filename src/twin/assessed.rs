@@ -226,7 +226,7 @@ pub(super) fn assessed(
     let opinion = last.and_then(|last| last.second_opinion.as_ref());
     Arc::new(Assessed {
         remaining,
-        second_opinion: opinion.map(|it| Arc::new(it.weighed(&input, &mut assessment))),
+        second_opinion: opinion.map(|it| Arc::new(it.weighed(&input, &mut assessment, None))),
         assessment,
     })
 }
