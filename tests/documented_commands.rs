@@ -181,6 +181,10 @@ const COMMANDS: &[(&str, How)] = &[
         "column-twin run --config config/heb220_paper.yaml --ros-args -p viewer.mode:=serve",
         Stays("to watch: rerun"),
     ),
+    (
+        "column-twin alarm test",
+        Elsewhere("tests/alarms/main.rs", r#""alarm", "test""#),
+    ),
     ("column-twin run", Stays("is ready in domain")),
     ("column-twin fleet", Stays("is ready in domain")),
     ("column-twin watch", Stays("watching")),

@@ -11,6 +11,7 @@ use column_twin::ros::{RosArguments, RunOptions, try_alarms};
 
 /// Arguments of `column-twin alarm`.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
 pub struct AlarmArgs {
     #[command(subcommand)]
     command: AlarmCommand,

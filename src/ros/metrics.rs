@@ -16,6 +16,7 @@ use super::node::NodeError;
 use super::standing_action::StandingAction;
 
 /// What one way of delivering alarms has done: its name, whether the last attempt succeeded, and counts by name.
+#[cfg_attr(not(feature = "alarm"), allow(dead_code))] // without alarms there is none
 pub(super) struct AlarmChannel {
     pub name: &'static str,
     pub works: bool,

@@ -288,6 +288,7 @@ fn promtool_accepts_metrics_rules_and_dashboard() {
         "sensors.mid.height:=1.5".to_owned(),
     ];
     let _node = Program::ready(&domain, folder.path(), &with(&arguments));
+    page_with(port, "column_twin_action{column=\"a3\"} 0");
     let found = page_with(port, "column_twin_alarm_delivery_works{channel=\"mqtt\"} 0");
     promtool(&["check", "metrics"], &found);
     // Every metric that the rules and the dashboard ask for is on the page.

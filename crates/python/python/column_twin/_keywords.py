@@ -311,6 +311,50 @@ class ParameterKeywords(TypedDict, total=False):
     """magnification factor of the displacements in the pictures; 1: true to scale"""
     viewer__select: Sequence[str]
     """columns of a fleet that the viewer always shows in full, besides the one that was hit last: their `column_id`, or their names with the wildcards of parameter files (`/garage/*`); a single twin ignores it"""
+    alarm__spool: Text
+    """directory of the alarms that wait for delivery; each node needs one of its own"""
+    alarm__heartbeat: Number
+    """time between two heartbeats, whose absence tells the receiver that the node does not run or cannot be reached [s]"""
+    alarm__mqtt__broker: Text
+    """broker of MQTT 5, such as mqtts://broker.example:8883; empty: no alarms by MQTT"""
+    alarm__mqtt__client_id: Text
+    """name by which the broker knows the node; two nodes with the same one disconnect one another; empty: from the name of the node"""
+    alarm__mqtt__topic: Text
+    """template of the topics, with the fields {node}, {subject} (the column, or column/sensor) and {kind} (action, sensor_failed, node_stopped, heartbeat or test)"""
+    alarm__mqtt__user: Text
+    """user, if the broker asks for one"""
+    alarm__mqtt__password_file: Text
+    """file with the password of the user, which nobody else may read (mode 0600)"""
+    alarm__mqtt__ca_file: Text
+    """certificates of the authorities that are trusted (PEM); empty: those of the system"""
+    alarm__mqtt__certificate_file: Text
+    """certificate of the node with its chain (PEM), if the broker asks for one"""
+    alarm__mqtt__key_file: Text
+    """private key of this certificate (PEM, mode 0600)"""
+    alarm__mqtt__action: Literal["off", "inspect", "restrict", "shore", "evacuate"]
+    """mildest action that is an alarm; off: none is"""
+    alarm__mqtt__sensor_failed: bool
+    """whether a sensor that is dead or stuck is an alarm"""
+    alarm__mqtt__node_stopped: bool
+    """whether it is an alarm that the node stops, in order or not"""
+    alarm__webhook__url: Text
+    """address that alarms are posted to, such as https://alarms.example/column; http:// for this machine only; empty: no webhook"""
+    alarm__webhook__secret_file: Text
+    """file with the key of the signatures: whsec_ and at least 24 bytes in Base64 (Standard Webhooks, mode 0600)"""
+    alarm__webhook__ca_file: Text
+    """certificates of the authorities that are trusted (PEM); empty: those of the system"""
+    alarm__webhook__certificate_file: Text
+    """certificate of the node with its chain (PEM), if the receiver asks for one"""
+    alarm__webhook__key_file: Text
+    """private key of this certificate (PEM, mode 0600)"""
+    alarm__webhook__action: Literal["off", "inspect", "restrict", "shore", "evacuate"]
+    """mildest action that is an alarm; off: none is"""
+    alarm__webhook__sensor_failed: bool
+    """whether a sensor that is dead or stuck is an alarm"""
+    alarm__webhook__node_stopped: bool
+    """whether it is an alarm that the node stops, in order or not"""
+    metrics__address: Text
+    """address and port from which Prometheus reads, such as 127.0.0.1:9464; empty: no metrics"""
     sensors__names: Sequence[str]
     """names of the sensors on the column, which the names of their parameters contain"""
 
@@ -517,3 +561,5 @@ class AxisKeywords(TypedDict, total=False):
     """memory for the data that viewers receive when they connect later or again (serve, connect, spawn); the oldest data are dropped first [B]"""
     viewer__magnification: AxisNumbers
     """magnification factor of the displacements in the pictures; 1: true to scale"""
+    alarm__heartbeat: AxisNumbers
+    """time between two heartbeats, whose absence tells the receiver that the node does not run or cannot be reached [s]"""
