@@ -207,7 +207,7 @@ impl Blocks {
         }
     }
 
-    /// The largest displacement that a sensor has read by `until` \[s\], in the direction of the vehicle, and its standard
+    /// The peak displacement that a sensor has read by `until` \[s\], in the direction of the vehicle, and its standard
     /// deviation. Means over half a millisecond tell it within some hundredths.
     pub fn highest(&self, sensor: usize, until: f64) -> Option<[f64; 2]> {
         let channel = &self.channels[sensor];

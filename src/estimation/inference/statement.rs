@@ -49,7 +49,7 @@ impl Estimator {
         libm::hypot(IMPACT_ERROR, (size * ratio * ratio.sqrt()).min(most))
     }
 
-    /// The largest displacement of the impact point that a sensor at its height has read by `until` \[s\], with its standard
+    /// The peak displacement of the impact point that a sensor at its height has read by `until` \[s\], with its standard
     /// deviation; `None` without such a sensor that counts. The most exact one tells it.
     fn measured_peak(&self, until: f64) -> Option<[f64; 2]> {
         let blocks = self.blocks.as_ref()?;
@@ -207,7 +207,7 @@ impl Estimator {
 /// What a front that is crushed leaves open of the momentum: logarithms of its bounds over the momentum of the response, and the
 /// number of parts in which the range between them counts.
 ///
-/// The column feels only the contact force. Any passive front with the same force, whose impulse is `J` and which does the work
+/// Of the vehicle, only the contact force acts on the column. Any passive front with the same force, whose impulse is `J` and which does the work
 /// `W` on the column, has a momentum from `J / 2 + m W / J`, if it returns all of its energy, to `J`, if it returns none of it. The
 /// upper bound holds once the vehicle has stopped.
 fn open_momentum(report: &Report, member: &Member) -> ([f64; 2], u32) {
