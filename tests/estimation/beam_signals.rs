@@ -19,7 +19,6 @@ pub const AFTER: f64 = 0.35;
 
 /// A made impact with its truth.
 pub struct BeamSignal {
-    pub name: &'static str,
     pub impact: Impact,
     pub truth: History,
 }
@@ -46,7 +45,7 @@ fn plateau(stiffness: f64, force: f64) -> CrushSpring {
     spring(&[[force / stiffness, force], [10.0, force]])
 }
 
-/// Impacts by name. Those of [`HELD`] were kept aside while the estimator was changed.
+/// Impacts by name. Those that begin with `held` were kept aside while the estimator was changed.
 pub fn impact(name: &str) -> Impact {
     match name {
         "light_rigid_12" => Impact::rigid(250.0, 12.0),
@@ -72,24 +71,6 @@ pub fn impact(name: &str) -> Impact {
         _ => panic!("no impact {name}"),
     }
 }
-
-pub const NAMES: [&str; 6] = [
-    "light_rigid_12",
-    "light_rigid_2",
-    "two_mass_car_16",
-    "crush_car_15",
-    "crush_lorry_8",
-    "forklift_2",
-];
-
-pub const HELD: [&str; 6] = [
-    "held_light_rigid_9",
-    "held_light_rigid_1",
-    "held_two_mass_car_11",
-    "held_crush_car_10",
-    "held_crush_lorry_6",
-    "held_forklift_3",
-];
 
 /// The column as the estimator knows it: without shear, hardening and a limit of rotation, which the beam does not have.
 pub fn parameters() -> Parameters {
@@ -154,7 +135,7 @@ pub fn sensors() -> Vec<Sensor> {
 
 impl BeamSignal {
     /// What these sensors read of an impact with this name, and for this time after contact \[s\], without errors.
-    pub fn make(name: &'static str, sensors: &[Sensor], after: f64) -> Self {
+    pub fn make(name: &str, sensors: &[Sensor], after: f64) -> Self {
         let impact = impact(name);
         let instruments: Vec<Instrument> = sensors
             .iter()
@@ -167,11 +148,7 @@ impl BeamSignal {
             .collect();
         let samples = (after / PERIOD).round() as usize;
         let truth = history(&column(), &impact, &instruments, PERIOD, samples).expect("a response");
-        Self {
-            name,
-            impact,
-            truth,
-        }
+        Self { impact, truth }
     }
 
     /// Momentum of the vehicle \[N s\].

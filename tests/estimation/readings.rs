@@ -198,7 +198,9 @@ fn readings_after_the_end_of_a_response_are_those_of_the_column_at_rest() {
         let with_sensors = with_sensors(&parameters, &sensors);
         let means = predicted_means(&column, &with_sensors, &impact).expect("a response");
         let last = means[0][means[0].len() - 1];
-        assert!((last - residual).abs() < tolerance, "{last} {residual}");
+        // Its steps are longer.
+        let error = (last - residual).abs();
+        assert!(error < 1e-4 * report.max_v1, "{last} {residual}");
     }
 }
 

@@ -29,7 +29,7 @@ fn prepared() -> Estimator {
     PREPARED.get_or_init(prepare).clone()
 }
 
-fn estimated(name: &'static str, seed: u64) -> (BeamSignal, RecordedImpact) {
+fn estimated(name: &str, seed: u64) -> (BeamSignal, RecordedImpact) {
     let signal = BeamSignal::make(name, &sensors(), AFTER);
     let readings = signal.readings(&sensors(), BEFORE, seed);
     let found = estimate_prepared(&mut prepared(), &readings)
@@ -111,7 +111,7 @@ fn readings_at_another_rate_than_the_declared_one_are_an_error() {
     let fault = estimate_prepared(&mut unprepared(sensors()), &slower).expect_err("another rate");
     let said = fault.to_string();
     assert!(matches!(fault, EstimatorError::Rate { .. }), "{said}");
-    assert!(said.contains("1000 samples per second"), "{said}");
+    assert!(said.contains("1000.0 samples per second"), "{said}");
     assert!(said.contains("sensors.a_075L.rate"), "{said}");
 }
 

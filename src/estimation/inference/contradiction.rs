@@ -39,6 +39,9 @@ pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
 /// The same from which on a sensor is left out: a wrong model of the vehicle or of the column explains a smaller misfit.
 const EXCLUSION: f64 = 25.0;
 
+/// Leaving out sensors has to divide the misfit of the others by this number, unless they are explained then.
+const RELIEF: f64 = 4.0;
+
 /// What a closer look at the readings has found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Contradictions {
@@ -54,8 +57,8 @@ pub(crate) struct Contradictions {
 /// do not count any more. The sensor without which the others are explained best is the one in doubt; where that holds for two
 /// alike, both are, and both count.
 ///
-/// Where more sensors would have to be left out than a minority, or those that are left still contradict each other, the
-/// sensors are not at fault but the responses: what has struck is none of the hypotheses. All sensors count then.
+/// Where more sensors would have to be left out than a minority, or those that are left are hardly explained better, the sensors
+/// are not at fault but the responses: what has struck is none of the hypotheses. All sensors count then.
 pub(crate) fn contradictions(
     members: &[Member],
     observed: &[Observed],
@@ -123,11 +126,15 @@ pub(crate) fn contradictions(
     }
     let misfit = |active: &[usize]| misfit(members, &fits, &blocks, active);
     let left_out = all.len() - active.len();
-    let mut worst = misfit(&active);
-    if left_out > most || (left_out > 0 && worst > CONTRADICTION && all.len() > 2) {
-        found = [vec![false; count], vec![false; count]];
-        worst = misfit(&all);
-    }
+    let (together, apart) = (misfit(&all), misfit(&active));
+    let is_better = apart <= CONTRADICTION.max(together / RELIEF);
+    let worst = match left_out <= most && (left_out == 0 || is_better) {
+        true => apart,
+        false => {
+            found = [vec![false; count], vec![false; count]];
+            together
+        }
+    };
     let [doubtful, ignored] = found;
     Contradictions {
         doubtful,

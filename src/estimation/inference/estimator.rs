@@ -73,7 +73,7 @@ pub enum EstimatorError {
     },
     /// The times of readings contradict the rate of their sensor.
     #[error(
-        "the readings of `{sensor}` come at {found:.4} samples per second by their times; expected {declared}, its parameter \
+        "the readings of `{sensor}` come at {found:.1} samples per second by their times; expected {declared}, its parameter \
          sensors.{sensor}.rate: correct the parameter or the times"
     )]
     Rate {

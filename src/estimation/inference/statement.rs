@@ -207,7 +207,8 @@ impl Estimator {
 /// What a front that is crushed leaves open of the momentum: logarithms of its bounds over the momentum of the response, and the
 /// number of parts in which the range between them counts.
 ///
-/// The column only reacts to the contact force. Any passive front with the same force, whose impulse is `J` and which does the work
+/// Of the vehicle, only the contact force acts on the column. Any passive front with the same force, whose impulse is `J` and which
+/// does the work
 /// `W` on the column, has a momentum from `J / 2 + m W / J`, if it returns all of its energy, to `J`, if it returns none of it. The
 /// upper bound holds once the vehicle has stopped.
 fn open_momentum(report: &Report, member: &Member) -> ([f64; 2], u32) {
