@@ -52,7 +52,7 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let ended = respond_and_rest(&properties, &car, duration)?;
     let evaluation = ImpactEvaluation::complete(&parameters, &properties, &car, ended)?;
     let vehicle = &parameters.settings().vehicle.name;
-    let announced = ImpactReport::evaluated(&evaluation, vehicle, &car);
+    let announced = ImpactReport::evaluated(&evaluation, vehicle, &car, parameters.direction());
     let contact = report
         .first_contact_time
         .ok_or("the vehicle does not reach the column")?;
