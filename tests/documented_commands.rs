@@ -185,6 +185,8 @@ const COMMANDS: &[(&str, How)] = &[
         "column-twin alarm test",
         Elsewhere("tests/alarms/main.rs", r#""alarm", "test""#),
     ),
+    ("(umask 077; echo", Cannot("writes below /etc")),
+    ("curl ", Elsewhere("tests/alarms/main.rs", "GET /metrics")),
     ("column-twin run", Stays("is ready in domain")),
     ("column-twin fleet", Stays("is ready in domain")),
     ("column-twin watch", Stays("watching")),

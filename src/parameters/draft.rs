@@ -721,7 +721,7 @@ mod tests {
         let lines: Vec<_> = faults.lines().collect();
         let expected = [
             "5 faults in the parameters",
-            "  f.yaml:3:27: vehicle.masses: `0.0` (element 2) is out of range; allowed: 0.001 to 1e6 kg (masses of a vehicle",
+            "  f.yaml:3:27: vehicle.masses: `0.0` (element 2) is out of range; allowed: 0.001 to 1e6 kg (masses of a user-defined vehicle",
             "  f.yaml:4:7: vehicle.masses: `1 kg` (element 3) is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg",
             "  f.yaml:8:9: assessment.criteria: `damage_08` (element 2) is not known (did you mean damage_80?); allowed: collapse, ",
             "  f.yaml:9:9: assessment.criteria (element 3) is a list; allowed: collapse, ",

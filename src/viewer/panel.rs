@@ -303,7 +303,7 @@ mod tests {
         let mut announced = announced();
         let text = |announced: &Announcement| panel(&drawing, Told::Result(announced));
         let unknown = text(&announced);
-        assert!(unknown.contains("**Action: not assessed,"), "{unknown}");
+        assert!(unknown.contains("**Action: not assessed:"), "{unknown}");
         assert!(!unknown.contains("capacity") && !unknown.contains("Crush of"));
         let report = &mut announced.report;
         report.outcome = ImpactReport::FRACTURED;
