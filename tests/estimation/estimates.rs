@@ -131,7 +131,10 @@ fn most_readings_are_within_the_predicted_band_and_those_of_a_wrong_sensor_are_n
     for comparison in &right.comparisons {
         let name = &sensors[comparison.sensor].name;
         assert!(comparison.counts && !comparison.means.is_empty(), "{name}");
-        assert!(share(comparison) >= 0.9, "{name}: {}", share(comparison));
+        // One in ten, and one of the few that a gauge has before it is lost.
+        let outside = (1.0 - share(comparison)) * comparison.means.len() as f64;
+        let most = (0.1 * comparison.means.len() as f64).ceil();
+        assert!(outside <= most, "{name}: {outside}");
     }
     // The largest mean of the laser is that of the displacement at its peak, which the truth knows.
     let means = right.comparisons[laser].means.iter();
