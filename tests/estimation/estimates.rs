@@ -132,8 +132,10 @@ fn most_readings_are_within_the_predicted_band_and_those_of_a_wrong_sensor_are_n
         let name = &sensors[comparison.sensor].name;
         assert!(comparison.counts && !comparison.means.is_empty(), "{name}");
         // One in ten, and one of the few that a gauge has before it is lost.
-        let outside = (1.0 - share(comparison)) * comparison.means.len() as f64;
-        let most = (0.1 * comparison.means.len() as f64).ceil();
+        let means = comparison.means.iter();
+        let outside = means.filter(|it| !is_within(&it.predicted, it.measured));
+        let outside = outside.count();
+        let most = comparison.means.len().div_ceil(10);
         assert!(outside <= most, "{name}: {outside}");
     }
     // The largest mean of the laser is that of the displacement at its peak, which the truth knows.
