@@ -73,6 +73,16 @@ impl Cell {
     }
 }
 
+/// The largest displacement that a sensor has read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Highest {
+    /// It \[m\], relative to the zero, with its standard deviation.
+    pub value: f64,
+    pub deviation: f64,
+    /// Until when the sensor has read something \[s\]: one that died before has not seen a peak that came later.
+    pub seen_until: f64,
+}
+
 /// The readings of all sensors, by block.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Blocks {
@@ -209,15 +219,22 @@ impl Blocks {
 
     /// The peak displacement that a sensor has read by `until` \[s\], in the direction of the vehicle, and its standard
     /// deviation. Means over half a millisecond tell it within some hundredths.
-    pub fn highest(&self, sensor: usize, until: f64) -> Option<[f64; 2]> {
+    pub fn highest(&self, sensor: usize, until: f64) -> Option<Highest> {
         let channel = &self.channels[sensor];
+        let complete = self.complete(until);
+        let known = (0..complete).rev().find(|k| channel.mean(*k).is_some())?;
+        let last = self.layout[known];
         let until = until - self.contact + 5e-10;
         let known = |cell: &&Cell| (cell.number + 1) as f64 * PEAK_CELL <= until;
         let highest = channel.highest.iter().rev().find(known)?;
         let noise = channel.noise * channel.noise / f64::from(highest.count);
         let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * highest.value;
         let variance = noise + channel.zero_variance + relative * relative;
-        Some([highest.value, variance.sqrt()])
+        Some(Highest {
+            value: highest.value,
+            deviation: variance.sqrt(),
+            seen_until: self.contact + last.start + last.length,
+        })
     }
 
     /// How many blocks are complete with data until `until` \[s\].

@@ -2,7 +2,7 @@
 
 use crate::assessment::Action;
 use crate::column::{Outcome, Report};
-use crate::estimation::inference::blocks::CLIPPED;
+use crate::estimation::inference::blocks::{CLIPPED, Highest};
 use crate::estimation::inference::estimate::{CredibleInterval, ImpactEstimate, Spread};
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{Front, UNKNOWNS};
@@ -49,9 +49,8 @@ impl Estimator {
         libm::hypot(IMPACT_ERROR, (size * ratio * ratio.sqrt()).min(most))
     }
 
-    /// The peak displacement of the impact point that a sensor at its height has read by `until` \[s\], with its standard
-    /// deviation; `None` without such a sensor that counts. The most exact one tells it.
-    fn measured_peak(&self, until: f64) -> Option<[f64; 2]> {
+    /// The peak displacement of the impact point that a sensor at its height has read by `until` \[s\]; `None` without such a sensor that counts. The most exact one tells it.
+    fn measured_peak(&self, until: f64) -> Option<Highest> {
         let blocks = self.blocks.as_ref()?;
         let properties = self.population.properties();
         let each = self.sensors.iter().zip(&self.doubtful).enumerate();
@@ -68,22 +67,27 @@ impl Estimator {
         let measured = at_impact.filter_map(|(index, (sensor, _))| {
             let highest = blocks.highest(index, until)?;
             // A sensor at the end of its range has not seen the peak.
-            (sensor.range == 0.0 || highest[0] < CLIPPED * sensor.range).then_some(highest)
+            (sensor.range == 0.0 || highest.value < CLIPPED * sensor.range).then_some(highest)
         });
-        measured.min_by(|a, b| a[1].total_cmp(&b[1]))
+        measured.min_by(|a, b| a.deviation.total_cmp(&b.deviation))
     }
 
     /// Peak displacement of the impact point by one response, relative to the column before the impact \[m\]: its logarithm with its
-    /// standard deviation. What a sensor has measured counts, and once the response is past its peak it is the peak.
-    fn peak_by(&self, member: &Member, until: f64, measured: Option<[f64; 2]>) -> [f64; 2] {
+    /// standard deviation. What a sensor has measured counts, and once the response is past its peak while it reads, it is the peak.
+    fn peak_by(&self, member: &Member, measured: Option<Highest>) -> [f64; 2] {
         let [scale, scatter] = member.scale;
         let report = &member.prediction.report;
         let added = report.max_v1 - self.rest_v1;
         let mut peak = (scale * added).max(LEAST_PEAK);
         let error = libm::hypot(PEAK_ERROR, self.impact_error(member, true));
         let mut deviation = libm::hypot(scatter * added, error * added);
-        if let Some([highest, noise]) = measured {
-            let since = until - (self.contact[0] + member.delay);
+        if let Some(Highest {
+            value: highest,
+            deviation: noise,
+            seen_until,
+        }) = measured
+        {
+            let since = seen_until - (self.contact[0] + member.delay);
             if since > report.max_v1_time {
                 // Prediction and measurement, each by its precision.
                 let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
@@ -182,7 +186,7 @@ impl Estimator {
             peak_v1: {
                 let measured = self.measured_peak(data_until);
                 let each = members().map(|(member, weight)| {
-                    let [mean, deviation] = self.peak_by(member, data_until, measured);
+                    let [mean, deviation] = self.peak_by(member, measured);
                     Spread {
                         mean,
                         deviation,
