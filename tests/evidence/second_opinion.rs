@@ -5,7 +5,7 @@ use std::sync::Arc;
 use column_twin::evidence::{JournalEntry, JournalLine, Verification, verify};
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin_msgs::{ImpactReport, SecondOpinion};
-use column_twin::parameters::{Parameters, RecordMode};
+use column_twin::parameters::{Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader};
 use column_twin::twin::{BeamResult, CHECKPOINT_PERIOD, Command, Journal};
 
@@ -25,8 +25,9 @@ fn hit(twin: &mut RecordedTwin, id: &str, direction: f64) {
 
 /// The first second opinion is known during the response, the second one, on the damaged column, after it.
 fn recording(mode: RecordMode) -> Finished {
-    let parameters =
-        Parameters::load(&["config/heb220_s355.yaml".into()], &[]).expect("admissible");
+    let given = Parameters::load(&["config/heb220_s355.yaml".into()], &[]).expect("admissible");
+    let changes = [("column_id", Value::from("column"))];
+    let parameters = given.with_changes(changes).expect("admissible");
     let mut twin = RecordedTwin::with_mode(parameters, mode);
     hit(&mut twin, "a", 0.2);
     for _ in 0..500 {
