@@ -36,7 +36,8 @@ pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
         })
 }
 
-/// The same from which on a sensor is left out: a wrong model of the vehicle or of the column explains a smaller misfit.
+/// The same from which on one of three or more sensors is left out: a wrong model of the vehicle or of the column explains a smaller
+/// misfit. Of two, which are all that there is, neither confirms the model, and [`CONTRADICTION`] is enough.
 const EXCLUSION: f64 = 25.0;
 
 /// Leaving out sensors has to divide the misfit of the others by this number, unless they are explained then.
@@ -106,7 +107,11 @@ pub(crate) fn contradictions(
                     .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
                     .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
                     .fold(f64::INFINITY, f64::min);
-                (misfit > EXCLUSION).then_some((sensor, best))
+                let most = match all.len() {
+                    2 => CONTRADICTION,
+                    _ => EXCLUSION,
+                };
+                (misfit > most).then_some((sensor, best))
             })
             .collect();
         let best = largest(excluded.iter().map(|(_, best)| *best));
@@ -127,7 +132,7 @@ pub(crate) fn contradictions(
     let misfit = |active: &[usize]| misfit(members, &fits, &blocks, active);
     let left_out = all.len() - active.len();
     let (together, apart) = (misfit(&all), misfit(&active));
-    let is_better = apart <= CONTRADICTION.max(together / RELIEF);
+    let is_better = all.len() == 2 || apart <= CONTRADICTION.max(together / RELIEF);
     let worst = match left_out <= most && (left_out == 0 || is_better) {
         true => apart,
         false => {
