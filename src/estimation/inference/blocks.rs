@@ -73,7 +73,7 @@ impl Cell {
     }
 }
 
-/// The largest displacement that a sensor has read.
+/// The peak displacement that a sensor has read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Highest {
     /// It \[m\], relative to the zero, with its standard deviation.
