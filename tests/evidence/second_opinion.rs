@@ -26,7 +26,11 @@ fn hit(twin: &mut RecordedTwin, id: &str, direction: f64) {
 /// The first second opinion is known during the response, the second one, on the damaged column, after it.
 fn recording(mode: RecordMode) -> Finished {
     let given = Parameters::load(&["config/heb220_s355.yaml".into()], &[]).expect("admissible");
-    let changes = [("column_id", Value::from("column"))];
+    let changes = [
+        ("column_id", Value::from("column")),
+        // With it the forecast, in slices, is complete before the response is over.
+        ("solver.dt", Value::from(1e-4)),
+    ];
     let parameters = given.with_changes(changes).expect("admissible");
     let mut twin = RecordedTwin::with_mode(parameters, mode);
     hit(&mut twin, "a", 0.2);

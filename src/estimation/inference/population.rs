@@ -287,9 +287,9 @@ impl Population {
                 continue;
             }
             if self.hypotheses[hypothesis].front == Front::TwoMasses
-                && let Some(from_rigid) = self.from_rigid(hypothesis, &weights, wanted)
+                && let Some(drawn_from_rigid) = self.drawn_from_rigid(hypothesis, &weights, wanted)
             {
-                round.draw(from_rigid, &mut self.random);
+                round.draw(drawn_from_rigid, &mut self.random);
             }
             let kernels = wanted.min(KERNELS);
             let Some(fitted) = self.fitted(hypothesis, wanted.div_ceil(2)) else {
@@ -304,7 +304,7 @@ impl Population {
     }
 
     /// Vehicles whose hard front mass does what the most likely rigid vehicle does, with anything behind it.
-    fn from_rigid(&self, hypothesis: usize, weights: &[f64], wanted: usize) -> Option<Drawn> {
+    fn drawn_from_rigid(&self, hypothesis: usize, weights: &[f64], wanted: usize) -> Option<Drawn> {
         let count = (FROM_RIGID * wanted as f64).round() as usize;
         let rigid = self.members.iter().zip(weights);
         let rigid = rigid.filter(|(it, _)| self.hypotheses[it.hypothesis].front == Front::Rigid);
