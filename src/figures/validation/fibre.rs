@@ -168,7 +168,7 @@ pub(super) fn chapter() -> String {
     rows.sort_by(|one, other| other.0.total_cmp(&one.0));
     text.extend(rows.iter().map(|(.., line)| line.as_str()));
     let ratios = || rows.iter().map(|(_, ratio, _)| *ratio);
-    let _ = writeln!(
+    let _ = write!(
         text,
         "\nOver all {} cases the peak of the two bars is {:.2} to {:.2} times the peak of the fibre beam.\n",
         rows.len(),
@@ -192,7 +192,7 @@ pub(super) fn chapter() -> String {
         "{mean} {square}"
     );
     let count = rigid[0].len();
-    let _ = write!(
+    let _ = writeln!(
         text,
         "Over the {count} rigid impacts with b = 1e-4 the mean ratio of peak v1 is {mean:.3} with a root mean square deviation of {:.1} %; \
          for the residual displacement they are {residual_mean:.3} and {:.1} %.",
