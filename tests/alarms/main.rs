@@ -32,7 +32,7 @@ const QUIET: [&str; 6] = [
     "real_time.lock_memory:=false",
 ];
 
-fn with<'a>(arguments: &'a [String]) -> Vec<&'a str> {
+fn with(arguments: &[String]) -> Vec<&str> {
     let own = arguments.iter().flat_map(|it| ["-p", it.as_str()]);
     QUIET.into_iter().chain(own).collect()
 }

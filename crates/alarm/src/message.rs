@@ -13,7 +13,7 @@ pub const SCHEMA: &str = "column_alarm/1";
 /// The JSON Schema of a message (draft 2020-12).
 pub const JSON_SCHEMA: &str = include_str!("../alarm.schema.json");
 
-/// Longest reason in a message [characters]; the rest is cut off.
+/// Longest reason in a message \[characters\]; the rest is cut off.
 pub const MAX_REASON: usize = 1000;
 
 /// What a message tells about its alarm.

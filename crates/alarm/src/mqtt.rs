@@ -29,7 +29,7 @@ use crate::webhook::{in_words, is_this_machine};
 const KEEP_ALIVE: Duration = Duration::from_secs(10);
 /// Longest time until the broker acknowledges a message or a connection.
 const TIMEOUT: Duration = Duration::from_secs(10);
-/// Largest packet of a broker [bytes]; it sends acknowledgements only.
+/// Largest packet of a broker \[bytes\]; it sends acknowledgements only.
 const MAX_PACKET: u32 = 64 * 1024;
 /// Requests and events between the tasks: one message is on its way at a time, and a heartbeat.
 const QUEUE: usize = 16;

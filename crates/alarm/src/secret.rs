@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::error::StartError;
 
-/// Longest file of a secret, certificate or key [bytes].
+/// Longest file of a secret, certificate or key \[bytes\].
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Reads a file that only its owner may read.

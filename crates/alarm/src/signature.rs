@@ -10,7 +10,7 @@ use ring::hmac;
 use crate::error::StartError;
 use crate::secret::read_secret;
 
-/// Shortest key [bytes] (Standard Webhooks).
+/// Shortest key \[bytes\] (Standard Webhooks).
 const MIN_KEY: usize = 24;
 
 /// The key of the signatures.

@@ -15,9 +15,9 @@ use crate::message::Message;
 
 /// Most messages that wait; the oldest one is given up for a further one.
 pub(crate) const MAX_WAITING: usize = 50_000;
-/// Longest spool that is read [bytes]: what 50 000 messages of the greatest length, and their acknowledgements, take.
+/// Longest spool that is read \[bytes\]: what 50 000 messages of the greatest length, and their acknowledgements, take.
 const MAX_FILE: u64 = 1 << 30;
-/// A file that is about delivered messages for the most part is begun anew from this length on [bytes].
+/// A file that is about delivered messages for the most part is begun anew from this length on \[bytes\].
 const MAX_DELIVERED: u64 = 1 << 20;
 
 /// A message that waits.
@@ -49,9 +49,9 @@ pub(crate) enum Next {
 pub(crate) struct Spool {
     path: PathBuf,
     file: File,
-    /// Length of the file [bytes].
+    /// Length of the file \[bytes\].
     length: u64,
-    /// How much of it is about delivered messages [bytes].
+    /// How much of it is about delivered messages \[bytes\].
     dead: u64,
     waiting: VecDeque<Waiting>,
     next_number: u64,

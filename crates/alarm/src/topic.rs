@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::condition::Watched;
 use crate::error::TopicFault;
 
-/// Longest topic that MQTT carries [bytes] (MQTT 5, 1.5.4).
+/// Longest topic that MQTT carries \[bytes\] (MQTT 5, 1.5.4).
 const MAX_TOPIC: usize = 65_535;
 
 /// A template for topics: text with the fields `{node}`, `{subject}` and `{kind}`.
