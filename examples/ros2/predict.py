@@ -16,7 +16,7 @@ node = rclpy.create_node("predict")
 predict = node.create_client(PredictImpact, f"{sys.argv[1]}/predict")
 predict.wait_for_service()
 request = PredictImpact.Request(vehicle=sys.argv[2], velocity=float(sys.argv[3]), mass=math.nan, gap=math.nan,
-                                restitution=math.nan, height=math.nan)
+                                restitution=math.nan, height=math.nan, direction=math.nan)
 answer = predict.call_async(request)
 rclpy.spin_until_future_complete(node, answer)
 report = answer.result().report

@@ -20,7 +20,7 @@ while events.get_subscription_count() == 0:
 column_id, vehicle, speed, gap = sys.argv[1], sys.argv[2], float(sys.argv[3]), float(sys.argv[4])
 # NaN: what the camera does not know has the value of the parameters.
 event = ImpactEvent(column_id=column_id, event_id=str(uuid.uuid4()), vehicle=vehicle, velocity=speed, gap=gap, mass=math.nan,
-                    restitution=math.nan, height=math.nan)
+                    restitution=math.nan, height=math.nan, direction=math.nan)
 event.header.stamp = node.get_clock().now().to_msg()
 events.publish(event)
 events.wait_for_all_acked()

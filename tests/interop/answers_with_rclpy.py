@@ -34,7 +34,7 @@ def main():
         number += 1
         # A light impact, which is over before the next one.
         event = ImpactEvent(column_id=sys.argv[1], event_id=str(number), mass=10.0, velocity=0.5)
-        event.gap = event.restitution = event.height = float("nan")
+        event.gap = event.restitution = event.height = event.direction = float("nan")
         event.header.stamp = node.get_clock().now().to_msg()
         print("sent", number, flush=True)
         events.publish(event)

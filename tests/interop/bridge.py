@@ -130,7 +130,7 @@ class Site:
 
     def event(self, event_id, mass, velocity, gap):
         event = ImpactEvent(column_id="column", event_id=event_id, mass=mass, velocity=velocity, gap=gap, restitution=math.nan,
-                            height=math.nan)
+                            height=math.nan, direction=math.nan)
         event.header.stamp.sec, event.header.stamp.nanosec = divmod(time.time_ns(), 10**9)
         return event
 
@@ -223,7 +223,7 @@ def services(sites, near, far):
     """Prediction and parameters; the table's rows."""
     predict = near.node.create_client(PredictImpact, "column_twin/predict")
     near.until("the service predict", predict.service_is_ready)
-    request = PredictImpact.Request(restitution=math.nan, height=math.nan, **HEAVY)
+    request = PredictImpact.Request(restitution=math.nan, height=math.nan, direction=math.nan, **HEAVY)
 
     def direct():
         started = time.monotonic()

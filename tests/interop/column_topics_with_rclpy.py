@@ -59,7 +59,7 @@ def main():
     check("one writer of the status", len(names) == 1)
 
     event = ImpactEvent(column_id=column, event_id="rclpy", mass=1500.0, velocity=8.0)
-    for field in ["gap", "restitution", "height"]:
+    for field in ["gap", "restitution", "height", "direction"]:
         setattr(event, field, float("nan"))
     event.header.stamp = node.get_clock().now().to_msg()
     events.publish(event)

@@ -72,6 +72,7 @@ class PredictRequest(IdlStruct, typename="column_twin_msgs::srv::dds_::PredictIm
     gap: types.float64
     restitution: types.float64
     height: types.float64
+    direction: types.float64
 
 
 @dataclass
@@ -90,6 +91,7 @@ class PredictReply(IdlStruct, typename="column_twin_msgs::srv::dds_::PredictImpa
     report_vehicle: str
     report_mass: types.float64
     report_velocity: types.float64
+    report_direction: types.float64
     report_kind: types.uint8
     report_outcome: types.uint8
     report_max_v1: types.float64
@@ -201,7 +203,7 @@ class ServiceCaller:
         del self.announcement, self.predicting, self.getting, self.setting, self.participant
 
     def predict(self, mass, velocity, gap):
-        return self.predicting.call("", "", "", mass, velocity, gap, math.nan, math.nan)
+        return self.predicting.call("", "", "", mass, velocity, gap, math.nan, math.nan, math.nan)
 
     def get_parameters(self, names):
         """Values; None for a parameter that is not set."""

@@ -257,7 +257,7 @@ def parameters(peer):
 
 def event_of(expected, event_id, stamp=None):
     event = ImpactEvent(column_id="column", event_id=event_id, mass=expected["mass"], velocity=expected["velocity"],
-                        gap=math.nan, restitution=math.nan, height=math.nan)
+                        gap=math.nan, restitution=math.nan, height=math.nan, direction=math.nan)
     stamp = time.time_ns() if stamp is None else stamp
     event.header.stamp.sec, event.header.stamp.nanosec = divmod(stamp, 10**9)
     return event, stamp
@@ -282,13 +282,15 @@ def check_response(peer, expected, event_id, event_stamp):
             check(f"first {name} has an error estimate", math.isnan(of(name)[0].error_estimate), wanted == 2)
             report = of(name)[wanted - 1]
             check(f"kind of {name}", report.kind, kind)
-            # The second opinion is computed behind the forecast, and the action is that of both models from then on.
-            if report.beam.state == SecondOpinion.KNOWN:
-                both = ["beam", "action", "deciding_criterion", "action_reason", "criteria"]
-                check(f"{name}: the beam has a peak", report.beam.max_displacement > 0, True)
-                numbers |= {field: value_of(getattr(report, field)) for field in both}
-            # The range of the verdict is computed behind the forecast, before or after the response is over.
             numbers = dict(expected["report"])
+            # The second opinion, which a prediction does not have, is computed behind the forecast, and the action is that of both
+            # models from then on.
+            both = ["beam"]
+            if report.beam.state == SecondOpinion.KNOWN:
+                both += ["action", "deciding_criterion", "action_reason", "criteria"]
+                check(f"{name}: the beam has a peak", report.beam.max_displacement > 0, True)
+            numbers |= {field: value_of(getattr(report, field)) for field in both}
+            # The range of the verdict is computed behind the forecast, before or after the response is over.
             if report.range_least != ImpactReport.ACTION_UNKNOWN:
                 check(f"{name}: its range contains the action", report.range_least <= report.action <= report.range_most, True)
                 numbers |= {field: getattr(report, field) for field in numbers if field.startswith("range_")}
@@ -343,7 +345,7 @@ def services(peer, expected):
     predict = peer.node.create_client(PredictImpact, "column_twin/predict")
     peer.until("predict", predict.service_is_ready)
     request = PredictImpact.Request(event_id="what if", mass=expected["mass"], velocity=expected["velocity"],
-                                    gap=math.nan, restitution=math.nan, height=math.nan)
+                                    gap=math.nan, restitution=math.nan, height=math.nan, direction=math.nan)
     answer = peer.result("predict", predict.call_async(request))
     report = answer.report
     check("predict", (answer.success, report.kind, report.event_id, report.column_id, report.max_v1),
