@@ -1,4 +1,4 @@
-//! How close the estimates are to the truth on signals of the fibre beam, to which nobody has tuned the estimator, and on
+//! How close the estimates are to the truth on signals of the fibre beam, which is not the model of the estimator, and on
 //! those of `tests/data/signals/`.
 //!
 //! Arguments choose signals by parts of their names, `seeds=N` the number of streams of noise, and `before=S` how many seconds

@@ -550,13 +550,6 @@ impl Finished {
     /// The impact computed again in every step from the column before it or, where that is not known, as it was published.
     fn reported(self) -> Option<ReportedImpact> {
         let mut reported = self.recomputed().or_else(|| self.published())?;
-        reported.title = words::title(
-            &reported.parameters,
-            &reported.vehicle,
-            &reported.impact,
-            reported.model.properties.length_below,
-            self.output.striking.direction(),
-        );
         let assessed = self.output.assessed.as_ref();
         reported.second_opinion = assessed.and_then(|it| it.second_opinion.clone());
         reported.event = Some((self.output.event_id.to_string(), self.output.stamp));
@@ -583,7 +576,13 @@ impl Finished {
         };
         let parameters = Arc::clone(before.parameters());
         let vehicle = vehicle_of(command, before.parameters());
-        let reported = ReportedImpact::computed(parameters, vehicle, impact, &struck).ok()?;
+        let reported = ReportedImpact::computed(
+            parameters,
+            vehicle,
+            (impact, self.output.striking.direction()),
+            &struck,
+        )
+        .ok()?;
         // Otherwise the beginning was not that of the recorded response.
         (reported.report == self.output.report).then_some(reported)
     }
@@ -621,7 +620,13 @@ impl Finished {
             }
         };
         Some(ReportedImpact {
-            title: String::new(),
+            title: words::title(
+                &parameters,
+                vehicle,
+                &impact,
+                properties.length_below,
+                output.striking.direction(),
+            ),
             event: None,
             vehicle: vehicle.to_owned(),
             impact,

@@ -63,19 +63,19 @@ impl ReportedImpact {
         Ok(Self::computed(
             Arc::new(parameters.clone()),
             vehicle,
-            impact,
+            (impact, parameters.direction()),
             &struck,
         )?)
     }
 
-    /// An impact of the vehicle of this name, computed from its beginning.
+    /// An impact of the vehicle of this name, which travels in this direction \[rad\], computed from its beginning.
     ///
     /// # Errors
     /// A step that does not converge.
     pub fn computed(
         parameters: Arc<Parameters>,
         vehicle: &str,
-        impact: Impact,
+        (impact, direction): (Impact, f64),
         struck: &Struck,
     ) -> Result<Self, StepError> {
         let Course {
@@ -89,7 +89,7 @@ impl ReportedImpact {
                 vehicle,
                 &impact,
                 struck.model.properties.length_below,
-                parameters.direction(),
+                direction,
             ),
             event: None,
             vehicle: vehicle.to_owned(),

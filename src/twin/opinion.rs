@@ -10,10 +10,11 @@ use std::sync::Arc;
 use super::active_response::ActiveResponse;
 use super::begun_impact::BegunImpact;
 use super::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
+use super::plant::Plant;
 use super::striking::Striking;
 use crate::column::{ColumnProperties, Impact, Report};
 use crate::parameters::Parameters;
-use crate::second_opinion::{BeamAnswer, BeamTask, NoSecondOpinion, SecondOpinion};
+use crate::second_opinion::{BeamTask, NoSecondOpinion, SecondOpinion};
 
 /// A hit that is to be computed with the beam, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,15 +68,28 @@ impl OpinionTask {
     }
 }
 
-/// What the beam says of an impact, beside the report of the two bars.
-pub(super) fn opinion_on(
-    answer: &BeamAnswer,
-    striking: &Striking,
-    parameters: &Parameters,
-    report: &Report,
-) -> Arc<SecondOpinion> {
-    let direction = striking.direction();
-    Arc::new(SecondOpinion::new(answer, direction, parameters, report))
+/// An impact that the beam has looked at: with its report by the two bars, and the column that it has left.
+pub(super) struct Seen<'a> {
+    pub striking: &'a Striking,
+    pub parameters: &'a Parameters,
+    pub report: &'a Report,
+    pub left: &'a Plant,
+    /// The damage of the beam before it.
+    pub before: &'a KnownBeamDamage,
+}
+
+impl Seen<'_> {
+    /// What is kept of this result: the opinion, and the damage of the beam.
+    pub fn kept(&self, found: &BeamResult) -> (Option<Arc<SecondOpinion>>, KnownBeamDamage) {
+        match found {
+            BeamResult::None(reason) => (None, self.before.without_opinion(self.left, reason)),
+            BeamResult::Answer(answer) => {
+                let direction = self.striking.direction();
+                let opinion = SecondOpinion::new(answer, direction, self.parameters, self.report);
+                (Some(Arc::new(opinion)), KnownBeamDamage::after(answer))
+            }
+        }
+    }
 }
 
 impl ActiveResponse {

@@ -42,6 +42,16 @@ pub enum BeamResult {
     None(Arc<str>),
 }
 
+impl OpinionState {
+    /// After this result.
+    pub(super) fn after(found: &BeamResult) -> Self {
+        match found {
+            BeamResult::None(reason) => Self::None(Arc::clone(reason)),
+            BeamResult::Answer(_) => Self::Known,
+        }
+    }
+}
+
 impl KnownBeamDamage {
     /// Whether no impact has damaged the column.
     #[must_use]

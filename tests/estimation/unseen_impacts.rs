@@ -1,4 +1,4 @@
-//! Impacts of the fibre beam to which nobody has tuned the estimator. Each test is named after a fault that it had.
+//! Impacts of the fibre beam, which is not the model of the estimator. Each test is named after a fault that the estimator had.
 
 use std::sync::OnceLock;
 

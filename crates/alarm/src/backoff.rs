@@ -21,7 +21,7 @@ impl Backoff {
         wait
     }
 
-    /// After a success the next failure begins anew.
+    /// After a success the next failure starts with the shortest delay again.
     pub fn succeeded(&mut self) {
         self.failures = 0;
     }

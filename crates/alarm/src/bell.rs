@@ -1,4 +1,4 @@
-//! A bell between threads: whoever rings it does not wait, and a ring that nobody heard yet stays.
+//! A bell between threads: ringing it never waits, and a ring is kept until it is heard.
 
 use std::time::Duration;
 

@@ -8,7 +8,7 @@ use crate::condition::{Condition, Level, NODE_STOPPED, Watched};
 use crate::message::{Message, State, new_id};
 use crate::rules::Rules;
 
-/// Most alarms that are active at a time; further ones are told, but not remembered.
+/// Maximum number of alarms that are active at a time; further ones are sent, but not tracked.
 const MAX_ACTIVE: usize = 100_000;
 
 /// The active alarms of one channel.

@@ -15,7 +15,7 @@ use crate::rules::Rules;
 use crate::spool::{MAX_WAITING, Next, Spool, write_whole};
 use crate::statistics::ChannelStatistics;
 
-/// Most different problems that are told until it works again.
+/// Maximum number of different problems that are reported until delivery works again.
 const MAX_TOLD: usize = 16;
 
 /// The rank of a node that stopped.
@@ -119,7 +119,7 @@ impl Channel {
     fn began(&mut self, now: SystemTime) {
         let mut messages = Vec::new();
         if let Some(armed) = self.book.disarm() {
-            // With the id of the will: whoever has had that drops this one.
+            // It has the id of the will, so that a receiver that has had the will drops it.
             self.book.note(&armed);
             messages.push(armed);
         }

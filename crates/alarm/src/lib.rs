@@ -3,7 +3,7 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - backoff.rs: How long to wait before the next attempt
-// - bell.rs: A bell between threads: whoever rings it does not wait, and a ring that nobody heard yet stays
+// - bell.rs: A bell between threads: ringing it never waits, and a ring is kept until it is heard
 // - book.rs: Which alarms are active, so that each is raised once and cleared once, also across restarts
 // - channel.rs: One way of delivery with its rules, active alarms and spool: all but the network
 // - condition.rs: What the host says about something that it watches

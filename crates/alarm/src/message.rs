@@ -22,7 +22,7 @@ pub const MAX_REASON: usize = 1000;
 pub enum State {
     /// The alarm begins.
     Raised,
-    /// The alarm goes on with another level, or for another cause.
+    /// The alarm continues with another level or another cause.
     Updated,
     /// The alarm is over.
     Cleared,

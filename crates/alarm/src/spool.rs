@@ -17,7 +17,7 @@ use crate::message::Message;
 pub(crate) const MAX_WAITING: usize = 50_000;
 /// Longest spool that is read \[bytes\]: what 50 000 messages of the greatest length, and their acknowledgements, take.
 const MAX_FILE: u64 = 1 << 30;
-/// A file that is about delivered messages for the most part is begun anew from this length on \[bytes\].
+/// Length from which a file that mostly holds delivered messages is rewritten without them \[bytes\].
 const MAX_DELIVERED: u64 = 1 << 20;
 
 /// A message that waits.

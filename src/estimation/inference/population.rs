@@ -190,10 +190,7 @@ impl Population {
             unknowns,
             ..
         } = self.hypotheses[hypothesis];
-        let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for (k, row) in factor.iter_mut().enumerate() {
-            row[k] = deviation[k];
-        }
+        let factor = independent(&deviation);
         let mut round = Round::new(&self.random);
         round.draw(
             Drawn::new((hypothesis, unknowns), count, mean, factor),
@@ -316,10 +313,7 @@ impl Population {
             unknowns,
             ..
         } = self.hypotheses[hypothesis];
-        let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for (k, row) in factor.iter_mut().enumerate() {
-            row[k] = deviation[k];
-        }
+        let mut factor = independent(&deviation);
         // The share of the front times the mass is the mass of the rigid vehicle.
         const SHARE: usize = UNKNOWNS - 1;
         mean[1] = likeliest.unknowns[1];
@@ -671,4 +665,13 @@ fn follow(member: &mut Member, drawn: &[Drawn]) {
         .map(|it| libm::log(it.count) + it.log_density(&member.unknowns));
     member.log_drawn = log_sum(std::iter::once(member.log_drawn).chain(densities));
     member.known_drawn = drawn.len();
+}
+
+/// The factor of the covariance of independent unknowns with these standard deviations.
+fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
+    let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+    for (k, row) in factor.iter_mut().enumerate() {
+        row[k] = deviation[k];
+    }
+    factor
 }

@@ -1,11 +1,11 @@
 //! The one thread that computes what columns await in the background, with the lowest priority: second opinions, ranges of verdicts,
 //! and the critical velocities of columns at rest.
 //!
-//! Columns that differ by their names only have the same results, which are computed once. Second opinions come first, the newest before the others, then ranges, then columns
-//! that have been hit. For the others, of which a fleet has many after the start, the thread takes only a part of a processor, because they
-//! are not urgent. What a column no longer awaits is abandoned, after the response that is being computed. The solver threads and this
-//! one share queues without locks only: a thread with the lowest priority must not hold a lock that they need. A pop may spin while a
-//! push is preempted, which is rare.
+//! Columns that differ by their names only have the same results, which are computed once. Second opinions come first, the newest
+//! before the others, then ranges, then columns that have been hit. For the others, of which a fleet has many after the start, the
+//! thread takes only a part of a processor, because they are not urgent. What a column no longer awaits is abandoned, after the
+//! response that is being computed. The solver threads and this one share queues without locks only: a thread with the lowest
+//! priority must not hold a lock that they need. A pop may spin while a push is preempted, which is rare.
 
 use std::collections::VecDeque;
 use std::sync::Arc;

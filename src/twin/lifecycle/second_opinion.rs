@@ -6,9 +6,8 @@ use super::Twin;
 use crate::second_opinion::SecondOpinion;
 use crate::time::Nanos;
 use crate::twin::assessed::{LastImpact, assessed_again};
-use crate::twin::begun_impact::BegunImpact;
 use crate::twin::command::Accepted;
-use crate::twin::opinion::{OpinionTask, opinion_on};
+use crate::twin::opinion::{OpinionTask, Seen};
 use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
 use crate::twin::output::{NoticeLevel, Output, Outputs, Verdicts};
 use crate::twin::plant::{Plant, Struck};
@@ -63,17 +62,14 @@ impl Twin {
         found: &BeamResult,
     ) -> Option<(Option<Arc<SecondOpinion>>, KnownBeamDamage)> {
         let impact = &self.judged.as_ref()?.impact;
-        Some(match found {
-            BeamResult::None(reason) => {
-                let beam = impact.beam_before.without_opinion(&self.at_rest, reason);
-                (None, beam)
-            }
-            BeamResult::Answer(answer) => {
-                let parameters = self.parameters.current();
-                let opinion = opinion_on(answer, &impact.striking(), parameters, &impact.report);
-                (Some(opinion), KnownBeamDamage::after(answer))
-            }
-        })
+        let seen = Seen {
+            striking: &impact.striking(),
+            parameters: self.parameters.current(),
+            report: &impact.report,
+            left: &self.at_rest,
+            before: &impact.beam_before,
+        };
+        Some(seen.kept(found))
     }
 
     /// Where the second opinion on an impact stands that begins now, on the column `before` it.
@@ -106,43 +102,35 @@ impl Twin {
         }
         match &mut self.response {
             Some(response) => {
-                let BegunImpact {
-                    striking,
-                    parameters,
-                    ..
-                } = &response.impact;
+                let impact = &mut response.impact;
                 let Some(predicted) = response.forecast.predicted_mut() else {
                     return Accepted::Unchanged;
                 };
-                let opinion = match found {
-                    BeamResult::None(reason) => OpinionState::None(Arc::clone(reason)),
-                    BeamResult::Answer(answer) => {
-                        let opinion = opinion_on(answer, striking, parameters, &predicted.report);
-                        let last = LastImpact {
-                            second_opinion: Some(opinion),
-                            ..LastImpact::new(
-                                striking,
-                                &predicted.report,
-                                predicted.error_estimate,
-                                response.impact.base_before.as_ref(),
-                            )
-                        };
-                        predicted.assessed = predicted
-                            .assessed
-                            .as_ref()
-                            .map(|it| assessed_again(it, parameters, &predicted.at_rest, &last));
-                        OpinionState::Known
-                    }
+                let seen = Seen {
+                    striking: &impact.striking,
+                    parameters: &impact.parameters,
+                    report: &predicted.report,
+                    left: &predicted.at_rest,
+                    before: &self.registry.life.beam,
                 };
-                response.impact.opinion = opinion;
-                response.beam_after = Some(match found {
-                    BeamResult::None(reason) => self
-                        .registry
-                        .life
-                        .beam
-                        .without_opinion(&predicted.at_rest, reason),
-                    BeamResult::Answer(answer) => KnownBeamDamage::after(answer),
-                });
+                let (opinion, beam) = seen.kept(found);
+                if opinion.is_some() {
+                    let last = LastImpact {
+                        second_opinion: opinion,
+                        ..LastImpact::new(
+                            &impact.striking,
+                            &predicted.report,
+                            predicted.error_estimate,
+                            impact.base_before.as_ref(),
+                        )
+                    };
+                    let assessed = predicted.assessed.as_ref();
+                    predicted.assessed = assessed.map(|it| {
+                        assessed_again(it, &impact.parameters, &predicted.at_rest, &last)
+                    });
+                }
+                impact.opinion = OpinionState::after(found);
+                response.beam_after = Some(beam);
             }
             None => self.take_opinion_at_rest(found),
         }
@@ -157,10 +145,7 @@ impl Twin {
         };
         let life = &mut self.registry.life;
         life.beam = beam;
-        judged.impact.opinion = match found {
-            BeamResult::None(reason) => OpinionState::None(Arc::clone(reason)),
-            BeamResult::Answer(_) => OpinionState::Known,
-        };
+        judged.impact.opinion = OpinionState::after(found);
         if let Some(last) = life.last_impact.as_mut().filter(|_| opinion.is_some()) {
             last.second_opinion = opinion;
             let parameters = self.parameters.current();
