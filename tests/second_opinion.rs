@@ -205,6 +205,8 @@ fn the_beam_has_exactly_the_fields_of_the_interface() {
         "max_sideways_m",
         "residual_displacement_m",
         "residual_sideways_m",
+        "residual_bow_m",
+        "residual_bow_height_m",
         "max_displacement_time_s",
         "outcome",
         "undamaged_capacity_n",
@@ -275,6 +277,26 @@ fn a_hit_that_the_two_bars_do_not_see_is_judged_by_the_beam() {
     ] {
         assert_eq!(both[name], alone[name], "{name}");
     }
+}
+
+/// A long column that is hit near its base: its inertia makes the long upper bar yield in its middle, which two rigid bars cannot
+/// show. Where the beam keeps a larger bow and less capacity, its verdict counts.
+#[test]
+fn a_bow_that_two_straight_bars_cannot_have_is_judged_by_the_beam() {
+    let found = simulated(&arguments(
+        "--mass 1500 --velocity 5 -p vehicle.name:=rigid -p section.name:=IPE300 -p steel.grade:=S235 -p geometry.length_below:=0.75 \
+         -p geometry.length_above:=7.25 -p support.base:=pinned -p support.top:=pinned -p top.load:=2e5",
+    ));
+    let beam = &found["beam"];
+    println!("{found:#}");
+    assert!((3.0..6.0).contains(&number(&beam["residual_bow_height_m"])));
+    assert!(number(&beam["residual_bow_m"]) > 1.25 * number(&found["residual_v1_m"]));
+    let criteria = found["criteria"].as_array().expect("a list");
+    let by_beam = criteria.iter().any(|it| {
+        let words = it["statement"].as_str().expect("words");
+        words.starts_with("By the fibre beam: ")
+    });
+    assert!(by_beam, "{criteria:#?}");
 }
 
 /// The two bars take the component in their plane, and say so.

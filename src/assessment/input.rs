@@ -67,6 +67,8 @@ pub struct OtherModel {
     pub yielded: bool,
     /// Residual displacement of the impact point, whatever its direction \[m\]; `None` after a collapse.
     pub residual: Option<f64>,
+    /// Largest residual distance of the axis from that of the undamaged column, at any height \[m\]; `None` after a collapse.
+    pub bow: Option<f64>,
     /// Peak displacement of the impact point \[m\].
     pub peak: f64,
     /// Axial capacity of the undamaged column and of the column that the impact leaves \[N\].
@@ -87,6 +89,10 @@ pub struct AssessmentInput {
     /// `v1` in the equilibrium under the load that remains \[m\], from the straight line between the supports, which do not
     /// move sideways; `None` if the column has none, or it is not known.
     pub residual_v1: Option<f64>,
+    /// Largest residual bow between the supports where it is known to be larger than at the impact point \[m\]: two straight bars
+    /// are farthest from the line between the supports there.
+    #[serde(default)]
+    pub larger_bow: Option<f64>,
     /// Which part of the column has come closest to its strength, and how close; `None` where it is not known.
     pub utilisation: Option<Utilisation>,
     /// Plastic rotation at which a section fractures \[rad\].
@@ -313,6 +319,7 @@ impl AssessmentInput {
             fractured: false,
             plastic_rotation: [0.0; HINGES],
             residual_v1: None,
+            larger_bow: None,
             utilisation: None,
             ultimate_rotation: if p.ultimate_rotation > 0.0 {
                 p.ultimate_rotation
@@ -355,6 +362,7 @@ impl AssessmentInput {
             fractured: false,
             plastic_rotation: [below, above, above, below],
             residual_v1: other.residual,
+            larger_bow: other.bow,
             utilisation: None,
             max_v1: other.peak,
             remaining: self.remaining.by_another_model(other.capacity),
@@ -369,7 +377,8 @@ impl AssessmentInput {
     }
 
     /// Height of the column \[m\].
-    pub(super) fn height(&self) -> f64 {
+    #[must_use]
+    pub fn height(&self) -> f64 {
         self.length_below + self.length_above
     }
 
@@ -378,17 +387,24 @@ impl AssessmentInput {
         self.remaining.carried_load / self.squash_load
     }
 
-    /// The residual bow over the height: two straight bars are farthest from the line between the supports at the impact
-    /// point.
+    /// The largest residual bow between the supports \[m\]; `None` if the column has no equilibrium, or it is not known.
+    #[must_use]
+    pub fn largest_bow(&self) -> Option<f64> {
+        let larger = self.larger_bow.unwrap_or(0.0);
+        self.residual_v1.map(|v1| v1.abs().max(larger))
+    }
+
+    /// The residual bow over the height.
     pub(super) fn bow_of_column(&self) -> Option<f64> {
-        self.residual_v1.map(|v1| v1.abs() / self.height())
+        self.largest_bow().map(|bow| bow / self.height())
     }
 
     /// The residual bow of the bent part over its length: of the piece that reaches from the impact point as far as the
     /// shorter bar does, to both sides. A kink in its middle makes a bow of a quarter of the kink, never less than that of
     /// the whole column.
     pub(super) fn bow_of_bent_part(&self) -> Option<f64> {
-        self.residual_v1.map(|v1| self.bow_of_kink(v1))
+        let column = self.bow_of_column()?;
+        self.residual_v1.map(|v1| self.bow_of_kink(v1).max(column))
     }
 
     /// The bow of the bent part over its length if the impact point lies this far from the line between the supports \[m\].

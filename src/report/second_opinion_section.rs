@@ -98,6 +98,22 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
             String::new(),
         ),
         (
+            "residual bow at any height",
+            length(residual.abs()),
+            match beam.residual_bow_m.is_finite() {
+                true => format!(
+                    "{} at {} m",
+                    length(beam.residual_bow_m),
+                    significant(beam.residual_bow_height_m, 3)
+                ),
+                false => length(f64::NAN),
+            },
+            match residual.abs() > 1e-5 {
+                true => ratio(beam.residual_bow_m / residual.abs()),
+                false => String::new(),
+            },
+        ),
+        (
             "largest shear of the base, over 1 ms",
             format!("{} kN", short(1e-3 * report.base.peak_shear.shear.abs())),
             format!("{} kN", short(1e-3 * beam.base_shear_n)),

@@ -24,6 +24,9 @@ pub struct BeamFields {
     max_sideways_m: f64,
     residual_displacement_m: f64,
     residual_sideways_m: f64,
+    /// Largest distance of the axis at rest from that of the undamaged column, and its height above the base.
+    residual_bow_m: f64,
+    residual_bow_height_m: f64,
     max_displacement_time_s: f64,
     outcome: Outcome,
     /// Bowed about the axes of `beam.bow_axes`.
@@ -56,6 +59,8 @@ impl BeamFields {
             max_sideways_m: beam.max_sideways_m,
             residual_displacement_m: beam.residual_displacement_m,
             residual_sideways_m: beam.residual_sideways_m,
+            residual_bow_m: beam.residual_bow_m,
+            residual_bow_height_m: beam.residual_bow_height_m,
             max_displacement_time_s: beam.max_displacement_time_s,
             outcome: opinion.outcome(),
             undamaged_capacity_n: undamaged,

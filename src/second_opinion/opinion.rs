@@ -19,6 +19,13 @@ use crate::parameters::{BeamMode, Parameters, readable};
 /// reason. Where nothing yields, the phase of the vibration alone makes a difference of 15 %.
 pub const BAND: f64 = 1.25;
 
+/// Share of the capacity left by the two bars below which what the beam leaves makes its verdict count \[A\]: the 5 % by which the
+/// capacity may be too high.
+const LEAST_CAPACITY: f64 = 0.95;
+
+/// Residual bow over the height up to which the bow is no reason for the verdict of the beam to count \[A\]: that of a new column.
+const BOW_OF_NEW: f64 = 1e-3;
+
 /// Least share of the velocity in the plane of the two bars at which their peak can be compared with that of the beam.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -65,6 +72,10 @@ pub enum WhyItCounts {
     Peak,
     /// A web shears plastically.
     Shear,
+    /// The beam keeps a larger residual bow than the two bars by more than [`BAND`], somewhere between the supports.
+    Bow,
+    /// The beam leaves less of the axial capacity than 95 % of what the two bars leave.
+    Capacity,
 }
 
 /// An impact by both models.
@@ -122,10 +133,31 @@ impl SecondOpinion {
         let task = BeamTask::of_parameters(parameters)?;
         let answer = task.compute()?;
         let mut opinion = Self::new(&answer, task.direction(), parameters, report);
-        opinion.assessment = remaining
-            .and_then(|remaining| input_of(parameters, report, remaining))
-            .map(|input| assess(&opinion.seen_by_the_beam(&input)));
+        if let Some(input) = remaining.and_then(|it| input_of(parameters, report, it)) {
+            opinion.judge(&input);
+        }
         Ok(opinion)
+    }
+
+    /// Finds its verdict, by all on which the verdict of the two bars depends.
+    fn judge(&mut self, bars: &AssessmentInput) {
+        let beam = self.seen_by_the_beam(bars);
+        let capacities = [&beam, bars].map(|it| it.remaining.ratio);
+        let bows = [&beam, bars].map(|it| it.largest_bow().unwrap_or(0.0));
+        let has_larger_bow = bows[0] > BAND * bows[1] && bows[0] > BOW_OF_NEW * bars.height();
+        let found = [
+            (WhyItCounts::Bow, has_larger_bow),
+            (
+                WhyItCounts::Capacity,
+                capacities[0] < LEAST_CAPACITY * capacities[1],
+            ),
+        ];
+        for (why, holds) in found {
+            if holds && !self.counts.contains(&why) {
+                self.counts.push(why);
+            }
+        }
+        self.assessment = Some(assess(&beam));
     }
 
     /// What this answer of the beam to a hit in this direction \[rad\] says beside the report of the two bars; its verdict is still
@@ -137,7 +169,8 @@ impl SecondOpinion {
         parameters: &Parameters,
         report: &Report,
     ) -> Self {
-        let ratio = answer.beam.max_displacement_m / report.max_v1;
+        let [before, _] = answer.beam.displaced_before_m;
+        let ratio = (before + answer.beam.max_displacement_m) / report.max_v1;
         let is_seen = share_in_plane(direction) > LEAST_SHARE && ratio.is_finite();
         let mut opinion = Self {
             beam: answer.beam,
@@ -162,10 +195,10 @@ impl SecondOpinion {
         range: Option<&mut ActionRange>,
     ) -> Self {
         let mut opinion = Self {
-            assessment: Some(assess(&self.seen_by_the_beam(input))),
             decides: false,
             ..self.clone()
         };
+        opinion.judge(input);
         opinion.weigh(bars, range);
         opinion
     }
@@ -214,12 +247,17 @@ impl SecondOpinion {
     fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
         let beam = &self.beam;
         let stands = beam.outcome != BeamEnd::Collapse;
-        let residual = libm::hypot(beam.residual_displacement_m, beam.residual_sideways_m);
+        // From where the impact point is in the undamaged column, as in the two bars.
+        let [along, across] = beam.displaced_before_m;
+        let from_undamaged =
+            |there: f64, sideways: f64| libm::hypot(along + there, across.abs() + sideways);
+        let residual = from_undamaged(beam.residual_displacement_m, beam.residual_sideways_m);
         bars.by_another_model(&OtherModel {
             collapsed: !stands,
             yielded: beam.outcome != BeamEnd::Elastic,
             residual: stands.then_some(residual),
-            peak: libm::hypot(beam.max_displacement_m, beam.max_sideways_m),
+            bow: stands.then_some(beam.residual_bow_m),
+            peak: from_undamaged(beam.max_displacement_m, beam.max_sideways_m),
             capacity: self.capacity,
             base_shear: beam.base_shear_n,
         })
@@ -257,6 +295,16 @@ impl SecondOpinion {
                 )
             }
             WhyItCounts::Shear => "the web yields in shear".to_owned(),
+            WhyItCounts::Bow => format!(
+                "the beam keeps a bow of {} at a height of {:.2} m, which is more than {} times that of the two bars",
+                millimetres(self.beam.residual_bow_m),
+                self.beam.residual_bow_height_m,
+                readable(BAND)
+            ),
+            WhyItCounts::Capacity => format!(
+                "the beam leaves less than {:.0} % of the axial capacity that the two bars leave",
+                100.0 * LEAST_CAPACITY
+            ),
         }
     }
 

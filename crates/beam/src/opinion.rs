@@ -1,6 +1,6 @@
 //! The second opinion: an impact on a column, computed as a beam.
 
-use column_mechanics::Impact;
+use column_mechanics::{Impact, Support};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::beam::{Beam, State};
@@ -67,6 +67,16 @@ pub struct BeamOutcome {
     /// What remains at right angles, as a magnitude \[m\]; NaN after a collapse.
     #[serde(deserialize_with = "nan_where_null")]
     pub residual_sideways_m: f64,
+    /// Where earlier impacts had left the impact point, along the direction and at right angles to it, from where it is in the
+    /// undamaged column under its load \[m\].
+    pub displaced_before_m: [f64; 2],
+    /// What all impacts have left: the largest distance of the axis from that of the undamaged column under its load, in any
+    /// direction \[m\]; NaN after a collapse. Between the supports; of a column with a free top, up to the impact point.
+    #[serde(deserialize_with = "nan_where_null")]
+    pub residual_bow_m: f64,
+    /// At which height above the base \[m\]; NaN after a collapse.
+    #[serde(deserialize_with = "nan_where_null")]
+    pub residual_bow_height_m: f64,
     /// When the peak displacement is reached \[s\].
     pub max_displacement_time_s: f64,
     /// How it ended.
@@ -105,8 +115,18 @@ pub struct BeamModel {
 /// What one run has left.
 struct Passed {
     course: Course,
-    residual: Option<([f64; 2], Damage)>,
+    before: [f64; 2],
+    residual: Option<Remains>,
     elements: usize,
+}
+
+/// The column at rest after a response.
+struct Remains {
+    /// Of the impact point, from where it was before.
+    displacement: [f64; 2],
+    /// Distance from the undamaged axis and its height.
+    bow: [f64; 2],
+    damage: Damage,
 }
 
 /// A response that found no end, or none to begin with.
@@ -197,6 +217,7 @@ impl BeamModel {
         let step = self.step(hit, Self::is_plane(hit, damage));
         let Passed {
             course,
+            before,
             residual,
             elements,
         } = self
@@ -214,9 +235,9 @@ impl BeamModel {
             }
             true => f64::NAN,
         };
-        let (remains, damage) = match residual {
-            Some((remains, damage)) => (remains, Some(damage)),
-            None => ([f64::NAN; 2], None),
+        let (remains, bow, damage) = match residual {
+            Some(it) => (it.displacement, it.bow, Some(it.damage)),
+            None => ([f64::NAN; 2], [f64::NAN; 2], None),
         };
         let residual_capacity_n = match &damage {
             Some(damage) if course.yielded => self.capacities(Some(damage)),
@@ -228,6 +249,9 @@ impl BeamModel {
             max_sideways_m: course.largest[1].abs(),
             residual_displacement_m: remains[0],
             residual_sideways_m: remains[1].abs(),
+            displaced_before_m: before,
+            residual_bow_m: bow[0],
+            residual_bow_height_m: bow[1],
             max_displacement_time_s: course.time,
             outcome: match (damage.is_none(), course.yielded) {
                 (true, _) => Outcome::Collapse,
@@ -258,7 +282,7 @@ impl BeamModel {
             self.step(hit, Self::is_plane(hit, None)),
         );
         let passed = passed.map_err(|stopped| self.error(&stopped))?;
-        let residual = passed.residual.map_or(f64::NAN, |(remains, _)| remains[0]);
+        let residual = passed.residual.map_or(f64::NAN, |it| it.displacement[0]);
         Ok([passed.course.largest[0], residual, passed.course.time])
     }
 
@@ -328,6 +352,16 @@ impl BeamModel {
         }
         let node = nearest(&heights, column.length_below);
         let touches = touches(column, &heights);
+        let undamaged = match damage {
+            None => state.moved.clone(),
+            Some(_) => {
+                let mut new = beam.undamaged();
+                if !settle(&beam, &mut new, &mut solver) {
+                    return Err(Stopped::Unstable);
+                }
+                new.moved
+            }
+        };
         let rest = state.moved[node];
         let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
         if !run.follow(secs, &rest) {
@@ -338,15 +372,26 @@ impl BeamModel {
                 time: run.course.secs,
             });
         }
+        // Both are at rest: what lies between is what earlier impacts have left.
+        let before = run.between(&undamaged[node], &rest);
         let mut residual = None;
         if !run.course.collapsed {
             let stands = settle(&beam, &mut run.state, &mut run.solver);
             if stands && run.solver.negative_pivots == 0 {
-                residual = Some((run.displacement(&rest), Damage::of(&beam, &run.state)));
+                let last = match column.top {
+                    Support::Free => node,
+                    _ => heights.len() - 1,
+                };
+                residual = Some(Remains {
+                    displacement: run.displacement(&rest),
+                    bow: largest_distance(&run.state.moved, &undamaged, &heights[..=last]),
+                    damage: Damage::of(&beam, &run.state),
+                });
             }
         }
         Ok(Passed {
             course: run.course,
+            before,
             residual,
             elements: heights.len() - 1,
         })
@@ -422,6 +467,18 @@ impl BeamModel {
         }
         push_down(&beam, &state, &mut solver).unwrap_or(0.0)
     }
+}
+
+/// The largest distance of nodes from where they are in the undamaged column, and the height of that node above the base \[m\].
+fn largest_distance(moved: &[[f64; 3]], undamaged: &[[f64; 3]], heights: &[f64]) -> [f64; 2] {
+    let mut largest = [0.0; 2];
+    for ((now, before), height) in moved.iter().zip(undamaged).zip(heights) {
+        let distance = libm::hypot(now[1] - before[1], now[2] - before[2]);
+        if distance > largest[0] {
+            largest = [distance, *height];
+        }
+    }
+    largest
 }
 
 /// The nodes behind the bumper, each with the share of its part of the height.

@@ -165,8 +165,12 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
 
     /// Displacement of the impact point along and at right angles to the direction, from `rest` \[m\].
     pub fn displacement(&self, rest: &[f64; 3]) -> [f64; 2] {
-        let moved = &self.state.moved[self.node];
-        let (y, z) = (moved[1] - rest[1], moved[2] - rest[2]);
+        self.between(rest, &self.state.moved[self.node])
+    }
+
+    /// The way from one place of a node to another along and at right angles to the direction \[m\].
+    pub fn between(&self, from: &[f64; 3], to: &[f64; 3]) -> [f64; 2] {
+        let (y, z) = (to[1] - from[1], to[2] - from[2]);
         let [c, s] = self.normal;
         [c * y + s * z, c * z - s * y]
     }

@@ -149,6 +149,14 @@ fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
         // The second hit bends the column further, and less capacity remains.
         assert!(again.residual_displacement_m > 0.3 * one.residual_displacement_m);
         assert!(again.residual_capacity_n[0] < one.residual_capacity_n[0]);
+        // What remains of each hit is what it has added; the bow is that of both.
+        let [along, across] = again.displaced_before_m;
+        assert_eq!(one.displaced_before_m, [0.0; 2]);
+        assert!((along / one.residual_displacement_m - 1.0).abs() < 0.01);
+        assert!((across.abs() - one.residual_sideways_m).abs() < 1e-4);
+        let bow =
+            (along + again.residual_displacement_m).hypot(across.abs() + again.residual_sideways_m);
+        assert!(again.residual_bow_m > 0.999 * bow, "{bow}");
         // As text for a thousand columns.
         assert!(text.len() <= 20_000, "{}", text.len());
     }
@@ -193,6 +201,9 @@ fn damage_comes_into_another_mesh_and_to_another_height_of_the_impact() {
         let kept = found.residual_capacity_n[0] / one.residual_capacity_n[0];
         assert!((kept - 1.0).abs() < allowed, "{kept}");
         assert!(found.residual_displacement_m.abs() < 2e-4, "{found:?}");
+        // A touch does not forget the bow of the first hit.
+        let bow = found.residual_bow_m / one.residual_bow_m;
+        assert!((bow - 1.0).abs() < 0.03, "{bow}");
         assert!(after.is_some());
     }
     let mut other = it;
