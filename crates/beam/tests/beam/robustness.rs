@@ -190,11 +190,11 @@ fn damage_comes_into_another_mesh_and_to_another_height_of_the_impact() {
     (higher.length_below, higher.length_above) = (1.3, 2.7);
     let higher = BeamModel::new(&higher).unwrap();
     // The web was sheared below 1 m; above 1.3 m it may not be, and between the angle is spread.
-    for (model, hit, allowed) in [
-        (&model, &touch, 0.001),
-        (&model, &soft, 0.001),
-        (&model, &oblique, 0.001),
-        (&higher, &touch, 0.07),
+    for (model, hit, [allowed, of_bow]) in [
+        (&model, &touch, [0.001, 0.03]),
+        (&model, &soft, [0.001, 0.03]),
+        (&model, &oblique, [0.001, 0.03]),
+        (&higher, &touch, [0.07, 0.15]),
     ] {
         let (found, after) = model.simulate(hit, Some(&damage)).unwrap();
         println!("{found:?}");
@@ -203,7 +203,7 @@ fn damage_comes_into_another_mesh_and_to_another_height_of_the_impact() {
         assert!(found.residual_displacement_m.abs() < 2e-4, "{found:?}");
         // A touch does not forget the bow of the first hit.
         let bow = found.residual_bow_m / one.residual_bow_m;
-        assert!((bow - 1.0).abs() < 0.03, "{bow}");
+        assert!((bow - 1.0).abs() < of_bow, "{bow}");
         assert!(after.is_some());
     }
     let mut other = it;
