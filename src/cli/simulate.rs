@@ -15,7 +15,9 @@ use super::history::HistoryWriter;
 use super::impact_args::{ImpactSpecificationArgs, yaml};
 use super::summary::Summary;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
-use column_twin::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
+use column_twin::column::{
+    ColumnProperties, ForceSpectrum, Impact, Report, Sample, SimulationError, simulate,
+};
 use column_twin::estimation::simulate_sensors;
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
@@ -235,12 +237,17 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         case.write_rrd(&evaluation, path)?;
         files += &format!("Viewer     rerun {}\n", path.display());
     }
+    let spectrum = match arguments.json {
+        true => Some(case.spectrum()?),
+        false => None,
+    };
     let summary = Summary {
         title: &case.title,
         vehicle_name: &case.parameters.settings().vehicle.name,
         evaluation: &evaluation,
         solve_time,
         second_opinion: Some((&second_opinion, second_opinion_time)),
+        spectrum: spectrum.as_ref(),
     };
     let text = match arguments.json {
         true => summary
@@ -321,6 +328,13 @@ impl Case {
             self.max_duration,
             observe,
         )?)
+    }
+
+    /// The response spectrum of the contact force.
+    fn spectrum(&self) -> Result<ForceSpectrum, SimulateError> {
+        let mut spectrum = ForceSpectrum::default();
+        self.simulate(&mut |sample| spectrum.push(sample.time, sample.impulse))?;
+        Ok(spectrum)
     }
 
     fn write_history_file(&self, path: &Path) -> Result<(), SimulateError> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use column_twin::assessment::{ActionRange, ImpactEvaluation};
 use column_twin::column::{
-    HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_IMPACT_IMPULSES, Outcome, Report,
+    ForceSpectrum, HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_IMPACT_IMPULSES, Outcome, Report,
 };
 use column_twin::figures::units::{Unit, significant};
 use column_twin::parameters::{NoShear, readable};
@@ -30,6 +30,8 @@ pub struct Summary<'a> {
     pub solve_time: Duration,
     /// What the fibre beam says, or why it says nothing, with its computing time; `None` where it was not asked.
     pub second_opinion: Option<(&'a Result<SecondOpinion, NoSecondOpinion>, Duration)>,
+    /// The response spectrum of the contact force; `None` where its history was not asked.
+    pub spectrum: Option<&'a ForceSpectrum>,
 }
 
 impl Summary<'_> {
@@ -39,6 +41,10 @@ impl Summary<'_> {
     /// None in practice: numbers that are not finite become null.
     pub fn json(&self) -> serde_json::Result<String> {
         let fields = ImpactFields::of(self.evaluation, self.vehicle_name, self.solve_time);
+        let fields = match self.spectrum {
+            Some(spectrum) => fields.with_spectrum(spectrum),
+            None => fields,
+        };
         serde_json::to_string_pretty(&match self.second_opinion {
             Some((opinion, solve_time)) => fields.with_beam(BeamAnswer::of(opinion, solve_time)),
             None => fields,
@@ -561,6 +567,7 @@ mod tests {
             evaluation,
             solve_time: Duration::from_micros(5300),
             second_opinion: None,
+            spectrum: None,
         }
     }
 

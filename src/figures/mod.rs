@@ -1,5 +1,5 @@
-//! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force, the
-//! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
+//! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force and its
+//! equivalent static force, the crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
 //! The figures of a damage map are drawn in the same way.
 //! [`draw_risk`] draws the figures of a risk study, [`draw_estimate`] those of an estimate from the readings of sensors.
@@ -16,6 +16,7 @@
 // - estimate.rs: The figures of an estimate: the forecast as the data improve it, and for each sensor what it has read against
 //   what is predicted
 // - force_crush.rs: The force of each spring of a deformable vehicle over its crush, with the envelope of the force
+// - force_spectrum.rs: The equivalent static force of a contact over the period of what it pushes
 // - histories.rs: Displacements, forces and moments over time: the paper's Figures 5 to 8, and the contact force
 // - iso_lines.rs: Lines of equal value in a field on a grid, by marching squares
 // - map_areas.rs: The areas of the classes of a damage map
@@ -43,6 +44,7 @@ mod deformed_shape;
 mod energy_ledger;
 mod estimate;
 mod force_crush;
+mod force_spectrum;
 mod histories;
 mod iso_lines;
 mod map_areas;
@@ -193,6 +195,10 @@ pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>,
         (
             "contact_force".to_owned(),
             histories::contact_force(response),
+        ),
+        (
+            "contact_force_spectrum".to_owned(),
+            force_spectrum::force_spectrum(response),
         ),
         (
             "energy_ledger".to_owned(),

@@ -1,7 +1,7 @@
 //! The history of a response, from which the figures are drawn.
 
 use super::units::Unit;
-use crate::column::{Outcome, Report, Sample, Vehicle, YieldExponents};
+use crate::column::{ForceSpectrum, Outcome, Report, Sample, Vehicle, YieldExponents};
 use crate::twin::Lengths;
 
 /// The history of a response with its outcome and what is known of the hinges.
@@ -38,6 +38,15 @@ impl ResponseHistory<'_> {
             .iter()
             .map(|sample| (sample.time, quantity(sample)))
             .collect()
+    }
+
+    /// The response spectrum of the contact force.
+    pub fn spectrum(&self) -> ForceSpectrum {
+        let mut spectrum = ForceSpectrum::default();
+        for sample in self.samples {
+            spectrum.push(sample.time, sample.impulse);
+        }
+        spectrum
     }
 
     /// The largest magnitude of some quantities.

@@ -63,6 +63,7 @@ pub(super) fn annex(
             (figures.yield_path(impact.governing_hinge()))
             h3 { "Contact" }
             (figures.markup("contact_force", "Force between vehicle and column over time."))
+            (figures.markup("contact_force_spectrum", FORCE_SPECTRUM))
             (vehicle(impact, &mut figures))
             (energy(impact, &mut figures))
             (uncertainty::band(assessed))
@@ -72,6 +73,10 @@ pub(super) fn annex(
         }
     })
 }
+
+/// What the figure of the response spectrum shows.
+const FORCE_SPECTRUM: &str = "Equivalent static force of the contact, by the period of a member that is pushed by the same force: a static force \
+                              of this size would bend an undamped elastic member as far.";
 
 /// The figures of the section, numbered in the order in which they appear.
 struct Figures {

@@ -12,7 +12,8 @@ use crate::assessment::{
     Variation,
 };
 use crate::column::{
-    BaseForces, BaseReport, End, HINGE_NAMES, HINGES, HingeReport, Outcome, WEB_NAMES, WebReport,
+    BaseForces, BaseReport, End, ForceSpectrum, HINGE_NAMES, HINGES, HingeReport, Outcome,
+    WEB_NAMES, WebReport,
 };
 use crate::parameters::LoadBasis;
 
@@ -93,9 +94,19 @@ pub struct ImpactFields<'a> {
     /// Why they do not; `None` where they do.
     shear_not_evaluated: Option<String>,
     base: BaseFields,
+    /// Absent where the history of the contact force was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contact_force_spectrum: Option<SpectrumFields>,
     /// Absent where the beam was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     beam: Option<BeamAnswer>,
+}
+
+/// The equivalent static force of the contact by the period of what it pushes.
+#[derive(Debug, Serialize)]
+struct SpectrumFields {
+    period_s: Vec<f64>,
+    force_n: Vec<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -245,7 +256,21 @@ impl<'a> ImpactFields<'a> {
             }),
             shear_not_evaluated: evaluation.no_shear.map(|why| why.to_string()),
             base: BaseFields::from(&report.base),
+            contact_force_spectrum: None,
             beam: None,
+        }
+    }
+
+    /// The same with the response spectrum of the contact force.
+    #[must_use]
+    pub fn with_spectrum(self, spectrum: &ForceSpectrum) -> Self {
+        let fields = SpectrumFields {
+            period_s: ForceSpectrum::periods().to_vec(),
+            force_n: spectrum.equivalent_forces().to_vec(),
+        };
+        Self {
+            contact_force_spectrum: Some(fields),
+            ..self
         }
     }
 

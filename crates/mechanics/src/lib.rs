@@ -110,6 +110,7 @@ mod crush;
 mod crushed_vehicle;
 mod elastic_motion;
 mod elastic_reach;
+mod force_spectrum;
 mod fracture;
 mod frame;
 mod geometry;
@@ -164,6 +165,7 @@ pub use chain::{Chain, ChainPart, ChainPoint, Crushed};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, MAX_ELASTIC_IMPACT_IMPULSES, PERSISTENT_CONTACT_FRACTION};
 pub use crush::SpringState;
+pub use force_spectrum::{ForceSpectrum, SPECTRUM_PERIODS};
 pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{

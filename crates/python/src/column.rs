@@ -9,7 +9,9 @@ use column_twin::assessment::{
     AssessmentInput, ImpactEvaluation, ResidualCapacity, assess, imperfection, observe_and_rest,
     respond_and_rest,
 };
-use column_twin::column::{Impact, Model, PushDownPoint, SimulationError, State, push_down};
+use column_twin::column::{
+    ForceSpectrum, Impact, Model, PushDownPoint, SimulationError, State, push_down,
+};
 use column_twin::parameters::{
     CatalogueVehicle, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
     Value,
@@ -618,6 +620,7 @@ impl Column {
         let table = HistoryColumns::new(masses);
         let names = table.names();
         let mut columns = vec![Vec::new(); names.len()];
+        let mut spectrum = ForceSpectrum::default();
         let start = Instant::now();
         let ended = observe_and_rest(
             &properties,
@@ -625,7 +628,9 @@ impl Column {
             parameters.response_duration(),
             |model, state| {
                 let mut column = columns.iter_mut();
-                table.values(&state.sample(model), |value| {
+                let sample = state.sample(model);
+                spectrum.push(sample.time, sample.impulse);
+                table.values(&sample, |value| {
                     if let Some(column) = column.next() {
                         column.push(value);
                     }
@@ -634,7 +639,8 @@ impl Column {
         )?;
         let solve_time = start.elapsed();
         let evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)?;
-        let fields = ImpactFields::of(&evaluation, vehicle_name, solve_time);
+        let fields =
+            ImpactFields::of(&evaluation, vehicle_name, solve_time).with_spectrum(&spectrum);
         Ok(History {
             outcome: serde_json::to_string(&fields).expect("numbers and words"),
             names,
