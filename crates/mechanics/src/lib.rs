@@ -43,6 +43,8 @@
 //   deformable vehicle or without contact
 // - elastic_reach.rs: How far the energy that is left in a column can carry it: whether it can still reach a yield surface, and
 //   between which displacements of the impact point it stays
+// - force_spectrum.rs: The equivalent static force of a contact: what a neighbouring member that is pushed by the same force
+//   would feel, by its period
 // - fracture.rs: When a hinge or a web fractures: its plastic rotation exceeds the ultimate rotation, its plastic shear angle
 //   the ultimate angle
 // - frame.rs: The two bars and the spring at the top: from displacements to deformations of the bars, from forces of the bars
