@@ -146,12 +146,21 @@ fn run_row(
     let environment = client_environment(ros)?;
     let answers =
         send_row_impact(&environment, &ros.remap_rules, &options, &mut say).map_err(failure)?;
-    let mut rejected = None;
+    let is_rejected = |it: &ImpactReport| {
+        (it.kind, it.end) == (ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED)
+    };
+    if answers.iter().all(is_rejected)
+        && let Some(first) = answers.first()
+    {
+        let text = format!("the fleet rejected the event: {}", first.action_reason);
+        return Err(Failure::plain(Exit::Failed, text));
+    }
+    let mut rejected = Vec::new();
     for report in answers {
         let column = &report.column_id;
         match (report.kind, report.end) {
             (ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED) => {
-                rejected = Some(report.action_reason);
+                rejected.push(report.action_reason);
             }
             (ImpactReport::NO_FORECAST, ImpactReport::END_NOT_HIT) => {
                 lines.print(format_args!("{column}: not hit: {}", report.action_reason))
@@ -166,12 +175,9 @@ fn run_row(
             )),
         }
     }
-    match rejected {
-        Some(reason) => Err(Failure::plain(
-            Exit::Failed,
-            format!("the fleet rejected the event: {reason}"),
-        )),
-        None => lines.end(),
+    match rejected[..] {
+        [] => lines.end(),
+        _ => Err(Failure::plain(Exit::Failed, rejected.join("; "))),
     }
 }
 

@@ -273,7 +273,7 @@ impl LeftOver {
     }
 }
 
-/// A vehicle whose next impact depends on the forecast of the one before.
+/// An impact that its column has, and that it may still reject. The next one may depend on its forecast.
 #[derive(Debug)]
 struct OnItsWay {
     row: RowImpact,
@@ -287,20 +287,21 @@ struct OnItsWay {
 struct ToCome {
     event: ImpactEvent,
     stamp: Nanos,
-    /// The impacts that depend on it.
-    row: Option<(RowImpact, usize)>,
+    /// Its row, and its place there.
+    row: RowImpact,
+    at: usize,
 }
 
-/// Columns of a row that are not hit.
+/// Impacts of a row that no column computes: the vehicle does not get there, or the column rejects them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotHit {
-    /// The impacts that do not happen, as the event described them.
+    /// The impacts, as the event described them.
     pub impacts: Vec<ImpactEvent>,
     /// Why.
     pub reason: String,
     /// ERROR if something that should have been known is not.
     pub level: NoticeLevel,
-    /// Whether the whole event was rejected.
+    /// Whether they were rejected: with the whole event, or alone when they were due.
     pub is_rejected: bool,
 }
 
@@ -328,9 +329,12 @@ impl Rows {
         for (index, begin) in row.begins.iter().enumerate() {
             if let Begin::At(offset) = begin {
                 let stamp = row.stamp.saturating_add(*offset);
-                let event = row.impact(index, stamp);
-                let row = row.has_follower(index).then(|| (row.clone(), index));
-                self.to_come.push(ToCome { event, stamp, row });
+                self.to_come.push(ToCome {
+                    event: row.impact(index, stamp),
+                    stamp,
+                    row: row.clone(),
+                    at: index,
+                });
             }
         }
         Ok(())
@@ -344,9 +348,14 @@ impl Rows {
         self.to_come = later;
         due.sort_by_key(|it| it.stamp);
         due.into_iter()
-            .map(|ToCome { event, stamp, row }| {
-                self.on_their_way
-                    .extend(row.map(|(row, at)| OnItsWay { row, at, stamp }));
+            .map(|it| {
+                let ToCome {
+                    event,
+                    stamp,
+                    row,
+                    at,
+                } = it;
+                self.on_their_way.push(OnItsWay { row, at, stamp });
                 event
             })
             .collect()
@@ -403,6 +412,10 @@ impl Rows {
         let OnItsWay { row, at, stamp } = self.on_their_way.swap_remove(place);
         let found = match found {
             Ok(found) => found,
+            Err(reason) if matches!(output, Output::Rejected(_)) => {
+                let event = row.impact(at, stamp);
+                return self.rejected(&row, at, event, reason);
+            }
             Err(reason) => {
                 let reason =
                     format!("no forecast gives the residual motion of the vehicle: {reason}");
@@ -442,31 +455,36 @@ impl Rows {
             gap: 0.0,
             ..row.impact(next, contact)
         };
-        let row = row.has_follower(next).then_some((row, next));
         self.to_come.push(ToCome {
             event,
             stamp: contact,
             row,
+            at: next,
         });
     }
 
     /// An impact did not reach its column.
     pub fn not_submitted(&mut self, event: &ImpactEvent, reason: &str) {
         let is_its = |it: &OnItsWay| it.row.event_id_at(it.at) == event.event_id;
-        let reason = format!(
-            "the impact on column {:?} was rejected: {reason}",
-            event.column_id
-        );
         if let Some(place) = self.on_their_way.iter().position(is_its) {
             let OnItsWay { row, at, .. } = self.on_their_way.swap_remove(place);
-            self.end(&row, at, &reason, NoticeLevel::Error);
+            self.rejected(&row, at, event.clone(), reason);
         }
+    }
+
+    /// The column of an impact rejects it, and what depends on it does not happen.
+    fn rejected(&mut self, row: &RowImpact, at: usize, event: ImpactEvent, why: &str) {
+        let reason = format!(
+            "the impact on column {:?} was rejected: {why}",
+            event.column_id
+        );
         self.ended.push(NotHit {
-            impacts: vec![event.clone()],
-            reason,
+            impacts: vec![event],
+            reason: reason.clone(),
             level: NoticeLevel::Error,
-            is_rejected: false,
+            is_rejected: true,
         });
+        self.end(row, at, &reason, NoticeLevel::Error);
     }
 
     /// Gives up the rows whose forecasts should have come long ago.
@@ -488,16 +506,14 @@ impl Rows {
         for OnItsWay { row, at, .. } in std::mem::take(&mut self.on_their_way) {
             self.end(&row, at, reason, NoticeLevel::Error);
         }
-        for ToCome { event, row, .. } in std::mem::take(&mut self.to_come) {
+        for ToCome { event, row, at, .. } in std::mem::take(&mut self.to_come) {
             self.ended.push(NotHit {
                 impacts: vec![event],
                 reason: reason.to_owned(),
                 level: NoticeLevel::Error,
                 is_rejected: false,
             });
-            if let Some((row, at)) = row {
-                self.end(&row, at, reason, NoticeLevel::Error);
-            }
+            self.end(&row, at, reason, NoticeLevel::Error);
         }
     }
 
@@ -511,6 +527,9 @@ impl Rows {
         let followers = row.begins[at + 1..].iter();
         let followers = followers.take_while(|it| matches!(it, Begin::After(_)));
         let count = followers.count();
+        if count == 0 {
+            return;
+        }
         let impacts = (at + 1..=at + count)
             .map(|index| row.impact(index, row.stamp))
             .collect();
@@ -525,10 +544,6 @@ impl Rows {
 }
 
 impl RowImpact {
-    fn has_follower(&self, index: usize) -> bool {
-        matches!(self.begins.get(index + 1), Some(Begin::After(_)))
-    }
-
     fn event_id_at(&self, index: usize) -> String {
         format!(
             "{}/{}",

@@ -191,7 +191,9 @@ fn impacts_with_given_times_are_kept_until_their_columns_accept_them() {
     assert!(at(0.49).is_empty());
     assert_eq!(at(0.5), ["lorry/a2"]);
     assert_eq!(at(9.0), ["lorry/a3"]);
-    assert!(rows.is_empty(), "their forecasts matter to nobody");
+    // Their columns may still reject them, but nothing depends on their forecasts.
+    rows.give_up(START + 1000 * SECOND);
+    assert!(rows.take_ended().is_empty() && rows.is_empty());
 }
 
 #[test]
@@ -213,7 +215,7 @@ fn an_impact_without_a_forecast_ends_the_row_with_an_error() {
     };
     let (mut rows, first) = begun();
     rows.not_submitted(&first, "the queue is full");
-    assert_eq!(ended(rows), ["lorry/a2", "lorry/a3", "lorry/a1"]);
+    assert_eq!(ended(rows), ["lorry/a1", "lorry/a2", "lorry/a3"]);
     let (mut rows, _) = begun();
     rows.give_up(START + 1000 * SECOND);
     assert_eq!(ended(rows), ["lorry/a2", "lorry/a3"]);
@@ -233,7 +235,39 @@ fn an_impact_without_a_forecast_ends_the_row_with_an_error() {
     for output in &outputs {
         rows.take("a1", output, |_, _| panic!("no crush"));
     }
-    assert_eq!(ended(rows), ["lorry/a2", "lorry/a3"]);
+    assert_eq!(ended(rows), ["lorry/a1", "lorry/a2", "lorry/a3"]);
+}
+
+/// The last column of a row rejected its impact, and whoever had sent the event waited for an answer until the time was up.
+#[test]
+fn the_rejection_by_the_last_column_of_a_row_is_told() {
+    let mut rows = Rows::default();
+    rows.begin(RowImpact::new(row(&["a1"])).expect("right"))
+        .expect("room");
+    let first = only(due(&mut rows));
+    let mut twin =
+        Twin::new(parameters("a1", "HEM 600"), None, Box::new(|| 0), START).expect("stands");
+    let mut outputs: Vec<Output> = Vec::new();
+    let command = || impact_command(first.clone());
+    twin.handle(command(), START, &mut outputs)
+        .expect("accepted");
+    outputs.clear();
+    let rejection = twin
+        .handle(command(), START, &mut outputs)
+        .expect_err("repeated");
+    for output in &outputs {
+        rows.take("a1", output, |_, _| panic!("no crush"));
+    }
+    let [ended] = &rows.take_ended()[..] else {
+        panic!("one rejection");
+    };
+    assert!(ended.is_rejected);
+    assert_eq!(ended.impacts[0].event_id, "lorry/a1");
+    assert!(
+        ended.reason.ends_with(&rejection.reason.to_string()),
+        "{}",
+        ended.reason
+    );
 }
 
 #[test]
