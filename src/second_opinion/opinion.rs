@@ -211,7 +211,8 @@ impl SecondOpinion {
     }
 
     /// All on which its verdict depends, from that of the two bars.
-    fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
+    #[must_use]
+    pub fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
         let beam = &self.beam;
         let stands = beam.outcome != BeamEnd::Collapse;
         let residual = libm::hypot(beam.residual_displacement_m, beam.residual_sideways_m);
@@ -227,7 +228,7 @@ impl SecondOpinion {
 
     /// Whether the vehicle travels out of the plane of the two bars.
     fn is_out_of_plane(&self) -> bool {
-        !is_in_plane(self.direction)
+        is_out_of_plane(self.direction)
     }
 
     /// Why the verdict counts, as a part of a sentence; empty where it does not.
@@ -286,6 +287,12 @@ impl SecondOpinion {
     pub fn action(&self) -> Option<Action> {
         self.assessment.as_ref().map(|it| it.action)
     }
+}
+
+/// Whether a vehicle that travels in this direction \[rad\] leaves the plane of the two bars.
+#[must_use]
+pub fn is_out_of_plane(direction: f64) -> bool {
+    !is_in_plane(direction)
 }
 
 /// A length in millimetres with three digits.
