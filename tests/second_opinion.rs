@@ -374,3 +374,128 @@ fn the_summary_says_what_the_beam_says() {
     let none = text(&["--direction", "181"]);
     assert!(none.contains("Beam no second opinion: "), "{none}");
 }
+
+/// A cell of a map by both models, or by the beam, is the simulation of its hit, bit for bit, whatever the number of threads and parts;
+/// and the two bars of a map with directions are those of a map without.
+#[test]
+fn a_cell_of_a_map_is_the_simulation_of_its_hit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/config/heb220_s355.yaml");
+    let map = |further: &[&str]| -> Json {
+        let mut all = vec!["map", "--config", config, "--vehicle", "mid_car"];
+        all.extend(["--direction", "0:20:2", "--velocity", "4:9:2", "--json"]);
+        all.extend(further);
+        let ended = run(folder.path(), &all);
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        assert!(ended.status.success(), "{all:?}: {errors}");
+        serde_json::from_slice(&ended.stdout).expect("JSON")
+    };
+    let (both, beam) = (
+        map(&["--model", "both"]),
+        map(&["--model", "beam", "--threads", "1"]),
+    );
+    assert_eq!(
+        [&both["model"], &beam["model"], &map(&[])["model"]],
+        ["both", "beam", "bars"]
+    );
+    let cells = |map: &Json| map["cells"].as_array().expect("cells").clone();
+    let parts = ["1/2", "2/2"].map(|part| cells(&map(&["--model", "both", "--shard", part])));
+    assert_eq!(parts.concat(), cells(&both));
+    let mut deciding = 0;
+    for (of_both, of_beam) in cells(&both).iter().zip(cells(&beam)) {
+        let [degrees, speed] = ["direction_degrees", "velocity_m_s"].map(|it| number(&of_both[it]));
+        let hit = format!(
+            "--config {config} --vehicle mid_car --direction {degrees:?} --velocity {speed:?}"
+        );
+        let found = simulated(&arguments(&hit));
+        for name in ["action", "deciding_criterion", "outcome", "max_v1_m"] {
+            assert_eq!(of_both[name], found[name], "{hit}: {name}");
+        }
+        assert_eq!(
+            of_both["residual_capacity_n"], found["residual_capacity_n"],
+            "{hit}"
+        );
+        for (column, field) in [
+            ("beam_outcome", "outcome"),
+            ("beam_max_displacement_m", "max_displacement_m"),
+            ("beam_max_sideways_m", "max_sideways_m"),
+            ("beam_residual_displacement_m", "residual_displacement_m"),
+            ("beam_residual_sideways_m", "residual_sideways_m"),
+            ("beam_undamaged_capacity_n", "undamaged_capacity_n"),
+            ("beam_residual_capacity_n", "residual_capacity_n"),
+            ("beam_base_shear_n", "base_shear_n"),
+            ("ratio_to_two_bars", "ratio_to_two_bars"),
+        ] {
+            for cell in [of_both, &of_beam] {
+                assert_eq!(cell[column], found["beam"][field], "{hit}: {column}");
+            }
+        }
+        assert_eq!(of_beam["action"], of_both["beam_action"], "{hit}");
+        assert_eq!(of_beam["outcome"], found["beam"]["outcome"], "{hit}");
+        let [along, across] =
+            ["max_displacement_m", "max_sideways_m"].map(|it| number(&found["beam"][it]));
+        let peak = number(&of_beam["max_v1_m"]);
+        assert!((peak - along.hypot(across)).abs() < 1e-12, "{hit}: {peak}");
+        deciding += of_both["beam_decides"].as_u64().expect("0 or 1");
+    }
+    let summary = &both["summary"]["second_opinions"];
+    assert_eq!(summary["known"], 4);
+    assert_eq!(summary["decides"], deciding);
+    assert!(deciding > 0, "an oblique hit at 9 m/s: {both}");
+}
+
+/// What a map cannot be judged by says why, and a beam that says nothing leaves the verdict to the two bars.
+#[test]
+fn a_map_without_a_second_opinion_says_why() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let numbers = concat!(env!("CARGO_MANIFEST_DIR"), "/config/heb220_paper.yaml");
+    let map = |further: &[&str]| {
+        let mut all = vec!["map", "--direction", "0:90:2", "--velocity", "2:3:2"];
+        all.extend(["--mass", "1000"]);
+        all.extend(further);
+        run(folder.path(), &all)
+    };
+    for (further, code, expected) in [
+        (
+            &["--model", "both", "-p", "beam.mode:=off"][..],
+            2,
+            "the model both needs the fibre beam, which beam.mode: off switches off",
+        ),
+        (
+            &["--model", "beam", "--bands"],
+            2,
+            "--bands belongs to the two bars",
+        ),
+        (
+            &["--model", "beam", "--config", numbers],
+            3,
+            "no second opinion",
+        ),
+    ] {
+        let ended = map(further);
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        let errors = errors.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ended.status.code(), Some(code), "{further:?}: {errors}");
+        assert!(errors.contains(expected), "{further:?}: {errors}");
+    }
+    let ended = map(&["--model", "both", "--config", numbers]);
+    let text = String::from_utf8_lossy(&ended.stdout);
+    assert!(ended.status.success(), "{text}");
+    let alone = "4 impacts have the verdict of the two bars alone; the first one, ";
+    assert!(
+        text.contains(alone) && text.contains("no second opinion"),
+        "{text}"
+    );
+    // A direction ends at 180 degrees.
+    let ended = run(
+        folder.path(),
+        &["map", "--direction", "0:181:2", "--velocity", "2:3:2"],
+    );
+    assert_eq!(ended.status.code(), Some(2));
+    let errors = String::from_utf8_lossy(&ended.stderr);
+    let errors = errors.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        errors.contains("181 degrees is not a direction"),
+        "{errors}"
+    );
+}

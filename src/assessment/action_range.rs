@@ -7,7 +7,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-use super::response::{band_properties, input_of, respond_and_rest};
+use super::response::{band_properties, input_of_response, respond_and_rest};
 use super::{Action, Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};
@@ -312,7 +312,7 @@ impl Changed {
             .map_err(|fault| fault.to_string())?;
         let model =
             Model::new(&self.properties.before(&self.impact)).map_err(|fault| fault.to_string())?;
-        let mut input = input_of(
+        let mut input = input_of_response(
             &self.parameters,
             &model,
             &self.impact,

@@ -1,7 +1,7 @@
 //! One impact on the undamaged column with all that an engineer needs to judge it.
 
 use super::action_range::ActionRange;
-use super::response::input_of;
+use super::response::input_of_response;
 use super::{Assessment, ResidualCapacity, assess};
 use crate::column::{
     self, CapacityError, ColumnProperties, Impact, Model, Report, SimulationError, State,
@@ -92,7 +92,7 @@ fn judged(
     report: &Report,
     rest: Option<&State>,
 ) -> Result<(ResidualCapacity, Assessment), CapacityError> {
-    let input = input_of(parameters, model, impact, report, rest)?;
+    let input = input_of_response(parameters, model, impact, report, rest)?;
     Ok((input.remaining, assess(&input)))
 }
 

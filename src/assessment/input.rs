@@ -371,6 +371,14 @@ impl AssessmentInput {
         }
     }
 
+    /// The largest utilisation of the base in the response, by shear, moment or uplift: above 1 its connection fails. `None` where
+    /// the base is not known.
+    #[must_use]
+    pub fn base_utilisation(&self) -> Option<f64> {
+        let base = self.base.as_ref()?;
+        Some(base.utilisation(self.base_demand.as_ref()?))
+    }
+
     /// The largest plastic rotation \[rad\], see [`largest_plastic_rotation`].
     pub(super) fn largest_rotation(&self) -> f64 {
         largest_plastic_rotation(&self.plastic_rotation)

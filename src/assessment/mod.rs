@@ -73,7 +73,9 @@ pub use remaining::{
     ResidualCapacity, buckling_curve, buckling_resistances, dimensions_by_numbers, imperfection,
     section_dimensions,
 };
-pub use response::{HARDENING_BAND, band_properties, observe_and_rest, respond_and_rest};
+pub use response::{
+    HARDENING_BAND, band_properties, input_of_response, observe_and_rest, respond_and_rest,
+};
 pub use rotation_limits::{
     CLASS_3_ROTATION, HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,
     rotation_before_buckling,

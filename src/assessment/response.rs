@@ -28,7 +28,11 @@ pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
 }
 
 /// All that the assessment of an undamaged column after its response, and in the equilibrium `rest`, depends on, with its capacities.
-pub(super) fn input_of(
+/// The model is that of the column before the bumper of the vehicle.
+///
+/// # Errors
+/// A push-down that cannot be computed.
+pub fn input_of_response(
     parameters: &Parameters,
     model: &Model,
     impact: &Impact,

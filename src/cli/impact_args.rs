@@ -36,10 +36,10 @@ pub(super) struct ImpactSpecificationArgs {
 }
 
 impl ImpactSpecificationArgs {
-    /// The options of a command that gives them another form.
+    /// The options of a command that gives them another form; the direction in degrees.
     pub fn given(
         vehicle: Option<String>,
-        [mass, velocity, gap, restitution, height]: [Option<f64>; 5],
+        [mass, velocity, gap, restitution, height, direction]: [Option<f64>; 6],
     ) -> Self {
         Self {
             vehicle,
@@ -48,7 +48,7 @@ impl ImpactSpecificationArgs {
             gap,
             restitution,
             height,
-            direction: None,
+            direction,
         }
     }
 

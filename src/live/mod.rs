@@ -56,7 +56,7 @@ pub use measurements::{
 pub use notifier::Notifier;
 pub use pool::{
     BACKGROUND_THREAD, FleetHandle, FleetOptions, LiveFleet, MAX_CLOCK_STEP_BACK,
-    MAX_FLEET_COMMANDS, MAX_THREADS, SOLVER_THREAD, STATE_WRITER_THREAD,
+    MAX_FLEET_COMMANDS, MAX_THREADS, OpinionReply, SOLVER_THREAD, STATE_WRITER_THREAD,
 };
 pub use pool::{FleetMeasurements, SensingStatistics};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};

@@ -4,15 +4,10 @@ use crate::assessment::{
     Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange,
 };
 use crate::column::Impact;
-use crate::messages::column_twin_msgs::{
-    AssessmentCriterion, ImpactReport, PerMass, SecondOpinion, TwinStatus,
-};
+use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;
 use crate::time::seconds;
 use crate::twin::{Assessed, Prediction, ReportOutput, Status, Striking};
-
-/// Why a prediction has no second opinion.
-const NOT_PREDICTED: &str = "no second opinion: a prediction is that of the two bars alone";
 
 /// Why a column has to be inspected whose state file could not be used.
 const UNKNOWN_DAMAGE: &str = "the state file with the damage from before could not be used, so the column may have more damage than the twin has: restore the file, or examine the column and call ~/reset if it is undamaged";
@@ -41,9 +36,9 @@ impl From<&Prediction> for ImpactReport {
             error_estimate: prediction.error_estimate.unwrap_or(f64::NAN),
             dt: seconds(prediction.step_nanos),
             compute_time: prediction.compute_time,
-            beam: SecondOpinion::none(NOT_PREDICTED),
             ..Self::from(&prediction.report)
                 .struck_by(&prediction.striking)
+                .with_opinion(&prediction.opinion, prediction.assessed.as_deref())
                 .assessed(prediction.assessed.as_deref())
         }
     }

@@ -47,7 +47,7 @@ pub(super) const MODE: Parameter = row(
     Admissible::Choice(&["off", "second_opinion", "governing"]),
     "whether `simulate` computes the impact with the fibre beam, too. second_opinion: its verdict counts where both models differ, \
      where the hit is out of the plane of the two bars, or where shear or the spread of yielding governs; governing: it always \
-     counts. The action is the more severe one of both. Nodes and studies such as maps do not use it",
+     counts. The action is the more severe one of both. Nodes use it as well, maps and risk studies where they are asked for the model",
 );
 
 pub(super) const ELEMENTS: Parameter = row(

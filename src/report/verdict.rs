@@ -21,6 +21,8 @@ pub(super) struct Verdict {
     cause: String,
     /// The number that decides and its limit; empty where there is none.
     numbers: String,
+    /// The model that decides.
+    model: String,
     /// Between which actions the verdict lies; empty where it is not known.
     range: String,
     /// What the verdict leaves open.
@@ -50,6 +52,7 @@ impl Verdict {
                             .to_owned(),
                     cause: format!("There is no assessment, because {reason}."),
                     numbers: outcome(impact),
+                    model: String::new(),
                     range: String::new(),
                     reservations,
                     people: [
@@ -73,6 +76,7 @@ impl Verdict {
             headline: headline(assessment),
             cause: cause(impact, assessment, assessed.deciding()),
             numbers: numbers(impact, assessed),
+            model: model(assessed),
             range: range.map_or(String::new(), |range| {
                 format!("Range of the verdict: {range}.")
             }),
@@ -88,6 +92,7 @@ impl Verdict {
                 p.headline { (before) (self.headline) }
                 p { strong { (self.cause) } }
                 @if !self.numbers.is_empty() { p { (self.numbers) } }
+                @if !self.model.is_empty() { p { (self.model) } }
                 @if !self.range.is_empty() { p { (self.range) } }
                 @for reservation in &self.reservations { p.reservation { (reservation) } }
             }
@@ -158,6 +163,25 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
         _ => (),
     }
     text + &outcome(impact)
+}
+
+/// The model that decides, and what the other one says.
+fn model(assessed: &Assessed) -> String {
+    match &assessed.second_opinion {
+        None => "Model that decides: the two bars alone.".to_owned(),
+        Some(Err(reason)) => format!("Model that decides: the two bars alone; {reason}."),
+        Some(Ok(opinion)) if opinion.decides => {
+            let says = capitalised(&opinion.to_string());
+            format!("Model that decides: the fibre beam. {says}")
+        }
+        Some(Ok(opinion)) if opinion.counts.is_empty() => {
+            "Model that decides: the two bars; the fibre beam agrees with them.".to_owned()
+        }
+        Some(Ok(opinion)) => format!(
+            "Model that decides: the two bars; the verdict of the fibre beam ({}) counts, too, and is no more severe.",
+            opinion.action().map_or("no", Action::name)
+        ),
+    }
 }
 
 /// What the model predicts, in one sentence.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use futures::channel::oneshot;
 use futures::{StreamExt, join};
 use ros2_client::rcl_interfaces as rcl;
 use ros2_client::{Gid, MessageInfo, Server, Subscription};
@@ -20,7 +21,7 @@ use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use crate::messages::words::mass_in_words;
 use crate::printable::Printable;
-use crate::twin::{Accepted, Command, Rejection};
+use crate::twin::{Accepted, Command, Prediction, Rejection};
 
 use super::counters::NodeCounters;
 use super::fleet::RowImpacts;
@@ -324,9 +325,13 @@ impl Services {
                     }
                 }
             ),
-            answer(&qos::PREDICT, Some(&self.predict), counters, |request| {
-                predicted(columns, &request)
-            }),
+            // Other requests are answered while the second opinion on a prediction is computed.
+            answer_in_time(
+                &qos::PREDICT,
+                Some(&self.predict),
+                counters,
+                async |_, request| predicted(columns, &request).await
+            ),
             answer_from(
                 &qos::CONFIRM_ESTIMATE,
                 Some(&self.confirm_estimate),
@@ -385,6 +390,20 @@ async fn answer_from<Request, Response>(
     Request: ros2_client::Message + Clone + 'static,
     Response: ros2_client::Message + 'static,
 {
+    let reply = async |sender, request| reply(sender, request);
+    answer_in_time(endpoint, server, counters, reply).await;
+}
+
+/// As [`answer_from`], with results that may take their time: the requests of this server wait meanwhile, and no others.
+async fn answer_in_time<Request, Response>(
+    endpoint: &Endpoint,
+    server: Option<&Server<Request, Response>>,
+    counters: &NodeCounters,
+    mut reply: impl AsyncFnMut(Gid, Request) -> Response,
+) where
+    Request: ros2_client::Message + Clone + 'static,
+    Response: ros2_client::Message + 'static,
+{
     let Some(server) = server else { return };
     let mut requests = server.receive_request_stream();
     let mut missed = Missed::default();
@@ -406,10 +425,8 @@ async fn answer_from<Request, Response>(
                     endpoint.name,
                     GuidPrefix::from(id.writer_gid)
                 );
-                if let Err(error) = server
-                    .async_send_response(id, reply(id.writer_gid, request))
-                    .await
-                {
+                let response = reply(id.writer_gid, request).await;
+                if let Err(error) = server.async_send_response(id, response).await {
                     NodeCounters::count(&counters.unpublished);
                     tracing::warn!("a response of {} cannot be sent: {error:?}", endpoint.name);
                 }
@@ -463,12 +480,16 @@ fn reset_by(endpoint: &Endpoint) -> Command {
     Command::Reset { source }
 }
 
-fn predicted(columns: &LiveColumns, request: &PredictImpactRequest) -> PredictImpactResponse {
+async fn predicted(columns: &LiveColumns, request: &PredictImpactRequest) -> PredictImpactResponse {
     let face = columns.face();
     let prediction = face.requested(&request.column_id).and_then(|column| {
         let prediction = columns.predict(column, &request.vehicle, &request.into())?;
         Ok((column, prediction))
     });
+    let prediction = match prediction {
+        Ok((column, prediction)) => Ok((column, with_opinion(columns, prediction).await)),
+        Err(rejection) => Err(rejection),
+    };
     match prediction {
         Ok((column, prediction)) => PredictImpactResponse {
             success: true,
@@ -489,6 +510,27 @@ fn predicted(columns: &LiveColumns, request: &PredictImpactRequest) -> PredictIm
             message: reason.to_string(),
             ..PredictImpactResponse::default()
         },
+    }
+}
+
+/// The prediction with its second opinion, where it awaits one.
+async fn with_opinion(columns: &LiveColumns, prediction: Prediction) -> Prediction {
+    let Some(task) = prediction.opinion_task() else {
+        return prediction;
+    };
+    let (sender, receiver) = oneshot::channel();
+    let reply = Box::new(move |found| {
+        // Nobody waits after a stop.
+        let _ = sender.send(found);
+    });
+    if let Err(rejection) = columns.ask_opinion(task, reply) {
+        return prediction.without_opinion(&format!("no second opinion: {}", rejection.reason));
+    }
+    match receiver.await {
+        Ok(found) => prediction.with_opinion(&found),
+        Err(oneshot::Canceled) => {
+            prediction.without_opinion("no second opinion: the node is being stopped")
+        }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::column::{ImpactSpecification, ModelError};
 use crate::fleet::{FleetStartError, make_twins};
 use crate::live::{
     Clock, FleetHandle, FleetMeasurements, FleetOptions, Live, LiveFleet, LiveOptions,
-    LiveStatistics, OutputQueue, QueueStats, RealTime, Receiver, SensingStatistics, SimClock,
-    SystemClock, monotonic_nanos,
+    LiveStatistics, OpinionReply, OutputQueue, QueueStats, RealTime, Receiver, SensingStatistics,
+    SimClock, SystemClock, monotonic_nanos,
 };
 use crate::parameters::{
     FleetColumn, FleetColumns, MAX_SELECTED_COLUMNS, ParameterFaults, Parameters, RecordMode,
@@ -17,8 +17,8 @@ use crate::parameters::{
 };
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{
-    Accepted, Command, Condition, ImpactCommand, Prediction, Rejection, RejectionCode, SavedState,
-    Striking, Twin,
+    Accepted, Command, Condition, ImpactCommand, OpinionTask, Prediction, Rejection, RejectionCode,
+    SavedState, Striking, Twin,
 };
 
 use super::face::Face;
@@ -349,6 +349,20 @@ impl LiveColumns {
         impact: &ImpactSpecification,
     ) -> Result<Prediction, Rejection> {
         self.ask(|handle| handle.predict(column, vehicle, impact))
+    }
+
+    /// Asks for the second opinion on a prediction, which is computed with the lowest priority and given to `reply`; a stop drops it.
+    ///
+    /// # Errors
+    /// The columns have stopped, or too many second opinions are asked for.
+    pub fn ask_opinion(&self, task: OpinionTask, reply: OpinionReply) -> Result<(), Rejection> {
+        self.ask(|handle| match handle.ask_opinion(task, reply) {
+            true => Ok(()),
+            false => Err(Rejection::new(
+                RejectionCode::NoAnswer,
+                "too many predictions wait for their second opinion; ask again later",
+            )),
+        })
     }
 
     /// Where the measurements of the columns go; `None` if no column has sensors.

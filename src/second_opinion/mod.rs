@@ -21,11 +21,13 @@
 // - answer.rs: What the beam computes of one hit: all that takes time, as plain data that another thread can compute
 // - beam.rs: The column of the parameters as a fibre beam
 // - criteria.rs: What the criteria of a verdict need of the two bars, before the beam replaces what it sees otherwise
+// - joint.rs: The verdict of both models on one hit without its range, for studies of many hits
 // - opinion.rs: What the beam says of an impact beside the two bars, and where its verdict counts
 
 mod answer;
 mod beam;
 mod criteria;
+mod joint;
 mod opinion;
 
 pub use answer::{BeamAnswer, BeamTask};
@@ -33,4 +35,5 @@ pub use beam::{NoSecondOpinion, beam_column};
 pub use column_beam::{
     BeamColumn, BeamError, BeamModel, BeamOutcome, Damage as BeamDamage, Hit, Outcome as BeamEnd,
 };
-pub use opinion::{BAND, Evaluated, SecondOpinion, WhyItCounts, evaluate};
+pub use joint::{JointVerdict, JudgeError};
+pub use opinion::{BAND, Evaluated, SecondOpinion, WhyItCounts, evaluate, is_out_of_plane};

@@ -244,7 +244,8 @@ impl SecondOpinion {
     }
 
     /// All on which its verdict depends, from that of the two bars.
-    fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
+    #[must_use]
+    pub fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
         let beam = &self.beam;
         let stands = beam.outcome != BeamEnd::Collapse;
         // From where the impact point is in the undamaged column, as in the two bars.
@@ -265,7 +266,7 @@ impl SecondOpinion {
 
     /// Whether the vehicle travels out of the plane of the two bars.
     fn is_out_of_plane(&self) -> bool {
-        !is_in_plane(self.direction)
+        is_out_of_plane(self.direction)
     }
 
     /// Why the verdict counts, as a part of a sentence; empty where it does not.
@@ -334,6 +335,12 @@ impl SecondOpinion {
     pub fn action(&self) -> Option<Action> {
         self.assessment.as_ref().map(|it| it.action)
     }
+}
+
+/// Whether a vehicle that travels in this direction \[rad\] leaves the plane of the two bars.
+#[must_use]
+pub fn is_out_of_plane(direction: f64) -> bool {
+    !is_in_plane(direction)
 }
 
 /// A length in millimetres with three digits.

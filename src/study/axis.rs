@@ -2,13 +2,12 @@
 
 use std::fmt;
 
+use super::axis_problem::{AxisError, AxisProblem, MAX_CELLS};
+use crate::column::is_direction;
 use crate::parameters::{
     Admissible, CatalogueSection, CatalogueVehicle, Parameter, ParameterFaults, Parameters, RIGID,
-    Value, VehicleFault, readable,
+    Value, readable,
 };
-
-/// Most cells of a map, and most points of an axis.
-pub const MAX_CELLS: u64 = 100_000_000;
 
 /// Parameters and groups of parameters that do not enter into a response: those of the node, of recordings and of the viewer.
 const NODE_GROUPS: &[&str] = &[
@@ -53,6 +52,8 @@ pub enum MapQuantity {
     Section,
     /// Vehicle of the catalogue, or `rigid`; `vehicle`.
     Vehicle,
+    /// Direction of travel of the vehicle \[degrees\]; `direction`.
+    Direction,
     /// Any other number among the parameters, in its SI unit.
     Parameter(&'static Parameter),
 }
@@ -91,118 +92,6 @@ pub enum AxisValue<'a> {
     Name(&'a str),
 }
 
-/// Why a text does not describe an axis.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{axis}: {problem}")]
-pub struct AxisError {
-    /// The axis as given.
-    pub axis: String,
-    /// What was expected and what was found.
-    pub problem: AxisProblem,
-}
-
-/// What is wrong with an axis.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum AxisProblem {
-    /// There is no name in front of the values.
-    #[error(
-        "expected NAME=from:to:number of points, such as top.load=2e5:8e5:50, or NAME=value,value"
-    )]
-    NoName,
-    /// No parameter has this name.
-    #[error("{name} is not a parameter{}; docs/parameters.md lists all parameters", did_you_mean(.nearest))]
-    UnknownName {
-        /// The name as given.
-        name: String,
-        /// Names with a similar spelling, closest first.
-        nearest: Vec<String>,
-    },
-    /// The parameter cannot vary.
-    #[error("{name} cannot vary along an axis: {reason}")]
-    CannotVary {
-        /// The parameter.
-        name: String,
-        /// Why not.
-        reason: &'static str,
-    },
-    /// There are no values.
-    #[error("there are no values; expected {expected}")]
-    Empty {
-        /// What was expected.
-        expected: &'static str,
-    },
-    /// The values are neither a range nor a list.
-    #[error(
-        "found {parts} of the three parts of a range; expected from:to:number of points, such as 1:25:100"
-    )]
-    Parts {
-        /// Number of parts found.
-        parts: usize,
-    },
-    /// A value is not a finite number.
-    #[error("`{found}` is not a finite number; omit the unit, which is {unit}")]
-    NotANumber {
-        /// What was found.
-        found: String,
-        /// The unit.
-        unit: &'static str,
-    },
-    /// The number of points is not a whole number.
-    #[error("`{found}` is not a number of points; expected a whole number of at least 2")]
-    NotACount {
-        /// What was found.
-        found: String,
-    },
-    /// There are fewer than two points.
-    #[error("an axis of {found} has no extent; expected at least 2")]
-    TooFewPoints {
-        /// `1 point` or `0 points`.
-        found: String,
-    },
-    /// There are more points than a map may have cells.
-    #[error("{count} points; a map has at most {MAX_CELLS} cells")]
-    TooManyPoints {
-        /// Number of points.
-        count: u64,
-    },
-    /// The values do not ascend.
-    #[error("the values run from {from} to {to}; expected the smaller one first")]
-    NotAscending {
-        /// The first of two values.
-        from: String,
-        /// The value after it.
-        to: String,
-    },
-    /// The range begins with 0, which does not mean the number 0.
-    #[error("the value 0 of {name} means: {zero}; begin above 0")]
-    SpecialZero {
-        /// The parameter.
-        name: &'static str,
-        /// What 0 means.
-        zero: &'static str,
-    },
-    /// No section of the catalogue has this name.
-    #[error("the catalogue has no section `{found}`{}; it has HEA, HEB and HEM 100 to 1000 and IPE 80 to 600", did_you_mean(.nearest))]
-    UnknownSection {
-        /// The name as given.
-        found: String,
-        /// The closest names.
-        nearest: Vec<String>,
-    },
-    /// A vehicle that is not known.
-    #[error(transparent)]
-    Vehicle(#[from] VehicleFault),
-    /// A name is listed twice.
-    #[error("{name} is listed twice")]
-    Twice {
-        /// The name.
-        name: String,
-    },
-    /// A value that the parameter does not admit.
-    #[error("{0}")]
-    NotAdmissible(String),
-}
-
 /// What is expected of the values of numbers.
 const RANGE: &str = "from:to:number of points, such as 1:25:100";
 /// What is expected of the values of sections.
@@ -210,15 +99,11 @@ const SECTIONS: &str = "names of sections, such as HEB200,HEB220,HEB240";
 /// What is expected of the values of vehicles.
 const VEHICLES: &str = "names of vehicles, such as mid_car,lorry_8t";
 
-fn did_you_mean(nearest: &[String]) -> String {
-    match nearest {
-        [] => String::new(),
-        nearest => format!(" (did you mean {}?)", nearest.join(" or ")),
-    }
-}
+/// The parameter that [`MapQuantity::Direction`] gives in degrees.
+const DIRECTION: &str = "impact.direction";
 
 impl MapQuantity {
-    /// The quantity of this name: `mass`, `velocity`, `height`, `section`, `vehicle`, or a parameter by its name.
+    /// The quantity of this name: `mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or a parameter by its name.
     ///
     /// # Errors
     /// An unknown name, or a parameter that cannot vary.
@@ -229,11 +114,12 @@ impl MapQuantity {
             "height" | "impact.height" => Self::Height,
             "section" | "section.name" => Self::Section,
             "vehicle" | "vehicle.name" => Self::Vehicle,
+            "direction" => Self::Direction,
             _ => Self::Parameter(parameter(name)?),
         })
     }
 
-    /// Its name: `mass`, `velocity`, `height`, `section`, `vehicle`, or that of the parameter.
+    /// Its name: `mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or that of the parameter.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -242,6 +128,7 @@ impl MapQuantity {
             Self::Height => "height",
             Self::Section => "section",
             Self::Vehicle => "vehicle",
+            Self::Direction => "direction",
             Self::Parameter(parameter) => parameter.name,
         }
     }
@@ -253,14 +140,16 @@ impl MapQuantity {
             Self::Mass => "mass of the vehicle",
             Self::Velocity => "velocity of the vehicle",
             Self::Height => "height of the impact",
+            Self::Direction => "direction of the vehicle",
             _ => self.name(),
         }
     }
 
-    /// Its SI unit; empty where there is none.
+    /// The unit of its values, an SI unit except for the direction; empty where there is none.
     #[must_use]
     pub fn unit(&self) -> &'static str {
         match self {
+            Self::Direction => "degrees",
             Self::Mass => "kg",
             Self::Velocity => "m/s",
             Self::Height => "m",
@@ -285,18 +174,24 @@ impl MapQuantity {
         matches!(self, Self::Section | Self::Vehicle)
     }
 
-    /// Whether another value makes another column; mass, velocity and vehicle belong to the impact.
+    /// Whether another value makes another column; mass, velocity, vehicle and direction belong to the impact.
     #[must_use]
     pub fn is_of_the_column(&self) -> bool {
-        !matches!(self, Self::Mass | Self::Velocity | Self::Vehicle)
+        !matches!(
+            self,
+            Self::Mass | Self::Velocity | Self::Vehicle | Self::Direction
+        )
     }
 
     /// Whether both determine the same parameter.
     fn excludes(&self, other: &Self) -> bool {
         let is_length = |quantity: &Self| matches!(quantity, Self::Parameter(it) if it.name.starts_with("geometry."));
         let is_of_the_section = |quantity: &Self| matches!(quantity, Self::Parameter(it) if OF_THE_SECTION.contains(&it.name));
+        let is_direction =
+            |quantity: &Self| matches!(quantity, Self::Parameter(it) if it.name == DIRECTION);
         let one_way = |one: &Self, other: &Self| {
             (*one == Self::Height && is_length(other))
+                || (*one == Self::Direction && is_direction(other))
                 || (*one == Self::Section && is_of_the_section(other))
         };
         self == other || one_way(self, other) || one_way(other, self)
@@ -438,7 +333,17 @@ impl MapAxis {
                 }
             }
         }
-        Ok(Self { quantity, values })
+        let axis = Self { quantity, values };
+        if quantity == MapQuantity::Direction
+            && let Some(ends) = axis.ends()
+        {
+            for degrees in ends {
+                if !is_direction(degrees.to_radians()) {
+                    return Err(AxisProblem::NoDirection(readable(degrees)));
+                }
+            }
+        }
+        Ok(axis)
     }
 
     /// What varies.
@@ -565,6 +470,10 @@ pub(super) fn changes(
             }
             changes
         }
+        (MapQuantity::Direction, AxisValue::Number(degrees)) => {
+            vec![(DIRECTION, Value::Double(degrees.to_radians()))]
+        }
+        (MapQuantity::Direction, name) => vec![(DIRECTION, value_of(name))],
         (MapQuantity::Parameter(parameter), value) => vec![(parameter.name, value_of(value))],
     }
 }

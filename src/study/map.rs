@@ -4,11 +4,14 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, MapQuantity};
+use super::axis::{self, AxisValue, MapAxis, MapQuantity};
+use super::axis_problem::{AxisError, MAX_CELLS};
 use super::batch::{Batch, BatchEnd};
 use super::study_column::{Assumed, Evaluation, Glance, StudyColumn, StudyError};
+use super::verdict_model::{BeamSwitchedOff, StudyOpinion, VerdictModel};
 use crate::column::Impact;
 use crate::parameters::{ParameterFaults, Parameters, RIGID, Value};
+use crate::second_opinion::JointVerdict;
 
 /// Columns that are kept for the cells that follow. A map has one per value of an axis of the column, and cells that follow one
 /// another share it; processors work on cells some distance apart.
@@ -39,6 +42,8 @@ pub struct DamageMap {
     variants: Vec<Variant>,
     rows: MapAxis,
     columns: MapAxis,
+    /// By which model the impacts are judged.
+    model: VerdictModel,
     /// What each variant has that its parameters do not say; empty where that is nothing.
     assumed: Vec<Assumed>,
     /// The columns that were needed last.
@@ -79,6 +84,8 @@ pub struct MapCell {
     pub place: CellPlace,
     /// What the impact leads to, or why that could not be computed.
     pub result: Result<Evaluation, String>,
+    /// What the fibre beam says, or why it says nothing; `None` where it was not asked, or where there is no result.
+    pub second_opinion: Option<Result<StudyOpinion, String>>,
 }
 
 /// The cells of a map as columns of equal length; a value that does not exist is NaN.
@@ -140,6 +147,9 @@ pub enum MapError {
         "two of the compared columns are called {0}; give each one a name of its own (column_id)"
     )]
     SameLabel(String),
+    /// A model that the parameters of a column switch off.
+    #[error(transparent)]
+    BeamSwitchedOff(#[from] BeamSwitchedOff),
     /// The parameters.
     #[error("{}", .0.in_one_line())]
     Parameters(#[from] ParameterFaults),
@@ -219,9 +229,27 @@ impl DamageMap {
             variants,
             rows,
             columns,
+            model: VerdictModel::Bars,
             assumed: Vec::new(),
             kept: Mutex::default(),
         })
+    }
+
+    /// The same map, judged by another model than the two bars.
+    ///
+    /// # Errors
+    /// The model needs the fibre beam, and a column switches it off.
+    pub fn judged_by(self, model: VerdictModel) -> Result<Self, MapError> {
+        for variant in &self.variants {
+            model.check_on(&variant.parameters)?;
+        }
+        Ok(Self { model, ..self })
+    }
+
+    /// By which model the impacts are judged.
+    #[must_use]
+    pub fn model(&self) -> VerdictModel {
+        self.model
     }
 
     /// The map of other columns over the same axes, with what their parameters do not say.
@@ -230,6 +258,7 @@ impl DamageMap {
             variants,
             rows: self.rows.clone(),
             columns: self.columns.clone(),
+            model: self.model,
             assumed,
             kept: Mutex::default(),
         }
@@ -292,32 +321,60 @@ impl DamageMap {
     pub fn cell(&self, index: u64) -> MapCell {
         let place = self.place(index);
         let values = [self.rows.value(place.row), self.columns.value(place.column)];
+        let (result, second_opinion) = match self.model {
+            VerdictModel::Bars => {
+                let places = [Some(place.row), Some(place.column)];
+                let result = self.judged(place.variant, places, values, StudyColumn::evaluate);
+                (result, None)
+            }
+            VerdictModel::Beam | VerdictModel::Both => match self.by_both(place.variant, values) {
+                Ok((evaluation, opinion)) => (Ok(evaluation), Some(opinion)),
+                Err(fault) => (Err(fault), None),
+            },
+        };
         MapCell {
             index,
             place,
-            result: self.evaluate(place.variant, [Some(place.row), Some(place.column)], values),
+            result,
+            second_opinion,
         }
     }
 
-    /// Computes the impact at values that need not be those of a cell: with the place on an axis where the value is one of the
-    /// axis.
-    pub(super) fn evaluate(
-        &self,
-        variant: usize,
-        places: [Option<u64>; 2],
-        values: [AxisValue<'_>; 2],
-    ) -> Result<Evaluation, String> {
-        self.judged(variant, places, values, StudyColumn::evaluate)
-    }
-
-    /// As [`evaluate`](Self::evaluate), of what a search for boundaries needs alone.
+    /// What a search for boundaries needs to know of the impact at values that need not be those of a cell: with the place on an
+    /// axis where the value is one of the axis.
     pub(super) fn glance(
         &self,
         variant: usize,
         places: [Option<u64>; 2],
         values: [AxisValue<'_>; 2],
     ) -> Result<Glance, String> {
-        self.judged(variant, places, values, StudyColumn::glance)
+        match self.model {
+            VerdictModel::Bars => self.judged(variant, places, values, StudyColumn::glance),
+            VerdictModel::Beam | VerdictModel::Both => {
+                let (evaluation, _) = self.by_both(variant, values)?;
+                Ok(Glance::from(&evaluation))
+            }
+        }
+    }
+
+    /// The impact at these values by both models, as the plain simulation computes it, and what the beam says, or why it says
+    /// nothing.
+    fn by_both(
+        &self,
+        variant: usize,
+        values: [AxisValue<'_>; 2],
+    ) -> Result<(Evaluation, Result<StudyOpinion, String>), String> {
+        let base = &self.variants[variant].parameters;
+        let axes = [&self.rows, &self.columns].into_iter().zip(values);
+        // The rows come first: a vehicle brings its own mass along, which an axis of masses replaces.
+        let changes = axes.flat_map(|(axis, value)| axis.changes(base, value));
+        let parameters = base
+            .with_changes(changes)
+            .map_err(|faults| faults.in_one_line())?;
+        let joint = JointVerdict::of_parameters(&parameters).map_err(|fault| fault.to_string())?;
+        let judged = self.model.evaluation(joint);
+        let (evaluation, opinion) = judged.map_err(|reason| reason.to_string())?;
+        Ok((evaluation, opinion.map_err(|reason| reason.to_string())))
     }
 
     /// Whether the web of a variant can yield in shear, and whether its base is checked; neither where there is no column at the
@@ -390,10 +447,14 @@ impl DamageMap {
         let settings = column.parameters().settings();
         let vehicle = self.vehicle(values);
         let (mut mass, mut velocity) = (None, settings.impact.velocity);
+        let mut direction = settings.impact.direction;
         for (axis, value) in [&self.rows, &self.columns].into_iter().zip(values) {
             match (axis.quantity(), value) {
                 (MapQuantity::Mass, AxisValue::Number(number)) => mass = Some(number),
                 (MapQuantity::Velocity, AxisValue::Number(number)) => velocity = number,
+                (MapQuantity::Direction, AxisValue::Number(degrees)) => {
+                    direction = degrees.to_radians();
+                }
                 _ => {}
             }
         }
@@ -401,7 +462,8 @@ impl DamageMap {
         if vehicle == Some(RIGID) {
             mass = mass.or(Some(settings.impact.mass));
         }
-        column.impact(vehicle, mass, velocity)
+        let impacts = column.impacts_of(vehicle)?.in_direction(direction);
+        impacts.impact(mass, velocity)
     }
 
     fn study_column(
@@ -503,7 +565,7 @@ fn precedence(quantity: MapQuantity) -> u8 {
     match quantity {
         MapQuantity::Velocity => 3,
         MapQuantity::Mass => 2,
-        MapQuantity::Vehicle => 1,
+        MapQuantity::Vehicle | MapQuantity::Direction => 1,
         _ => 0,
     }
 }

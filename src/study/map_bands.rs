@@ -421,7 +421,7 @@ fn changes(parameters: &Parameters, axes: [&MapAxis; 2]) -> Vec<Changed> {
             MapQuantity::Parameter(it) => {
                 names(it.name) || (it.name.starts_with("geometry.") && names("geometry."))
             }
-            MapQuantity::Mass | MapQuantity::Section => false,
+            MapQuantity::Mass | MapQuantity::Section | MapQuantity::Direction => false,
         }
     };
     let vehicles_vary = axes.iter().any(|it| it.quantity() == MapQuantity::Vehicle);

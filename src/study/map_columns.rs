@@ -3,6 +3,7 @@
 use super::axis::AxisValue;
 use super::map::{DamageMap, MapCell};
 use super::study_column::Evaluation;
+use super::verdict_model::{StudyOpinion, VerdictModel};
 use crate::assessment::Action;
 use crate::results::outcome_word;
 
@@ -145,8 +146,120 @@ const RESULTS: [ResultColumn; 13] = [
     ),
 ];
 
+/// A result of the fibre beam: name, unit, meaning, and the value.
+type OpinionColumn = (
+    &'static str,
+    ColumnKind,
+    &'static str,
+    &'static str,
+    fn(&StudyOpinion) -> TableValue<'static>,
+);
+
+/// What is written of what the beam says, where it was asked.
+const OPINIONS: [OpinionColumn; 12] = [
+    (
+        "beam_action",
+        ColumnKind::Text,
+        "",
+        "action by the fibre beam alone",
+        |it| TableValue::Text(it.action.map(Action::name)),
+    ),
+    (
+        "beam_counts",
+        ColumnKind::Whole,
+        "",
+        "1 where the verdict of the fibre beam counts beside the two bars, otherwise 0",
+        |it| TableValue::Whole(Some(u64::from(!it.opinion.counts.is_empty()))),
+    ),
+    (
+        "beam_decides",
+        ColumnKind::Whole,
+        "",
+        "1 where it counts and is more severe than the verdict of the two bars, otherwise 0",
+        |it| TableValue::Whole(Some(u64::from(it.opinion.decides))),
+    ),
+    (
+        "beam_outcome",
+        ColumnKind::Text,
+        "",
+        "elastic, plastic or collapsed",
+        |it| TableValue::Text(Some(outcome_word(it.opinion.outcome()))),
+    ),
+    (
+        "beam_max_displacement_m",
+        ColumnKind::Number,
+        "m",
+        "peak displacement of the impact point along the hit",
+        |it| TableValue::Number(Some(it.opinion.beam.max_displacement_m)),
+    ),
+    (
+        "beam_max_sideways_m",
+        ColumnKind::Number,
+        "m",
+        "the same at right angles to the hit",
+        |it| TableValue::Number(Some(it.opinion.beam.max_sideways_m)),
+    ),
+    (
+        "beam_residual_displacement_m",
+        ColumnKind::Number,
+        "m",
+        "residual displacement of the impact point along the hit; missing after a collapse",
+        |it| finite(it.opinion.beam.residual_displacement_m),
+    ),
+    (
+        "beam_residual_sideways_m",
+        ColumnKind::Number,
+        "m",
+        "the same at right angles to the hit",
+        |it| finite(it.opinion.beam.residual_sideways_m),
+    ),
+    (
+        "beam_undamaged_capacity_n",
+        ColumnKind::Number,
+        "N",
+        "largest force of the push-down of the undamaged fibre beam",
+        |it| TableValue::Number(Some(it.opinion.capacity[0])),
+    ),
+    (
+        "beam_residual_capacity_n",
+        ColumnKind::Number,
+        "N",
+        "the same of what the impact leaves; 0 after a collapse",
+        |it| TableValue::Number(Some(it.opinion.capacity[1])),
+    ),
+    (
+        "beam_base_shear_n",
+        ColumnKind::Number,
+        "N",
+        "largest base shear along the hit, as a mean over 1 ms",
+        |it| TableValue::Number(Some(it.opinion.beam.base_shear_n)),
+    ),
+    (
+        "ratio_to_two_bars",
+        ColumnKind::Number,
+        "",
+        "peak displacement along the hit over the peak of the two bars; missing where these do not move",
+        |it| TableValue::Number(it.opinion.ratio_to_two_bars),
+    ),
+];
+
+/// A number that may not exist.
+fn finite(number: f64) -> TableValue<'static> {
+    TableValue::Number(number.is_finite().then_some(number))
+}
+
+/// A value of this kind that does not exist.
+fn missing(kind: ColumnKind) -> TableValue<'static> {
+    match kind {
+        ColumnKind::Whole => TableValue::Whole(None),
+        ColumnKind::Number => TableValue::Number(None),
+        ColumnKind::Text => TableValue::Text(None),
+    }
+}
+
 impl DamageMap {
-    /// The columns of the map in a file: number of the cell, variant, the values on both axes, and the results.
+    /// The columns of the map in a file: number of the cell, variant, the values on both axes, and the results; where the fibre beam
+    /// is asked, also the model and what the beam says.
     #[must_use]
     pub fn table_columns(&self) -> Vec<TableColumn> {
         let column = |name: &str, kind, unit, meaning| TableColumn {
@@ -185,6 +298,23 @@ impl DamageMap {
         columns.extend(
             RESULTS.map(|(name, kind, unit, meaning, _)| column(name, kind, unit, meaning)),
         );
+        if self.model() != VerdictModel::Bars {
+            columns.push(column(
+                "model",
+                ColumnKind::Text,
+                "",
+                "by which model the impact is judged: beam or both",
+            ));
+            columns.extend(
+                OPINIONS.map(|(name, kind, unit, meaning, _)| column(name, kind, unit, meaning)),
+            );
+            columns.push(column(
+                "no_second_opinion",
+                ColumnKind::Text,
+                "",
+                "why the fibre beam has no answer; the verdict is then by the two bars alone",
+            ));
+        }
         columns.push(column(
             "fault",
             ColumnKind::Text,
@@ -209,13 +339,31 @@ impl DamageMap {
         ];
         let results = RESULTS
             .iter()
-            .map(|(_, kind, .., value)| match (&cell.result, kind) {
-                (Ok(evaluation), _) => value(evaluation),
-                (Err(_), ColumnKind::Whole) => TableValue::Whole(None),
-                (Err(_), ColumnKind::Number) => TableValue::Number(None),
-                (Err(_), ColumnKind::Text) => TableValue::Text(None),
+            .map(|(_, kind, .., value)| match &cell.result {
+                Ok(evaluation) => value(evaluation),
+                Err(_) => missing(*kind),
             });
         let fault = TableValue::Text(cell.result.as_ref().err().map(String::as_str));
-        head.into_iter().chain(results).chain([fault])
+        head.into_iter()
+            .chain(results)
+            .chain(self.opinion_values(cell))
+            .chain([fault])
+    }
+
+    /// The values of what the beam says of a cell; none where it was not asked.
+    fn opinion_values<'a>(&self, cell: &'a MapCell) -> Vec<TableValue<'a>> {
+        if self.model() == VerdictModel::Bars {
+            return Vec::new();
+        }
+        let opinion = cell.second_opinion.as_ref();
+        let known = opinion.and_then(|it| it.as_ref().ok());
+        let reason = opinion.and_then(|it| it.as_ref().err());
+        let mut values = vec![TableValue::Text(Some(self.model().name()))];
+        values.extend(OPINIONS.iter().map(|(_, kind, .., value)| match known {
+            Some(opinion) => value(opinion),
+            None => missing(*kind),
+        }));
+        values.push(TableValue::Text(reason.map(String::as_str)));
+        values
     }
 }

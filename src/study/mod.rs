@@ -20,6 +20,7 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - axis.rs: The axes of a damage map: what varies, and through which values
+// - axis_problem.rs: Why a text does not describe an axis of a map
 // - batch.rs: Many independent computations on all processors
 // - critical.rs: Critical velocities: how fast a vehicle may be before its impact has a given action
 // - fleet_kinds.rs: The kinds of columns of a fleet: columns that differ by their names only are computed once
@@ -34,8 +35,10 @@
 // - study_column.rs: A column that is prepared once for many impacts, and what one impact on it leads to
 // - threads.rs: How many threads compute independent results
 // - vehicle_limits.rs: How fast each vehicle may hit a column next
+// - verdict_model.rs: By which model a study judges an impact, and what the fibre beam says of it
 
 mod axis;
+mod axis_problem;
 mod batch;
 mod critical;
 mod fleet_kinds;
@@ -51,8 +54,10 @@ mod row_search;
 mod study_column;
 mod threads;
 mod vehicle_limits;
+mod verdict_model;
 
-pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, MapQuantity};
+pub use axis::{AxisValue, AxisValues, MapAxis, MapQuantity};
+pub use axis_problem::{AxisError, AxisProblem, MAX_CELLS};
 pub use batch::{Batch, BatchEnd};
 pub use critical::{
     ACTIONS, CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity,
@@ -67,3 +72,4 @@ pub use row_search::{Limit, RefineError, RowBoundary};
 pub use study_column::{Evaluation, Glance, StudyColumn, StudyError, VehicleImpacts};
 pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits, vehicle_limits_on};
+pub use verdict_model::{BeamSwitchedOff, StudyOpinion, VerdictModel};

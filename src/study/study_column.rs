@@ -572,6 +572,12 @@ pub struct VehicleImpacts {
 }
 
 impl VehicleImpacts {
+    /// The same impacts in this direction of travel \[rad\].
+    #[must_use]
+    pub fn in_direction(self, direction: f64) -> Self {
+        Self { direction, ..self }
+    }
+
     /// The impact with this mass \[kg\], or where there is none that of the vehicle, and this velocity \[m/s\].
     ///
     /// # Errors

@@ -7,6 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::plant::Plant;
 use crate::second_opinion::{BeamAnswer, BeamDamage};
 
+/// Why an impact on a moving column has no second opinion.
+pub(super) const MOVING: &str =
+    "no second opinion: the column was still moving after an earlier impact";
+
 /// Where the second opinion on an impact stands.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

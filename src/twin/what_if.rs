@@ -3,7 +3,9 @@
 use super::striking::{Striking, Travel};
 use std::sync::Arc;
 
-use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assessed};
+use super::assessed::{Assessed, Capacities, LastImpact, UndamagedCapacity, assessed};
+use super::opinion::OpinionTask;
+use super::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
 use super::plant::{Condition, Plant, Struck};
 use super::registry::check_column_id;
 use super::rejection::{Rejection, RejectionCode};
@@ -13,9 +15,11 @@ use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
 };
 use crate::parameters::{
-    CRUSHED_BY, CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable, split_crush,
+    BeamMode, CRUSHED_BY, CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable,
+    split_crush,
 };
 use crate::printable::is_printable;
+use crate::second_opinion::{SecondOpinion, is_out_of_plane};
 use crate::standing::StandingColumn;
 use crate::standing::{is_same_height, with_impact_height};
 use crate::time::seconds;
@@ -32,6 +36,8 @@ pub struct ColumnSnapshot {
     pub(super) undamaged: Option<UndamagedCapacity>,
     /// What earlier impacts have put into the base.
     pub(super) base_before: Option<BaseDemand>,
+    /// The damage of the column as the beam knows it.
+    pub(super) beam: KnownBeamDamage,
 }
 
 /// The forecast of an impact that has not happened.
@@ -49,6 +55,67 @@ pub struct Prediction {
     pub step_nanos: u64,
     /// What computing it took \[s\].
     pub compute_time: f64,
+    /// Where the second opinion stands. It is awaited where the vehicle travels out of the plane of the two bars, and where `beam.mode`
+    /// is `governing`.
+    pub opinion: OpinionState,
+    /// What the second opinion needs, while it is awaited.
+    pending: Option<Box<PendingOpinion>>,
+}
+
+/// What the second opinion on a prediction needs.
+#[derive(Debug, Clone, PartialEq)]
+struct PendingOpinion {
+    task: OpinionTask,
+    parameters: Arc<Parameters>,
+    at_rest: Plant,
+    capacities: Capacities,
+    last: LastImpact,
+}
+
+/// Why a prediction in the plane of the two bars has no second opinion.
+const IN_PLANE: &str = "no second opinion: a prediction has one where the vehicle travels out of the plane of the two bars, or with \
+                        beam.mode: governing";
+/// Why a prediction of a column that cannot be computed has none.
+const NOT_ASSESSED: &str = "no second opinion: the column cannot be assessed";
+
+impl Prediction {
+    /// What is to be computed with the fibre beam, in any thread; `None` where no second opinion is awaited.
+    #[must_use]
+    pub fn opinion_task(&self) -> Option<OpinionTask> {
+        Some(self.pending.as_ref()?.task.clone())
+    }
+
+    /// The prediction with what the beam has found, by which the assessment is that of both models.
+    #[must_use]
+    pub fn with_opinion(mut self, found: &BeamResult) -> Self {
+        let Some(pending) = self.pending.take() else {
+            return self;
+        };
+        self.opinion = OpinionState::after(found);
+        if let BeamResult::Answer(answer) = found {
+            let PendingOpinion {
+                parameters,
+                at_rest,
+                capacities,
+                last,
+                ..
+            } = &*pending;
+            let direction = self.striking.direction();
+            let opinion = SecondOpinion::new(answer, direction, parameters, &self.report);
+            let last = LastImpact {
+                second_opinion: Some(Arc::new(opinion)),
+                ..last.clone()
+            };
+            self.assessed = Some(assessed(parameters, at_rest, Some(&last), capacities));
+        }
+        self
+    }
+
+    /// The prediction without the second opinion that was awaited, for this reason, in words.
+    #[must_use]
+    pub fn without_opinion(self, reason: &str) -> Self {
+        self.with_opinion(&BeamResult::None(reason.into()))
+    }
 }
 
 impl ColumnSnapshot {
@@ -125,7 +192,28 @@ impl ColumnSnapshot {
             error_estimate,
             self.base_before.as_ref(),
         );
+        let task = capacities
+            .ok_or_else(|| NOT_ASSESSED.into())
+            .and_then(|capacities| {
+                let task = self.opinion_task(&struck, &striking)?;
+                Ok((task, capacities))
+            });
+        let (opinion, pending) = match task {
+            Err(reason) => (OpinionState::None(reason), None),
+            Ok((task, capacities)) => {
+                let pending = PendingOpinion {
+                    task,
+                    parameters: Arc::clone(&self.parameters),
+                    at_rest: at_rest.clone(),
+                    capacities,
+                    last: last.clone(),
+                };
+                (OpinionState::Awaited, Some(Box::new(pending)))
+            }
+        };
         Ok(Prediction {
+            opinion,
+            pending,
             assessed: capacities.map(|it| assessed(&self.parameters, &at_rest, Some(&last), &it)),
             striking,
             report,
@@ -133,6 +221,17 @@ impl ColumnSnapshot {
             step_nanos: struck.model.properties.step_nanos,
             compute_time: seconds(ahead.compute_nanos()),
         })
+    }
+
+    /// # Errors
+    /// Why a prediction of this impact has no second opinion, in words.
+    fn opinion_task(&self, struck: &Struck, striking: &Striking) -> Result<OpinionTask, Arc<str>> {
+        let mode = self.parameters.settings().beam.mode;
+        if mode == BeamMode::SecondOpinion && !is_out_of_plane(striking.direction()) {
+            return Err(IN_PLANE.into());
+        }
+        let properties = &struck.model.properties;
+        OpinionTask::new(0, &self.parameters, properties, striking, &self.beam)
     }
 
     /// The column with an impact on its way, for a caller who follows the response in every step. An empty `vehicle` means

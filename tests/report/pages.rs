@@ -50,6 +50,37 @@ fn sheets(html: &str) -> Vec<&str> {
 const DETAILS: &str =
     "project: Car park North\nsite: Harbour Street 12\nauthor: A. Miller\nrevision: B\n";
 
+/// The first page names the model that decides, as the JSON of the same hit has it.
+#[test]
+fn the_first_page_names_the_model_that_decides() {
+    let folder = TempDir::new().unwrap();
+    for (name, further, expected) in [
+        (
+            "oblique",
+            "--direction 90",
+            "Model that decides: the fibre beam. The fibre beam has a peak of ",
+        ),
+        (
+            "bars",
+            "--direction 90 -p beam.mode:=off",
+            "Model that decides: the two bars alone.",
+        ),
+        (
+            "numbers",
+            &format!("--config {}", config("heb220_paper.yaml")),
+            "Model that decides: the two bars alone; no second opinion: the plates of the section are not known",
+        ),
+    ] {
+        let (_, html) = simulated(
+            folder.path(),
+            name,
+            &format!("--mass 1500 --velocity 10 {further}"),
+        );
+        let first = text_of(sheets(&html)[0]);
+        assert!(first.contains(expected), "{name}: {first}");
+    }
+}
+
 /// May people stay, and what must be looked at: both are answered before a page is turned, after the action, its cause and the
 /// number with its limit.
 #[test]
@@ -73,6 +104,7 @@ fn the_first_page_answers_both_questions_of_the_engineer() {
         "; limit ",
         "Bow that remains: ",
         "= L/",
+        "Model that decides: ",
         "Range of the verdict: ",
         "May people stay?",
         "Not where the column carries the building.",

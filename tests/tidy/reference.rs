@@ -308,7 +308,7 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "MAX_FILE_BYTES",
                 "bytes of a parameter file",
             ),
-            ("src/study/axis.rs", "MAX_CELLS", "cells of a map"),
+            ("src/study/axis_problem.rs", "MAX_CELLS", "cells of a map"),
             (
                 "src/study/threads.rs",
                 "MAX_THREADS_PER_PROCESSOR",

@@ -54,7 +54,7 @@ pub const ROOMS: &[Room] = &[
     room("second_opinion", "what the fibre beam says beside the two bars", &["mechanics", "beam", "parameters", "assessment"], "the twin, clocks, files"),
     room("messages", "Rust types of the messages", &["mechanics", "ros_interface", "assessment"], "the twin, parameters, DDS"),
     room("results", "results by name", &["mechanics", "parameters", "assessment", "second_opinion"], "the twin, files"),
-    room("study", "many impacts on a column", &["mechanics", "numerics", "parameters", "assessment", "results"], "the twin, clocks, files"),
+    room("study", "many impacts on a column", &["mechanics", "numerics", "parameters", "assessment", "second_opinion", "results"], "the twin, clocks, files"),
     room("estimation", "what readings say about an impact", &["mechanics", "printable", "time", "numerics", "sensors", "parameters", "exact_number", "standing", "assessment"], "the twin, threads, DDS"),
     room("twin", "the twin of one column", &["mechanics", "beam", "hexadecimal", "printable", "bounded_file", "time", "sensors", "parameters", "exact_number", "standing", "assessment", "second_opinion", "study", "estimation"], "threads, clocks, DDS, messages"),
     room("shape", "the geometry of a deformed column", &["mechanics", "parameters", "assessment", "twin"], "RViz, Rerun"),
@@ -71,7 +71,7 @@ pub const ROOMS: &[Room] = &[
     room("keystore", "keystores for DDS security", &["bounded_file", "endpoints", "ros"], "columns"),
     room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "second_opinion", "study", "estimation", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
     room("main", "the program's entry", &["cli"], "everything else"),
-    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "results", "study", "estimation"], "the twin, threads, DDS"),
+    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "second_opinion", "results", "study", "estimation"], "the twin, threads, DDS"),
 ];
 
 /// Files that import one another in a circle, inside one room.

@@ -265,3 +265,48 @@ fn the_two_bars_do_not_see_a_hit_at_right_angles() {
     assert_eq!(opinion.ratio_to_two_bars, None);
     assert!(opinion.decides);
 }
+
+/// A prediction out of the plane awaits the second opinion, and with it is what the twin tells of the same impact afterwards, also on a
+/// column that the beam has seen damaged; in the plane it has none, except where the beam governs.
+#[test]
+fn a_prediction_out_of_the_plane_is_that_of_both_models() {
+    let mut bench = bench();
+    for (id, velocity, direction) in [("a", 6.0, 0.2), ("b", 4.0, FRAC_PI_2)] {
+        let mut asked = event(id, bench.now).impact;
+        (asked.velocity, asked.height, asked.direction) = (velocity, Some(1.0), Some(direction));
+        let snapshot = bench.twin.snapshot();
+        let predict = || snapshot.predict("", "rigid", &asked, &|| 0);
+        let prediction = predict().expect("a prediction");
+        assert_eq!(prediction.opinion, OpinionState::Awaited);
+        let found = prediction.opinion_task().expect("awaited").compute();
+        let prediction = prediction.with_opinion(&found);
+        assert_eq!(prediction.opinion, OpinionState::Known);
+        assert!(prediction.opinion_task().is_none());
+        hit(&mut bench, id, velocity, direction);
+        bench.rest();
+        assert_eq!(*computed(&bench), *found);
+        told(&mut bench);
+        let assessed = bench.twin.status(bench.now).assessed.expect("assessed");
+        let predicted = prediction.assessed.expect("assessed");
+        assert_eq!(predicted.second_opinion, assessed.second_opinion);
+        assert_eq!(predicted.assessment, assessed.assessment);
+        // Without an answer it is that of the two bars, and says why.
+        let alone = predict().expect("a prediction").without_opinion("too busy");
+        assert_eq!(alone.opinion, OpinionState::None("too busy".into()));
+        assert!(alone.assessed.expect("assessed").second_opinion.is_none());
+    }
+    let in_plane = |bench: &Bench| {
+        let snapshot = bench.twin.snapshot();
+        let impact = event("c", bench.now).impact;
+        snapshot
+            .predict("", "rigid", &impact, &|| 0)
+            .expect("a prediction")
+    };
+    match in_plane(&bench).opinion {
+        OpinionState::None(reason) => assert!(reason.contains("out of the plane"), "{reason}"),
+        other => panic!("{other:?}"),
+    }
+    let governing = parameters().with_changes([("beam.mode", Value::from("governing"))]);
+    let governing = Bench::with(governing.expect("admissible"), None);
+    assert!(in_plane(&governing).opinion_task().is_some());
+}

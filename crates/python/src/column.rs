@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use column_twin::assessment::{
-    AssessmentInput, ImpactEvaluation, ResidualCapacity, assess, imperfection, observe_and_rest,
+    AssessmentInput, ImpactEvaluation, ResidualCapacity, imperfection, observe_and_rest,
     respond_and_rest,
 };
 use column_twin::column::{
@@ -16,13 +16,15 @@ use column_twin::parameters::{
     CatalogueVehicle, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
     Value,
 };
-use column_twin::results::{CapacityFields, HistoryColumns, ImpactFields};
+use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
+use column_twin::second_opinion::SecondOpinion;
 use column_twin::study::{BatchEnd, StudyColumn, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{NUMBERS, ROW_BYTES, Row, abandonable, batch, interruptible};
+use crate::capacity::{Curve, capacity_json, curve};
 use crate::checks::Checks;
 use crate::fault;
 use crate::risk::{Request, risk};
@@ -41,9 +43,6 @@ type Evaluated = ([f64; NUMBERS], [u8; 3]);
 
 /// Name, value, unit and meaning of a parameter.
 type Described<'py> = (String, Bound<'py, PyAny>, &'static str, &'static str);
-
-/// Shortening, force and v1 of a push-down.
-type Curve<'py> = [Bound<'py, PyByteArray>; 3];
 
 /// Columns with their identifiers.
 type NamedColumns = Vec<(String, Column)>;
@@ -148,18 +147,23 @@ impl Column {
         self.study.is_damaged()
     }
 
-    /// The column that an impact leaves; `None` if it carries nothing.
+    /// The column that an impact leaves; `None` if it carries nothing. Without a direction \[rad\] it has that of the parameters.
+    #[pyo3(signature = (vehicle, mass, velocity, direction=None))]
     fn after(
         &self,
         py: Python<'_>,
         vehicle: Option<&str>,
         mass: Option<f64>,
         velocity: Option<f64>,
+        direction: Option<f64>,
     ) -> PyResult<Option<Self>> {
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.after(py, vehicle, mass, velocity);
+            return there.after(py, vehicle, mass, velocity, direction);
         }
-        let impact = self.impact(py, vehicle, mass, velocity)?;
+        let impact = match self.towards(direction)? {
+            Some(there) => there.impact(py, vehicle, mass, velocity)?,
+            None => self.impact(py, vehicle, mass, velocity)?,
+        };
         let this = self.clone();
         let left = abandonable(py, move || this.study.after(&impact))?;
         let left = left.map_err(|fault| fault::study(&fault))?;
@@ -395,24 +399,31 @@ impl Column {
         Ok((brackets.collect(), found.responses))
     }
 
-    /// One impact with its history: names and values of its columns, and the outcome as JSON.
+    /// One impact with its history: names and values of its columns, and the outcome as JSON, with what the fibre beam says where it
+    /// is asked. Without a direction \[rad\] the impact has that of the parameters.
+    #[pyo3(signature = (vehicle, mass, velocity, direction=None, asks_beam=false))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
         vehicle: Option<&str>,
         mass: Option<f64>,
         velocity: Option<f64>,
+        direction: Option<f64>,
+        asks_beam: bool,
     ) -> PyResult<(Vec<String>, Vec<Bound<'py, PyByteArray>>, String)> {
         self.expect_undamaged("simulate")?;
+        if let Some(there) = self.towards(direction)? {
+            return there.simulate(py, vehicle, mass, velocity, None, asks_beam);
+        }
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.simulate(py, vehicle, mass, velocity);
+            return there.simulate(py, vehicle, mass, velocity, None, asks_beam);
         }
         let impact = self.impact(py, vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
         let stated = self.with_impact(vehicle, mass, impact.velocity);
         let stated = stated.unwrap_or_else(|_| self.parameters().clone());
         let this = self.clone();
-        let history = abandonable(py, move || this.history(&stated, &impact, &name))?
+        let history = abandonable(py, move || this.history(&stated, &impact, &name, asks_beam))?
             .map_err(|fault| fault::of_simulation(&fault))?;
         let columns = history.columns.iter().map(|it| doubles(py, it));
         Ok((
@@ -532,6 +543,17 @@ impl Column {
         Ok(struck.map(|study| Self { study }))
     }
 
+    /// The undamaged column whose impacts have this direction of travel \[rad\]; `None` without one.
+    fn towards(&self, direction: Option<f64>) -> PyResult<Option<Self>> {
+        let Some(direction) = direction else {
+            return Ok(None);
+        };
+        let changes = [("impact.direction", Value::from(direction))];
+        let turned = self.parameters().with_changes(changes);
+        let turned = turned.map_err(|faults| fault::parameters(&faults))?;
+        Self::of(&turned).map(Some)
+    }
+
     fn parameters(&self) -> &Parameters {
         self.study.parameters()
     }
@@ -613,6 +635,7 @@ impl Column {
         stated: &Parameters,
         impact: &Impact,
         vehicle_name: &str,
+        asks_beam: bool,
     ) -> Result<History, SimulationError> {
         let parameters = self.parameters();
         let properties = parameters.column_properties();
@@ -638,9 +661,17 @@ impl Column {
             },
         )?;
         let solve_time = start.elapsed();
-        let evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)?;
-        let fields =
+        let mut evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)?;
+        let beam = asks_beam.then(|| {
+            let start = Instant::now();
+            let opinion = SecondOpinion::on(stated, &mut evaluation);
+            BeamAnswer::of(&opinion, start.elapsed())
+        });
+        let mut fields =
             ImpactFields::of(&evaluation, vehicle_name, solve_time).with_spectrum(&spectrum);
+        if let Some(beam) = beam {
+            fields = fields.with_beam(beam);
+        }
         Ok(History {
             outcome: serde_json::to_string(&fields).expect("numbers and words"),
             names,
@@ -657,26 +688,4 @@ impl Column {
         }
         Ok(points)
     }
-}
-
-fn capacity_json(
-    state: &str,
-    remaining: &ResidualCapacity,
-    input: &AssessmentInput,
-) -> PyResult<String> {
-    let assessment = assess(input);
-    serde_json::to_string(&CapacityFields::of(state, remaining, &assessment))
-        .map_err(|fault| fault::simulation(fault.to_string()))
-}
-
-fn curve<'py>(py: Python<'py>, points: &[PushDownPoint]) -> PyResult<Curve<'py>> {
-    let column = |value: fn(&PushDownPoint) -> f64| {
-        let values: Vec<f64> = points.iter().map(value).collect();
-        doubles(py, &values)
-    };
-    Ok([
-        column(|point| point.shortening)?,
-        column(|point| point.force)?,
-        column(|point| point.v1)?,
-    ])
 }

@@ -6,6 +6,7 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - batch.rs: Many impacts at once, in rows of bytes that numpy reads as a structured array
+// - capacity.rs: The capacity of a column for Python
 // - checks.rs: Checks of impacts by the one table of parameters, as on the command line
 // - column.rs: A column for Python
 // - fault.rs: Faults as Python exceptions, with the texts that the command line prints
@@ -15,6 +16,7 @@
 // - values.rs: Values from Python to Rust and back
 
 mod batch;
+mod capacity;
 mod checks;
 mod column;
 mod fault;

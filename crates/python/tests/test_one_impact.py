@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from column_twin import Column, Outcome, Action
+from column_twin import Action, Column, Outcome, ParameterError, SimulationError
 
 Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -55,6 +55,36 @@ def test_report_and_history_are_those_of_the_command_line(
     numbers = np.array(rows, dtype=np.float64)
     for index, name in enumerate(header):
         assert np.array_equal(numbers[:, index], result.history[name]), name
+
+
+@pytest.mark.parametrize("degrees", [0.0, 10.0, 90.0])
+def test_the_beam_is_that_of_the_command_line(root: Path, steel: Column, program: Program, degrees: float) -> None:
+    config = str(root / "config/heb220_s355.yaml")
+    hit = ("--vehicle", "mid_car", "--velocity", "9", "--direction", str(degrees))
+    ran = program("simulate", "--config", config, *hit, "--json")
+    assert ran.returncode == 0, ran.stderr
+    expected = json.loads(ran.stdout)
+    result = steel.simulate("mid_car", velocity=9.0, direction=np.radians(degrees), model="beam")
+    found = dict(result.report)
+    del expected["solve_time_s"], found["solve_time_s"]
+    del expected["beam"]["solve_time_s"], found["beam"]["solve_time_s"]
+    assert found == expected
+    assert result.beam is not None and result.beam["max_displacement_m"] == expected["beam"]["max_displacement_m"]
+    # The two bars take the component in their plane, also for what the impact leaves.
+    bars = steel.simulate("mid_car", velocity=9.0, direction=np.radians(degrees))
+    assert bars.beam is None and bars.max_v1 == result.max_v1
+    turned = steel.with_changes(impact__direction=np.radians(degrees))
+    left = [steel.after(bars), turned.after(vehicle="mid_car", velocity=9.0)]
+    assert left[0].capacity().force == left[1].capacity().force
+
+
+def test_where_the_beam_says_nothing_it_says_why(paper: Column) -> None:
+    result = paper.simulate(mass=1500.0, velocity=5.0, model="beam")
+    with pytest.raises(SimulationError, match="no second opinion: the plates of the section"):
+        _ = result.beam
+    for keywords in ({"direction": 3.2}, {"direction": -np.pi}, {"direction": float("nan")}, {"model": "shell"}):
+        with pytest.raises(ParameterError, match="expected"):
+            paper.simulate(mass=1500.0, velocity=5.0, **keywords)  # type: ignore[arg-type]
 
 
 def test_capacity_is_that_of_the_command_line(root: Path, paper: Column, program: Program) -> None:

@@ -14,7 +14,9 @@ use crate::cli::impact_args::ImpactSpecificationArgs;
 use crate::cli::simulate::{is_standard_output, parameters_of};
 use crate::cli::threads;
 use column_twin::parameters::Parameters;
-use column_twin::study::{AxisValues, Batch, DamageMap, MapAxis, MapError, Threads, Variant};
+use column_twin::study::{
+    AxisValues, Batch, DamageMap, MapAxis, MapError, Threads, Variant, VerdictModel,
+};
 
 /// Arguments of `column-twin map`.
 #[derive(Debug, Args)]
@@ -40,6 +42,12 @@ pub struct MapArgs {
     /// Height of the impact point above the base [m]: one number, or an axis as from:to:number of points
     #[arg(long, value_name = "M")]
     height: Option<String>,
+    /// Direction of travel [degrees], 0: in the plane of the web: one number, or an axis as from:to:number of points
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    direction: Option<String>,
+    /// By which model an impact is judged: bars, the two bars; beam, the fibre beam alone, which takes tens of milliseconds for each; both, the more severe verdict of both as in a node
+    #[arg(long, value_name = "MODEL", value_parser = ["bars", "beam", "both"], default_value = "bars")]
+    model: String,
     /// Axis of any other number among the parameters as NAME=from:to:number of points, or of sections or vehicles as
     /// section=NAME,NAME or vehicle=NAME,NAME; may be repeated
     #[arg(long, value_name = "NAME=VALUES")]
@@ -91,6 +99,8 @@ Example: which velocity of a lorry the column survives, by load; boundaries alon
   column-twin map --config config/heb220_s355.yaml --vehicle lorry_8t --vary top.load=1e5:1e6:40 --velocity 1:25:100 --refine
 Example: a heavier section in comparison
   column-twin map --vehicle mid_car --mass 1200:2500:20 --velocity 2:25:40 --compare section=HEB200,HEB240 --refine --figures figures
+Example: how the direction of a car matters, by the fibre beam and the two bars
+  column-twin map --config config/heb220_s355.yaml --vehicle mid_car --direction 0:90:4 --velocity 4:10:4 --model both
 Example: the third of 16 parts of a large map, for a batch system
   column-twin map --mass 1000:12000:200 --velocity 1:25:200 --shard 3/16 --parquet part-03.parquet
 
@@ -114,11 +124,12 @@ impl MapArgs {
     pub fn map(&self) -> Result<DamageMap, Failure> {
         self.check_outputs()?;
         let mut axes = Vec::new();
-        let mut numbers = [None; 5];
+        let mut numbers = [None; 6];
         let options = [
             ("mass", &self.mass, "2000:12000:100", 0),
             ("velocity", &self.velocity, "1:25:100", 1),
             ("height", &self.height, "0.5:1.5:20", 4),
+            ("direction", &self.direction, "0:90:10", 5),
         ];
         for (name, text, example, place) in options {
             let Some(text) = text else {
@@ -165,7 +176,13 @@ impl MapArgs {
                 }
             },
         };
+        let map = map.and_then(|map| map.judged_by(self.model()));
         Ok(map.map_err(MapCommandError::from)?)
+    }
+
+    /// By which model an impact is judged.
+    fn model(&self) -> VerdictModel {
+        VerdictModel::named(&self.model).unwrap_or_default()
     }
 
     /// One column for each file.
@@ -197,6 +214,9 @@ impl MapArgs {
         let takes = |path: &Option<PathBuf>| path.as_deref().is_some_and(is_standard_output);
         if takes(&self.csv) && takes(&self.json) {
             return Err(MapCommandError::OneOutput("--csv and --json"));
+        }
+        if self.bands && self.model() != VerdictModel::Bars {
+            return Err(MapCommandError::BandsOfBars);
         }
         Ok(())
     }
@@ -266,6 +286,8 @@ impl MapArgs {
             ("--config", !self.config.is_empty()),
             ("an axis of --mass", is_axis(&self.mass)),
             ("--height", self.height.is_some()),
+            ("an axis of --direction", is_axis(&self.direction)),
+            ("--model", self.model() != VerdictModel::Bars),
             ("--vary", !self.vary.is_empty()),
             ("--compare", self.compare.is_some()),
             ("--refine", self.refine),
@@ -279,14 +301,16 @@ impl MapArgs {
 
     /// The overrides for every column of a fleet.
     pub(super) fn fleet_overrides(&self) -> Result<Vec<String>, Failure> {
-        let mass = match self.mass.as_deref() {
-            None => None,
-            Some(text) => match number_or_axis("mass", text, "2000")? {
+        let number = |name, text: Option<&str>, example| match text {
+            None => Ok(None),
+            Some(text) => number_or_axis(name, text, example).map(|it| match it {
                 NumberOrAxis::Number(number) => Some(number),
                 NumberOrAxis::Axis(_) => None, // rejected before
-            },
+            }),
         };
-        let numbers = [mass, None, None, None, None];
+        let mass = number("mass", self.mass.as_deref(), "2000")?;
+        let direction = number("direction", self.direction.as_deref(), "10")?;
+        let numbers = [mass, None, None, None, None, direction];
         let impact = ImpactSpecificationArgs::given(self.vehicle.clone(), numbers);
         let mut all: Vec<_> = impact.implied_override().into_iter().collect();
         all.extend(self.parameter.iter().cloned());
@@ -322,6 +346,7 @@ impl MapArgs {
             ("row_axis", axis_json(map.rows())),
             ("column_axis", axis_json(map.columns())),
             ("variants", json!(variants).to_string()),
+            ("model", map.model().name().to_owned()),
             ("cells_of_the_map", map.len().to_string()),
             (
                 "shard",

@@ -33,6 +33,9 @@ pub(super) enum MapCommandError {
     #[error("only one of {0} can write to the standard output")]
     #[diagnostic(help("name a file for the other one"))]
     OneOutput(&'static str),
+    #[error("--bands belongs to the two bars; found --model beam or both")]
+    #[diagnostic(help("leave out --bands, or judge by --model bars"))]
+    BandsOfBars,
     #[error(
         "--compare {given}: expected section=HEB200,HEB240, any parameter with its values, or config=a.yaml,b.yaml"
     )]
@@ -80,6 +83,7 @@ impl From<MapCommandError> for Failure {
             | MapCommandError::NotANumber { .. }
             | MapCommandError::Shard { .. }
             | MapCommandError::OneOutput(_)
+            | MapCommandError::BandsOfBars
             | MapCommandError::Compare { .. }
             | MapCommandError::Refine(RefineError::NotARange(_)) => Exit::BadInput,
             _ => Exit::Failed,

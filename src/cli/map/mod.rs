@@ -363,10 +363,12 @@ impl MapArgs {
                 column_twin::report::short(height)
             );
         }
-        if let Some(component) =
-            column_twin::parameters::component_in_words(settings.impact.direction)
-        {
+        let component = column_twin::parameters::component_in_words(settings.impact.direction);
+        if let Some(component) = component.filter(|_| !is_varied("direction")) {
             let _ = write!(text, "; {component}");
+        }
+        if let Some(model) = map.model().in_words() {
+            let _ = write!(text, "; judged {model}");
         }
         text
     }

@@ -8,7 +8,8 @@ use column_twin::assessment::Action;
 use column_twin::figures::units::{Unit, significant};
 use column_twin::report::short;
 use column_twin::study::{
-    ACTIONS, AxisValue, CellPlace, DamageMap, Evaluation, MapAxis, MapCell, RefinedMap, RowBoundary,
+    ACTIONS, AxisValue, CellPlace, DamageMap, Evaluation, MapAxis, MapCell, RefinedMap,
+    RowBoundary, VerdictModel,
 };
 
 /// Rows of which the summary shows the critical values.
@@ -23,8 +24,42 @@ pub(super) struct MapSummary<'a> {
     classes: [u64; CLASSES],
     faults: u64,
     first_fault: Option<(CellPlace, String)>,
+    opinions: Opinions,
     rows: Vec<CriticalRow>,
     extremes: [Option<Extreme>; EXTREMES.len()],
+}
+
+/// What the fibre beam says of the cells, where it is asked.
+#[derive(Debug, Default, Serialize)]
+struct Opinions {
+    /// Cells with a second opinion.
+    known: u64,
+    /// Cells in which its verdict counts.
+    counts: u64,
+    /// Cells in which it counts and is more severe than that of the two bars.
+    decides: u64,
+    /// Cells without one, judged by the two bars alone.
+    none: u64,
+    #[serde(skip)]
+    first_reason: Option<(CellPlace, String)>,
+}
+
+impl Opinions {
+    fn add(&mut self, cell: &MapCell) {
+        match &cell.second_opinion {
+            None => {}
+            Some(Ok(it)) => {
+                self.known += 1;
+                self.counts += u64::from(!it.opinion.counts.is_empty());
+                self.decides += u64::from(it.opinion.decides);
+            }
+            Some(Err(reason)) => {
+                self.none += 1;
+                self.first_reason
+                    .get_or_insert_with(|| (cell.place, reason.clone()));
+            }
+        }
+    }
 }
 
 /// The critical values in one row.
@@ -115,6 +150,7 @@ impl<'a> MapSummary<'a> {
             classes: [0; CLASSES],
             faults: 0,
             first_fault: None,
+            opinions: Opinions::default(),
             rows: rows.collect(),
             extremes: [None; EXTREMES.len()],
         }
@@ -141,6 +177,7 @@ impl<'a> MapSummary<'a> {
             }
         };
         self.classes[evaluation.action as usize] += 1;
+        self.opinions.add(cell);
         for ((_, smallest, _, value), extreme) in EXTREMES.iter().zip(&mut self.extremes) {
             let Some(value) = value(evaluation).filter(|it| it.is_finite()) else {
                 continue;
@@ -293,7 +330,10 @@ impl<'a> MapSummary<'a> {
             faults: u64,
             classes: std::collections::BTreeMap<&'static str, u64>,
             critical: &'a [CriticalRow],
+            #[serde(skip_serializing_if = "Option::is_none")]
+            second_opinions: Option<&'a Opinions>,
         }
+        let asks_the_beam = self.map.model() != VerdictModel::Bars;
         serde_json::to_string(&Fields {
             computed: self.computed(),
             faults: self.faults,
@@ -303,6 +343,7 @@ impl<'a> MapSummary<'a> {
                 .zip(self.classes)
                 .collect(),
             critical: &self.rows,
+            second_opinions: asks_the_beam.then_some(&self.opinions),
         })
     }
 }
@@ -371,6 +412,27 @@ impl Display for MapSummary<'_> {
                 let value_text = unit(*value).show(*value);
                 writeln!(f, "{name:<32}{value_text:<12}  at {}", self.at(*place))?;
             }
+        }
+        if self.map.model() == VerdictModel::Bars {
+            return Ok(());
+        }
+        let Opinions {
+            known,
+            counts,
+            decides,
+            none,
+            first_reason,
+        } = &self.opinions;
+        writeln!(
+            f,
+            "Fibre beam                      its verdict counts in {counts} of {known} impacts, and is the more severe one in {decides}"
+        )?;
+        if let Some((place, reason)) = first_reason {
+            writeln!(
+                f,
+                "                                {none} impacts have the verdict of the two bars alone; the first one, {}: {reason}",
+                self.at(*place)
+            )?;
         }
         Ok(())
     }

@@ -17,9 +17,9 @@ use column_twin::figures::FigureError;
 use column_twin::parameters::Parameters;
 use column_twin::study::risk::{
     CriticalSpeedSurface, DepartureSampler, Exposure, MAX_SCENARIO_FILE_BYTES, RiskColumn,
-    RiskError, RiskStudy, Scenario, ScenarioFault, StudyRunError, Tally,
+    RiskError, RiskResult, RiskStudy, Scenario, ScenarioFault, StudyRunError, Tally,
 };
-use column_twin::study::{Batch, BatchEnd};
+use column_twin::study::{Batch, BatchEnd, VerdictModel};
 use column_twin::whole_file;
 
 /// Most samples of a study.
@@ -70,6 +70,10 @@ pub struct RiskArgs {
     /// Confidence level of the intervals
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     pub(super) confidence: f64,
+    /// By which model a sample is judged: bars, the two bars; beam, the fibre beam alone; both, the more severe verdict of both as in a
+    /// node. The two bars predict most samples, and the beam computes those in doubt and a share of the others
+    #[arg(long, value_name = "MODEL", value_parser = ["bars", "beam", "both"], default_value = "bars")]
+    pub(super) model: String,
     /// Compute the response of every sample, and predict none from critical speeds
     #[arg(long)]
     pub(super) exact: bool,
@@ -95,6 +99,9 @@ Example: a column in a car park, half a metre from the lane
   column-twin risk --config config/heb220_s355.yaml --scenario parking_garage --distance 0.5 --vehicles-per-day 2000
 Example: a column at a motorway for 50 years, with figures
   column-twin risk --config config/heb220_s355.yaml --scenario motorway --distance 5 --vehicles-per-day 20000 --years 50 --figures figures
+
+Example: columns whose webs stand in any direction to a courtyard's lane, by the two bars and the fibre beam
+  column-twin risk --config config/heb220_s355.yaml --scenario courtyard --vehicles-per-day 50 --distribution orientation_deg=uniform:-90:90 --model both --samples 50
 
 Example: the columns of a car park, the one that is most at risk first
   column-twin risk --params-file config/fleet.yaml --columns config/fleet.csv --scenario parking_garage --vehicles-per-day 2000
@@ -253,7 +260,7 @@ impl Case {
         arguments: &RiskArgs,
         interruption: &Interruption,
     ) -> Result<Outcome, RiskCommandError> {
-        let column = RiskColumn::new(&self.parameters, &self.scenario)?;
+        let column = self.column(arguments, &self.parameters)?;
         let sampler = DepartureSampler::new(&self.scenario, arguments.seed);
         let batch = threads::batch(arguments.threads, arguments.samples);
         let surface = self.surface(arguments, &column, &sampler, interruption)?;
@@ -291,6 +298,21 @@ impl Case {
         })
     }
 
+    /// The column of these parameters, judged by the model that is asked for.
+    pub fn column(
+        &self,
+        arguments: &RiskArgs,
+        parameters: &Parameters,
+    ) -> Result<RiskColumn, RiskCommandError> {
+        Ok(RiskColumn::new(parameters, &self.scenario)?.judged_by(arguments.model())?)
+    }
+
+    /// The result of these counts.
+    pub fn result(&self, arguments: &RiskArgs, tally: &Tally) -> RiskResult {
+        let result = RiskResult::new(&self.scenario, tally, self.exposure, arguments.confidence);
+        result.judged_by(arguments.model(), &self.scenario)
+    }
+
     /// What predicts most actions of the samples; `None` where every response is computed.
     pub fn surface(
         &self,
@@ -320,6 +342,13 @@ impl Case {
             },
         );
         Ok(found.map_err(StudyRunError::from)?)
+    }
+}
+
+impl RiskArgs {
+    /// By which model a sample is judged.
+    pub(super) fn model(&self) -> VerdictModel {
+        VerdictModel::named(&self.model).unwrap_or_default()
     }
 }
 

@@ -38,13 +38,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
         if outcome.end != BatchEnd::Complete {
             break;
         }
-        let (scenario, tally) = (&case.scenario, &outcome.tally);
-        results.push(RiskResult::new(
-            scenario,
-            tally,
-            case.exposure,
-            arguments.confidence,
-        ));
+        results.push(case.result(arguments, &outcome.tally));
     }
     drop(interruption);
     let mut rows: Vec<Row<'_>> = Vec::new();

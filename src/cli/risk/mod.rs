@@ -43,12 +43,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
     let case = Case::from_arguments(arguments)?;
     let interruption = Interruption::listen();
     let outcome = case.compute(arguments, &interruption)?;
-    let result = RiskResult::new(
-        &case.scenario,
-        &outcome.tally,
-        case.exposure,
-        arguments.confidence,
-    );
+    let result = case.result(arguments, &outcome.tally);
     let compared = match arguments.measures && outcome.end == BatchEnd::Complete {
         true => compare(&case, arguments, &outcome, &result, &interruption)?,
         false => Compared::default(),
@@ -67,7 +62,7 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
             files += "Figures    none: there is no impact to draw\n";
         }
         Some(folder) => {
-            let title = summary::title(&case.parameters, &case.scenario);
+            let title = summary::title(arguments.model(), &case.parameters, &case.scenario);
             let drawn = figures::draw_risk(folder, &title, &result, &compared.risks)
                 .map_err(RiskCommandError::from)?;
             files += &format!("Figures    {} files in {}\n", drawn.len(), folder.display());
@@ -115,7 +110,7 @@ fn compare(
 ) -> Result<Compared, RiskCommandError> {
     let mut compared = Compared::default();
     let sampler = DepartureSampler::new(&case.scenario, arguments.seed);
-    let own = RiskColumn::new(&case.parameters, &case.scenario)?;
+    let own = case.column(arguments, &case.parameters)?;
     for measure in &case.scenario.measures {
         let parameters = match measure.column(&case.parameters) {
             Ok(parameters) => parameters,
@@ -131,7 +126,7 @@ fn compare(
                 behind(measure, arguments, &sampler, &own, surface, interruption)?
             }
             Some(parameters) => {
-                let column = RiskColumn::new(parameters, &case.scenario)?;
+                let column = case.column(arguments, parameters)?;
                 let surface = case.surface(arguments, &column, &sampler, interruption)?;
                 let surface = surface.as_ref();
                 behind(measure, arguments, &sampler, &column, surface, interruption)?
@@ -142,7 +137,7 @@ fn compare(
             compared.is_interrupted = true;
             break;
         };
-        let with = RiskResult::new(&case.scenario, &tally, case.exposure, arguments.confidence);
+        let with = case.result(arguments, &tally);
         let section = parameters.and_then(|it| it.section().name.map(str::to_owned));
         compared
             .risks
@@ -220,7 +215,7 @@ impl Fields<'_> {
         });
         inputs.insert("classes".to_owned(), classes.collect());
         let fields = Fields {
-            column: summary::title(&case.parameters, &case.scenario),
+            column: summary::title(arguments.model(), &case.parameters, &case.scenario),
             scenario: &case.scenario.name,
             inputs,
             seed: arguments.seed,

@@ -8,22 +8,24 @@ use super::numbers::{interval, period, share, small};
 use column_twin::figures::units::significant;
 use column_twin::parameters::Parameters;
 use column_twin::report::short;
-use column_twin::study::BatchEnd;
 use column_twin::study::risk::{Comparison, Input, RiskResult, Scenario};
+use column_twin::study::{BatchEnd, VerdictModel};
 
 /// One line that describes the column and the scenario.
-pub(super) fn title(parameters: &Parameters, scenario: &Scenario) -> String {
+pub(super) fn title(model: VerdictModel, parameters: &Parameters, scenario: &Scenario) -> String {
     let section = parameters.section().name;
     let properties = parameters.column_properties();
     let description = match scenario.description.is_empty() {
         true => scenario.name.clone(),
         false => scenario.description.clone(),
     };
+    let judged = model.in_words().map(|it| format!(", judged {it}"));
     format!(
-        "{}, {} m high: {description}, distance from the road {} m",
+        "{}, {} m high: {description}, distance from the road {} m{}",
         section.unwrap_or(&parameters.settings().column_id),
         short(properties.length_below + properties.length_above),
         scenario.distance.distribution,
+        judged.unwrap_or_default(),
     )
 }
 
@@ -57,7 +59,8 @@ impl fmt::Display for Summary<'_> {
             compared,
         } = self;
         let exposure = &result.exposure;
-        writeln!(f, "{}\n", title(&case.parameters, &case.scenario))?;
+        let model = self.arguments.model();
+        writeln!(f, "{}\n", title(model, &case.parameters, &case.scenario))?;
         writeln!(
             f,
             "  Traffic                 {} vehicles per day, {}",
@@ -318,7 +321,7 @@ impl Summary<'_> {
             "  [T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption of this program; see docs/risk.md\n\
              \nThe intervals contain the error of the simulation alone. NOT EVALUATED, and outside of them:"
         )?;
-        for it in self.result.not_evaluated {
+        for it in &self.result.not_evaluated {
             writeln!(f, "  {}: {}", it.what, it.effect)?;
         }
         Ok(())

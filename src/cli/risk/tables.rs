@@ -40,18 +40,24 @@ pub(super) fn fragility(result: &RiskResult) -> String {
 pub(super) struct SampleWriter {
     out: WholeFile,
     vehicles: Vec<&'static str>,
+    /// Whether the samples have a direction of their own.
+    have_direction: bool,
 }
 
 impl SampleWriter {
     pub fn create(path: &Path, scenario: &Scenario) -> io::Result<Self> {
         let mut out = WholeFile::create(path)?;
-        out.write_all(
-            b"sample,vehicle,mass_kg,road_speed_m_s,angle_deg,deceleration_m_s2,distance_m,speed_m_s,force_factor,\
-              yield_strength_factor,top_load_factor,action,basis\n",
+        let have_direction = scenario.orientation.is_some();
+        let direction = if have_direction { ",direction_deg" } else { "" };
+        writeln!(
+            out,
+            "sample,vehicle,mass_kg,road_speed_m_s,angle_deg,deceleration_m_s2,distance_m,speed_m_s,force_factor,\
+             yield_strength_factor,top_load_factor,action,basis{direction}"
         )?;
         Ok(Self {
             out,
             vehicles: scenario.classes.iter().map(|class| class.vehicle).collect(),
+            have_direction,
         })
     }
 
@@ -68,9 +74,13 @@ impl SampleWriter {
             .basis
             .action()
             .map_or(String::new(), |action: Action| action.to_string());
+        let direction = match self.have_direction {
+            true => format!(",{}", it.direction.unwrap_or(0.0).to_degrees()),
+            false => String::new(),
+        };
         writeln!(
             self.out,
-            "{},{},{},{},{},{},{},{},{},{},{},{action},{basis}",
+            "{},{},{},{},{},{},{},{},{},{},{},{action},{basis}{direction}",
             it.index,
             self.vehicles[it.class],
             it.mass,

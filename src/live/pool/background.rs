@@ -1,13 +1,14 @@
 //! The one thread that computes what columns await in the background, with the lowest priority: second opinions, ranges of verdicts,
 //! and the critical velocities of columns at rest.
 //!
-//! Columns that differ by their names only have the same results, which are computed once. Second opinions come first, the newest
-//! before the others, then ranges, then columns that have been hit. For the others, of which a fleet has many after the start, the
+//! It also computes the second opinions on predictions. Columns that differ by their names only have the same results, which are computed once. Second opinions come first, the newest
+//! before the others, then those that somebody has asked for, then ranges, then columns that have been hit. For the others, of which a fleet has many after the start, the
 //! thread takes only a part of a processor, because they are not urgent. What a column no longer awaits is abandoned, after the
 //! response that is being computed. The solver threads and this one share queues without locks only: a thread with the lowest
 //! priority must not hold a lock that they need. A pop may spin while a push is preempted, which is rare.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
@@ -21,7 +22,7 @@ use crate::live::clock::monotonic_nanos;
 use crate::live::notifier::Notifier;
 use crate::live::real_time::{THREAD_STACK, lower_priority};
 use crate::parameters::MAX_COLUMNS;
-use crate::twin::{BackgroundKind, BackgroundTask, Command};
+use crate::twin::{BackgroundKind, BackgroundTask, BeamResult, Command, OpinionTask};
 
 /// The thread's name.
 pub const BACKGROUND_THREAD: &str = "column_twin/critical"; // the system shows the first 15 characters
@@ -38,6 +39,26 @@ const REST: u64 = 4;
 
 /// Processor time between two rests \[ns\], or that of one response if it takes longer.
 const BURST: u64 = 20_000_000;
+
+/// Most second opinions that wait for somebody who has asked for them.
+const MAX_ASKED: usize = 16;
+
+/// What becomes of a second opinion that somebody has asked for.
+pub type OpinionReply = Box<dyn FnOnce(Arc<BeamResult>) + Send>;
+
+/// A second opinion that somebody has asked for.
+struct Asked {
+    task: OpinionTask,
+    reply: OpinionReply,
+}
+
+impl fmt::Debug for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Asked")
+            .field("task", &self.task)
+            .finish_non_exhaustive()
+    }
+}
 
 /// What is to be computed for a column.
 #[derive(Debug)]
@@ -66,6 +87,8 @@ pub type Known = (Arc<Wanted>, Option<Command>);
 pub struct Background {
     /// By their [`BackgroundKind`].
     wanted: [ArrayQueue<Arc<Wanted>>; BackgroundKind::COUNT],
+    /// Second opinions on predictions, in the order in which they were asked for.
+    asked: ArrayQueue<Asked>,
     /// Whether what is not urgent takes a part of a processor only.
     rests: bool,
     /// Columns that want critical velocities, with the one for which they are being computed.
@@ -73,6 +96,7 @@ pub struct Background {
     known: ArrayQueue<Box<Known>>,
     notifier: Notifier,
     stop: AtomicBool,
+    has_ended: AtomicBool,
 }
 
 impl Background {
@@ -80,11 +104,13 @@ impl Background {
     pub fn new(columns: usize) -> Self {
         Self {
             wanted: std::array::from_fn(|_| ArrayQueue::new(columns.max(1))),
+            asked: ArrayQueue::new(MAX_ASKED),
             rests: columns > 1,
             unknown: AtomicUsize::new(0),
             known: ArrayQueue::new(BackgroundKind::COUNT * columns.max(1)),
             notifier: Notifier::default(),
             stop: AtomicBool::new(false),
+            has_ended: AtomicBool::new(false),
         }
     }
 
@@ -103,6 +129,9 @@ impl Background {
                 if lower_priority(processors.as_ref()) {
                     shared.run(&tell);
                 }
+                // Whoever waits is told that there will be none.
+                shared.has_ended.store(true, Ordering::SeqCst);
+                while shared.asked.pop().is_some() {}
             })
     }
 
@@ -123,6 +152,17 @@ impl Background {
         }
         self.notifier.notify();
         taken.then_some(wanted)
+    }
+
+    /// Asks for a second opinion on a prediction, which is given to `reply`; after a stop it is dropped. `false` if there is no
+    /// room, or nobody to compute it.
+    pub fn ask(&self, task: OpinionTask, reply: OpinionReply) -> bool {
+        if self.has_ended.load(Ordering::SeqCst) {
+            return false;
+        }
+        let taken = self.asked.push(Asked { task, reply }).is_ok();
+        self.notifier.notify();
+        taken
     }
 
     /// The next result.
@@ -153,6 +193,13 @@ impl Background {
             // The newest first: who has just been hit is looked at now.
             while let Some(opinion) = self.wanted[BackgroundKind::SecondOpinion as usize].pop() {
                 opinions.push(opinion);
+            }
+            // Somebody waits for it; a column that has been hit comes first.
+            if opinions.is_empty()
+                && let Some(Asked { task, reply }) = self.asked.pop()
+            {
+                reply(task.compute());
+                continue;
             }
             let others = || self.wanted.iter().find_map(ArrayQueue::pop);
             let Some(wanted) = opinions.pop().or_else(others) else {
@@ -207,7 +254,8 @@ impl Background {
         }
         let end = monotonic_nanos().saturating_add(REST * computed);
         let [opinions, ranges, hit, _] = &self.wanted;
-        let is_idle = || opinions.is_empty() && ranges.is_empty() && hit.is_empty();
+        let is_idle =
+            || opinions.is_empty() && self.asked.is_empty() && ranges.is_empty() && hit.is_empty();
         while is_idle() && !self.stop.load(Ordering::SeqCst) {
             let left = end.saturating_sub(monotonic_nanos());
             if left == 0 {

@@ -52,7 +52,7 @@ use std::thread::{self, JoinHandle};
 use crossbeam_queue::ArrayQueue;
 use rustix::thread::sched_getaffinity;
 
-pub use background::BACKGROUND_THREAD;
+pub use background::{BACKGROUND_THREAD, OpinionReply};
 pub use keeper::STATE_WRITER_THREAD;
 pub(super) use sensors::Sensors;
 pub use sensors::{FleetMeasurements, SensingStatistics};
@@ -68,7 +68,8 @@ use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
 use crate::twin::{
-    Accepted, ColumnSnapshot, Command, ImpactCommand, Prediction, Rejection, Striking, Twin,
+    Accepted, ColumnSnapshot, Command, ImpactCommand, OpinionTask, Prediction, Rejection, Striking,
+    Twin,
 };
 use background::Background;
 use keeper::Keeper;
@@ -361,6 +362,12 @@ impl FleetHandle {
     ) -> Result<Prediction, Rejection> {
         self.snapshot(column)?
             .predict("", vehicle, impact, &monotonic_nanos)
+    }
+
+    /// Asks the thread of the lowest priority for the second opinion on a prediction, which it gives to `reply`; it drops `reply` when
+    /// the columns stop. `false` if too many wait.
+    pub fn ask_opinion(&self, task: OpinionTask, reply: OpinionReply) -> bool {
+        self.shared.background.ask(task, reply)
     }
 
     /// A copy of the current state of a column.

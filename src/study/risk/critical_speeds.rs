@@ -208,7 +208,7 @@ impl CriticalSpeedSurface {
         if coordinates.any(|(z, active)| active && z.abs() > FARTHEST) {
             return None;
         }
-        let speed = libm::log(departure.velocity);
+        let speed = libm::log(departure.velocity_in_plane());
         if !(class.range[0]..=class.range[1]).contains(&speed) {
             return None;
         }

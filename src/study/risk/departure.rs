@@ -1,10 +1,12 @@
 //! A vehicle that leaves the road, and what of it reaches the column.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::random::{Purpose, Streams};
 use super::reach::{Course, LEAST_SPEED, Reach};
 use super::scenario::Scenario;
+use crate::column::share_in_plane;
 
 /// The inputs that scatter, in the order of the random numbers of a sample.
 pub const INPUT_NAMES: [&str; 9] = [
@@ -52,6 +54,8 @@ pub struct Departure {
     pub load_factor: f64,
     /// Speed at the column \[m/s\]; 0 if the vehicle stops before it.
     pub velocity: f64,
+    /// Direction of travel to the plane of the web \[rad\]; `None`: that of the parameters.
+    pub direction: Option<f64>,
     /// The uniform random numbers of the inputs: the share of vehicles with a smaller value of each.
     pub quantiles: [f64; INPUTS],
     /// A random number that belongs to no input, for choices of the estimator.
@@ -127,6 +131,9 @@ impl DepartureSampler {
         let mut numbers = self.streams.numbers(index);
         let (course, points) = self.reach.course(&self.scenario, &mut numbers);
         let [class, mass, force, yielding, load, choice] = numbers.take();
+        // Drawn last, so that all other numbers are those of the same scenario without it.
+        let orientation = self.scenario.orientation.as_ref();
+        let orientation = orientation.map(|it| it.distribution.quantile(numbers.next()));
         let reached = course.is_some();
         let course = course.unwrap_or(Course {
             speed: 0.5,
@@ -148,13 +155,14 @@ impl DepartureSampler {
         let mut departure =
             self.of_quantiles(index, class_at(&self.scenario, class), quantiles, choice);
         departure.points = points;
+        departure.direction = orientation.map(|it| direction(departure.angle, it.to_radians()));
         if reached {
             departure.velocity = departure.speed_at_column();
         }
         departure
     }
 
-    /// A vehicle of this class, without a speed; `quantiles` changes the quantiles of its inputs.
+    /// A vehicle of this class in the plane of the web, without a speed; `quantiles` changes the quantiles of its inputs.
     pub(super) fn of_class(
         &self,
         index: u64,
@@ -163,7 +171,10 @@ impl DepartureSampler {
     ) -> Departure {
         let mut numbers = self.streams.numbers(index);
         let quantiles = std::array::from_fn(|_| quantiles(numbers.next()));
-        self.of_quantiles(index, class, quantiles, numbers.next())
+        let mut departure = self.of_quantiles(index, class, quantiles, numbers.next());
+        // In the plane of the two bars, of which another direction takes the component.
+        departure.direction = self.scenario.orientation.as_ref().map(|_| 0.0);
+        departure
     }
 
     fn of_quantiles(
@@ -201,10 +212,22 @@ impl DepartureSampler {
                 .quantile(yielding),
             load_factor: scenario.top_load_factor.distribution.quantile(load),
             velocity: 0.0,
+            direction: None,
             quantiles,
             choice,
             points: 0,
         }
+    }
+}
+
+/// The direction of travel to the plane of the web \[rad\], in (-pi, pi\], of a vehicle at this angle to the road, if the plane has that
+/// one.
+fn direction(of_course: f64, of_web: f64) -> f64 {
+    let between = of_course - of_web;
+    match between {
+        it if it > PI => it - 2.0 * PI,
+        it if it <= -PI => it + 2.0 * PI,
+        it => it,
     }
 }
 
@@ -226,6 +249,12 @@ impl Departure {
     #[must_use]
     pub fn reaches_column(&self) -> bool {
         self.velocity > 0.0
+    }
+
+    /// The component of its speed at the column in the plane of the two bars \[m/s\], as far as its own direction tells.
+    pub(super) fn velocity_in_plane(&self) -> f64 {
+        let share = self.direction.map_or(1.0, share_in_plane);
+        self.velocity * share
     }
 
     /// `sqrt(v0^2 - 2 a r)` with the path `r = d / sin(angle)` (JCSS Probabilistic Model Code, 2.18), of a vehicle that

@@ -5,14 +5,25 @@ use super::scenario::Scenario;
 use crate::assessment::Action;
 use crate::column::{Impact, VehicleError};
 use crate::parameters::{ParameterFaults, Parameters, Value};
-use crate::study::{Evaluation, StudyColumn, StudyError};
+use crate::second_opinion::{JointVerdict, is_out_of_plane};
+use crate::study::{BeamSwitchedOff, Evaluation, StudyColumn, StudyError, VerdictModel};
+
+/// Class of doubt of the predictions of hits in the plane of the two bars where the beam judges, unless they are more in doubt: one in
+/// five is computed, because at the edge of yielding both models differ by more than the predictions do.
+const DOUBT_OF_THE_BEAM: usize = 2;
 
 /// What decides how severe a vehicle's impact is. A study asks it for every sample that it does not skip.
 pub trait LimitState: Sync {
     /// The action of this vehicle's impact; `None` if it cannot be computed.
     fn action(&self, departure: &Departure) -> Option<Action>;
 
-    /// The action of the same impact at any speed \[m/s\].
+    /// How far a prediction of this vehicle's action is in doubt, an index of [`CONTROL_SHARES`](super::CONTROL_SHARES), if its critical
+    /// speeds say this: less where they are those of another model.
+    fn doubt(&self, _: &Departure, by_critical_speeds: usize) -> usize {
+        by_critical_speeds
+    }
+
+    /// The action of the same impact at any speed \[m/s\], from which critical speeds follow.
     fn at_speeds<'a>(&'a self, departure: &'a Departure) -> ActionAtSpeed<'a> {
         Box::new(move |speed| {
             self.action(&Departure {
@@ -32,6 +43,8 @@ pub struct RiskColumn {
     classes: Vec<ClassColumn>,
     yield_strength: Option<f64>,
     top_load: f64,
+    /// By which model the samples are judged; critical speeds are those of the two bars.
+    model: VerdictModel,
 }
 
 #[derive(Debug, Clone)]
@@ -52,6 +65,12 @@ pub enum RiskError {
     /// The vehicle of a sample.
     #[error(transparent)]
     Vehicle(#[from] VehicleError),
+    /// A model that the parameters switch off.
+    #[error(transparent)]
+    BeamSwitchedOff(#[from] BeamSwitchedOff),
+    /// There is no second opinion.
+    #[error("{0}")]
+    NoSecondOpinion(String),
     /// A class of vehicles that strikes above the top of the column.
     #[error(
         "the vehicle {vehicle} strikes {height} m above the base; expected less than {total} m, the height of the column: \
@@ -107,7 +126,19 @@ impl RiskColumn {
             classes: classes?,
             yield_strength: (by_steel && !nominal).then(|| parameters.steel().yield_strength),
             top_load: settings.top.load,
+            model: VerdictModel::Bars,
         })
+    }
+
+    /// The same column, whose samples another model than the two bars judges.
+    ///
+    /// # Errors
+    /// The model needs the fibre beam, and the parameters switch it off.
+    pub fn judged_by(self, model: VerdictModel) -> Result<Self, RiskError> {
+        for class in &self.classes {
+            model.check_on(class.nominal.parameters())?;
+        }
+        Ok(Self { model, ..self })
     }
 
     /// Whether the yield strength of the samples enters: it does where the resistances follow from it, and not where they
@@ -122,6 +153,15 @@ impl RiskColumn {
     /// # Errors
     /// Numbers that are out of range.
     pub fn sample(&self, departure: &Departure) -> Result<(StudyColumn, Impact), RiskError> {
+        let column = self.column(departure)?;
+        let direction = departure.direction;
+        let direction = direction.unwrap_or_else(|| column.parameters().direction());
+        let impact = self.impact(&column, departure, direction)?;
+        Ok((column, impact))
+    }
+
+    /// The column of a sample.
+    fn column(&self, departure: &Departure) -> Result<StudyColumn, RiskError> {
         let class = &self.classes[departure.class];
         let mut changes = Vec::new();
         if let Some(nominal) = self.yield_strength {
@@ -134,38 +174,82 @@ impl RiskColumn {
                 Value::Double(self.top_load * departure.load_factor),
             ));
         }
-        let column = match changes.is_empty() {
+        Ok(match changes.is_empty() {
             true => class.nominal.clone(),
             false => StudyColumn::undamaged(&class.nominal.parameters().with_changes(changes)?)?,
-        };
-        let mut impact = column.impact(
-            Some(class.vehicle),
-            Some(departure.mass),
-            departure.velocity,
-        )?;
+        })
+    }
+
+    /// The component of the impact of a sample in the plane of the two bars, if it has this direction \[rad\].
+    fn impact(
+        &self,
+        column: &StudyColumn,
+        departure: &Departure,
+        direction: f64,
+    ) -> Result<Impact, RiskError> {
+        let impacts = column.impacts_of(Some(self.classes[departure.class].vehicle))?;
+        let impacts = impacts.in_direction(direction);
+        let mut impact = impacts.impact(Some(departure.mass), departure.velocity)?;
         if let Some(vehicle) = impact.vehicle {
             impact.vehicle = Some(vehicle.with_force_factor(departure.force_factor)?);
         }
-        Ok((column, impact))
+        Ok(impact)
     }
 
-    /// What the impact of a sample leads to.
+    /// The verdict of both models on a sample, without long steps.
     ///
     /// # Errors
-    /// Numbers that are out of range, or a response that does not converge.
+    /// As [`evaluate`](Self::evaluate).
+    pub fn joint(&self, departure: &Departure) -> Result<JointVerdict, RiskError> {
+        let column = self.column(departure)?;
+        let parameters = column.parameters();
+        let direction = departure.direction;
+        let direction = direction.unwrap_or_else(|| parameters.direction());
+        let [in_plane, whole] =
+            [direction, 0.0].map(|direction| self.impact(&column, departure, direction));
+        let joint = JointVerdict::on(parameters, &in_plane?, whole?, direction);
+        Ok(joint.map_err(StudyError::from)?)
+    }
+
+    /// What the impact of a sample leads to, by the model that judges.
+    ///
+    /// # Errors
+    /// Numbers that are out of range, a response that does not converge, or no second opinion where the beam alone judges.
     pub fn evaluate(&self, departure: &Departure) -> Result<Evaluation, RiskError> {
-        let (column, impact) = self.sample(departure)?;
-        Ok(column.evaluate(&impact)?)
+        if self.model == VerdictModel::Bars {
+            let (column, impact) = self.sample(departure)?;
+            return Ok(column.evaluate(&impact)?);
+        }
+        let judged = self.model.evaluation(self.joint(departure)?);
+        let (evaluation, _) =
+            judged.map_err(|reason| RiskError::NoSecondOpinion(reason.to_string()))?;
+        Ok(evaluation)
     }
 }
 
 impl LimitState for RiskColumn {
     fn action(&self, departure: &Departure) -> Option<Action> {
+        if self.model != VerdictModel::Bars {
+            return Some(self.evaluate(departure).ok()?.action);
+        }
         let (column, impact) = self.sample(departure).ok()?;
         column.action(&impact).ok()
     }
 
-    /// With one column for all speeds.
+    /// Where the beam judges, the critical speeds of the two bars say less, and out of their plane least.
+    fn doubt(&self, departure: &Departure, by_critical_speeds: usize) -> usize {
+        if self.model == VerdictModel::Bars {
+            return by_critical_speeds;
+        }
+        let parameters = self.classes[departure.class].nominal.parameters();
+        let direction = departure.direction;
+        match is_out_of_plane(direction.unwrap_or_else(|| parameters.direction())) {
+            true => 0,
+            false => by_critical_speeds.min(DOUBT_OF_THE_BEAM),
+        }
+    }
+
+    /// By the two bars, with one column for all speeds.
     fn at_speeds<'a>(&'a self, departure: &'a Departure) -> ActionAtSpeed<'a> {
         let sample = self.sample(&Departure {
             velocity: 1.0,
@@ -173,8 +257,9 @@ impl LimitState for RiskColumn {
         });
         Box::new(move |speed| {
             let (column, impact) = sample.as_ref().ok()?;
+            // The impact at 1 m/s has the share of the velocity in the plane of the two bars.
             let impact = Impact {
-                velocity: speed,
+                velocity: speed * impact.velocity,
                 ..*impact
             };
             column.action(&impact).ok()

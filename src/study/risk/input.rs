@@ -41,6 +41,11 @@ pub(super) const DISTRIBUTIONS: [Definition; 8] = [
     distribution("top_load_factor", [0.0, 100.0], "-"),
 ];
 
+/// The angle from the road to the plane of the web, which a scenario need not have; between the road and its web a column may stand in
+/// any direction.
+pub(super) const ORIENTATION: Definition =
+    distribution("orientation_deg", [-180.0, 180.0], "degrees");
+
 /// The largest speed that a vehicle may have \[km/h\]: that of the parameter `impact.velocity`.
 const MAX_SPEED_KM_H: f64 = 216.0;
 

@@ -56,6 +56,8 @@
 
 mod critical_speeds;
 mod departure;
+#[cfg(test)]
+mod direction_tests;
 mod distribution;
 mod estimate;
 mod evaluation;

@@ -7,10 +7,10 @@ use super::fragility::{FragilityCurve, curve};
 use super::scenario::Scenario;
 use super::sensitivity::ActionSensitivity;
 use super::tally::Tally;
-use super::target::{AnnualRisk, NOT_EVALUATED, NotEvaluated};
+use super::target::{AnnualRisk, NOT_EVALUATED, NotEvaluated, OBLIQUE_HITS};
 use super::traffic::Exposure;
 use crate::assessment::Action;
-use crate::study::ACTIONS;
+use crate::study::{ACTIONS, VerdictModel};
 
 /// The result of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +30,10 @@ pub struct RiskResult {
     /// The probability in one year beside its target, by action that is reached or exceeded.
     pub annual: Vec<AnnualRisk>,
     /// What lies outside of the intervals.
-    pub not_evaluated: &'static [NotEvaluated],
+    pub not_evaluated: Vec<NotEvaluated>,
+    /// By which model the impacts are judged.
+    #[serde(skip_serializing_if = "is_of_bars")]
+    pub model: VerdictModel,
     /// By class of vehicles.
     pub classes: Vec<ClassRisk>,
     /// Of the whole traffic, then of every class, by action.
@@ -94,6 +97,17 @@ pub struct Counts {
 const ENOUGH_EVENTS: f64 = 30.0;
 
 impl RiskResult {
+    /// The same result of a study of this scenario that another model than the two bars has judged. With a distribution of the
+    /// orientation, oblique hits are no longer among what is not evaluated.
+    #[must_use]
+    pub fn judged_by(mut self, model: VerdictModel, scenario: &Scenario) -> Self {
+        self.model = model;
+        if model != VerdictModel::Bars && scenario.orientation.is_some() {
+            self.not_evaluated.retain(|it| it.what != OBLIQUE_HITS);
+        }
+        self
+    }
+
     /// Index of the action whose sensitivities say most: the most severe one with enough events, otherwise the one with most
     /// of them; `None` where there is no event.
     #[must_use]
@@ -200,7 +214,8 @@ impl RiskResult {
                     AnnualRisk::new(risk.action, annual)
                 })
                 .collect(),
-            not_evaluated: &NOT_EVALUATED,
+            not_evaluated: NOT_EVALUATED.to_vec(),
+            model: VerdictModel::Bars,
             actions,
             classes,
             fragility: whole.chain(of_classes).collect(),
@@ -216,6 +231,10 @@ impl RiskResult {
             },
         }
     }
+}
+
+fn is_of_bars(model: &VerdictModel) -> bool {
+    *model == VerdictModel::Bars
 }
 
 /// Probability that a vehicle that leaves the road on a course to the column reaches it. Vehicles that a measure stops are among

@@ -8,7 +8,7 @@ use serde_json::{Map, Value as Json};
 
 use super::distribution::Distribution;
 use super::input::{
-    DISTRIBUTIONS, Definition, FORCE_FACTOR, Input, InputRow, MASS, Wrong, jcss_steel,
+    DISTRIBUTIONS, Definition, FORCE_FACTOR, Input, InputRow, MASS, ORIENTATION, Wrong, jcss_steel,
 };
 use super::measure::{MAX_MEASURES, Measure};
 use crate::parameters::{CatalogueVehicle, Parameters, Provenance, RIGID, vehicle_names};
@@ -65,6 +65,9 @@ pub struct Scenario {
     pub yield_strength_factor: Input,
     /// Load at the top over that of the parameters.
     pub top_load_factor: Input,
+    /// Angle from the road to the plane of the web \[degrees\], from which with the angle of the course the direction of a hit follows;
+    /// `None`: every hit has the direction of the parameters.
+    pub orientation: Option<Input>,
     /// The traffic; the shares add up to 1.
     pub classes: Vec<TrafficClass>,
     /// Measures whose benefit can be computed.
@@ -222,10 +225,10 @@ impl Scenario {
         };
         let known = |key: &str| {
             ["name", "description", "classes", "measures"].contains(&key)
-                || DISTRIBUTIONS.iter().any(|it| it.name == key)
+                || definitions().any(|it| it.name == key)
         };
         if let Some(key) = rows.keys().find(|key| !known(key)) {
-            let distributions: Vec<_> = DISTRIBUTIONS.iter().map(|it| it.name).collect();
+            let distributions: Vec<_> = definitions().map(|it| it.name).collect();
             return Err(fault(
                 key.clone(),
                 "an unknown entry".to_owned(),
@@ -309,6 +312,10 @@ impl Scenario {
             hit_width: distribution(hit_width)?,
             yield_strength_factor: distribution(yield_strength)?,
             top_load_factor: distribution(top_load)?,
+            orientation: match rows.contains_key(ORIENTATION.name) {
+                true => Some(distribution(&ORIENTATION)?),
+                false => None,
+            },
             classes,
             measures,
         })
@@ -346,17 +353,18 @@ impl Scenario {
                 "name=distribution:numbers, such as speed_km_h=lognormal:12:5".into(),
             )
         })?;
-        let definition = DISTRIBUTIONS
-            .iter()
-            .find(|it| it.name == name)
-            .ok_or_else(|| {
-                let names: Vec<_> = DISTRIBUTIONS.iter().map(|it| it.name).collect();
-                fault("the name", name, format!("one of {}", names.join(", ")))
-            })?;
+        let definition = definitions().find(|it| it.name == name).ok_or_else(|| {
+            let names: Vec<_> = definitions().map(|it| it.name).collect();
+            fault("the name", name, format!("one of {}", names.join(", ")))
+        })?;
         let row = InputRow::parse(text).map_err(|expected| fault(name, text, expected))?;
         let input = definition
             .check(&row)
             .map_err(|(entry, found, expected)| fault(&entry, &found, expected))?;
+        if definition.name == ORIENTATION.name {
+            self.orientation = Some(input);
+            return Ok(());
+        }
         *self
             .law_mut(definition.name)
             .expect("every distribution has a field") = input;
@@ -377,7 +385,7 @@ impl Scenario {
         })
     }
 
-    /// Every distribution with its name, in the order of the file, without those of the classes.
+    /// Every distribution with its name, in the order of the file, without those of the classes; the orientation only where it is given.
     pub fn distributions(&self) -> impl Iterator<Item = (&'static str, &Input)> {
         let inputs = [
             &self.speed,
@@ -389,8 +397,16 @@ impl Scenario {
             &self.yield_strength_factor,
             &self.top_load_factor,
         ];
-        DISTRIBUTIONS.iter().map(|it| it.name).zip(inputs)
+        let orientation = self.orientation.as_ref().map(|it| (ORIENTATION.name, it));
+        let names = DISTRIBUTIONS.iter().map(|it| it.name);
+        names.zip(inputs).chain(orientation)
     }
+}
+
+/// What every distribution of a scenario may be.
+fn definitions() -> impl Iterator<Item = &'static Definition> {
+    const OPTIONAL: &Definition = &ORIENTATION;
+    DISTRIBUTIONS.iter().chain([OPTIONAL])
 }
 
 /// The measures of a scenario, each with a name of its own.

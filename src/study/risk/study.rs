@@ -8,7 +8,7 @@ use super::critical_speeds::CriticalSpeedSurface;
 use super::departure::{Departure, DepartureSampler};
 use super::evaluation::LimitState;
 use super::measure::Measure;
-use super::tally::{Basis, CONTROL_SHARES, RiskSample, Tally};
+use super::tally::{Basis, CONTROL_SHARES, Prediction, RiskSample, Tally};
 use crate::study::{Batch, BatchEnd};
 
 /// A study: vehicles that leave the road, and what decides how severe each of their impacts is.
@@ -77,6 +77,10 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
             return Basis::Stopped;
         }
         let predicted = self.predictions.and_then(|it| it.predict(departure));
+        let predicted = predicted.map(|it| Prediction {
+            doubt: self.limit_state.doubt(departure, it.doubt),
+            ..it
+        });
         if let Some(prediction) = predicted
             && departure.choice >= CONTROL_SHARES[prediction.doubt]
         {

@@ -107,6 +107,9 @@ pub struct NotEvaluated {
     pub effect: &'static str,
 }
 
+/// The name of what a distribution of the orientation and the fibre beam evaluate.
+pub(super) const OBLIQUE_HITS: &str = "orientation and oblique hits";
+
 /// What lies outside of every interval of a study, the largest effects first.
 pub const NOT_EVALUATED: [NotEvaluated; 4] = [
     NotEvaluated {
@@ -114,7 +117,7 @@ pub const NOT_EVALUATED: [NotEvaluated; 4] = [
         effect: "up to x 10 either way on this road: 1e-10 per metre and vehicle is a mean over all roads (JCSS 2.18)",
     },
     NotEvaluated {
-        what: "orientation and oblique hits",
+        what: OBLIQUE_HITS,
         effect: "every hit bends the strong axis; x 5 on inspect, x 1.4 on shore, if every one bends the weak axis (HEB220 at a street)",
     },
     NotEvaluated {

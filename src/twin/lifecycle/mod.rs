@@ -39,7 +39,7 @@ use super::critical::KnownCriticalVelocities;
 use super::estimates::Estimates;
 use super::forecast::{Predicted, SupersededForecasts};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::opinion_state::OpinionState;
+use super::opinion_state::{KnownBeamDamage, MOVING, OpinionState};
 use super::output::{NoticeLevel, Output, Outputs, ReportOutput, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
@@ -228,6 +228,10 @@ impl Twin {
             plant,
             undamaged: self.undamaged,
             base_before: self.registry.life.base_before(),
+            beam: match self.response {
+                Some(_) => KnownBeamDamage::Unknown(MOVING.into()),
+                None => self.registry.life.beam.clone(),
+            },
         }
     }
 

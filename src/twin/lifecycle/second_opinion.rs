@@ -8,7 +8,7 @@ use crate::time::Nanos;
 use crate::twin::assessed::{LastImpact, assessed_again};
 use crate::twin::command::Accepted;
 use crate::twin::opinion::{OpinionTask, Seen};
-use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
+use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, MOVING, OpinionState};
 use crate::twin::output::{NoticeLevel, Output, Outputs, Verdicts};
 use crate::twin::plant::{Plant, Struck};
 use crate::twin::striking::Striking;
@@ -202,7 +202,3 @@ impl Twin {
         }
     }
 }
-
-/// Why an impact on a moving column has no second opinion.
-pub(super) const MOVING: &str =
-    "no second opinion: the column was still moving after an earlier impact";

@@ -248,7 +248,7 @@ class ParameterKeywords(TypedDict, total=False):
     assessment__range_front: Number
     """relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`"""
     beam__mode: Literal["off", "second_opinion", "governing"]
-    """whether `simulate` computes the impact with the fibre beam, too. second_opinion: its verdict counts where both models differ, where the hit is out of the plane of the two bars, or where shear or the spread of yielding governs; governing: it always counts. The action is the more severe one of both. Nodes and studies such as maps do not use it"""
+    """whether `simulate` computes the impact with the fibre beam, too. second_opinion: its verdict counts where both models differ, where the hit is out of the plane of the two bars, or where shear or the spread of yielding governs; governing: it always counts. The action is the more severe one of both. Nodes use it as well, maps and risk studies where they are asked for the model"""
     beam__elements: Whole
     """elements of the fibre beam along the column; 0: automatic"""
     beam__fibres: Whole

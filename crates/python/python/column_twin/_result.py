@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._codes import Outcome, Action
+from ._errors import SimulationError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,6 +37,7 @@ class Result:
         """Everything of `column-twin simulate --json` in SI units; None where there is no value."""
 
         self._impact: tuple[str | None, float | None, float | None] = (None, None, None)
+        self._direction: float | None = None
         self._struck: str | None = None
         """The column, for `Column.after`."""
 
@@ -135,6 +137,18 @@ class Result:
     def criteria(self) -> list[dict[str, Any]]:
         """Every criterion with edition, tag, value, limit, unit, margin, action, and what it says in words."""
         return list(self.report["criteria"] or [])
+
+    @property
+    def beam(self) -> dict[str, Any] | None:
+        """The result of the fibre beam, the object `beam` of `column-twin simulate --json` in SI units; None without `model="beam"`.
+
+        Raises:
+            SimulationError: the beam has no result, with the reason.
+        """
+        beam = self.report.get("beam")
+        if isinstance(beam, str):
+            raise SimulationError(beam)
+        return None if beam is None else dict(beam)
 
     def to_pandas(self) -> pd.DataFrame:
         """The history as a table with the time as its index. Needs pandas."""
