@@ -14,8 +14,9 @@ use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::Action;
 use column_twin::estimation::{
-    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
-    RecordedImpact, estimate_recorded,
+    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, MASS_OPEN_BEYOND,
+    MOMENTUM_OPEN_BEYOND, Readings, ReadingsError, RecordedImpact, VELOCITY_OPEN_BEYOND,
+    estimate_recorded,
 };
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
@@ -238,6 +239,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
         "mass_kg": interval(&estimate.mass),
         "velocity_m_s": interval(&estimate.velocity),
         "momentum_n_s": interval(&estimate.momentum),
+        "not_known": estimate.not_known(),
         "mass_velocity_correlation": estimate.mass_velocity_correlation,
         "peak_v1_m": interval(&estimate.peak_v1),
         "residual_v1_m": interval(&estimate.residual_v1),
@@ -284,28 +286,49 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
              is not estimated.\n"
         );
     }
+    let not_known = |interval: &CredibleInterval, open_beyond: Option<f64>| {
+        open_beyond.is_some_and(|beyond| interval.is_open(beyond))
+    };
     let rows = [
-        ("Mass", last.mass, 1.0, "kg"),
-        ("Speed", last.velocity, 1.0, "m/s"),
-        ("Momentum", last.momentum, 1e-3, "kN s"),
-        ("Peak v1", last.peak_v1, 1e3, "mm"),
-        ("Residual v1", last.residual_v1, 1e3, "mm"),
+        ("Mass", last.mass, Some(MASS_OPEN_BEYOND), 1.0, "kg"),
+        (
+            "Speed",
+            last.velocity,
+            Some(VELOCITY_OPEN_BEYOND),
+            1.0,
+            "m/s",
+        ),
+        (
+            "Momentum",
+            last.momentum,
+            Some(MOMENTUM_OPEN_BEYOND),
+            1e-3,
+            "kN s",
+        ),
+        ("Peak v1", last.peak_v1, None, 1e3, "mm"),
+        ("Residual v1", last.residual_v1, None, 1e3, "mm"),
         (
             "Residual capacity",
             last.capacity_ratio,
+            None,
             100.0,
             "% of the undamaged column's",
         ),
     ];
-    for (name, interval, factor, unit) in rows {
+    for (name, interval, open_beyond, factor, unit) in rows {
         let CredibleInterval { mean, low, high } = interval;
-        let _ = writeln!(
-            text,
-            "{name:<19}{} {unit}, 90 % interval {} to {}",
-            short(factor * mean),
-            short(factor * low),
-            short(factor * high),
-        );
+        let [low, high] = [low, high].map(|end| short(factor * end));
+        let _ = match not_known(&interval, open_beyond) {
+            true => writeln!(
+                text,
+                "{name:<19}not known, 90 % interval {low} to {high} {unit}"
+            ),
+            false => writeln!(
+                text,
+                "{name:<19}{} {unit}, 90 % interval {low} to {high}",
+                short(factor * mean)
+            ),
+        };
     }
     let list = |pairs: &mut dyn Iterator<Item = (String, f64)>| {
         let mut listed: Vec<_> = pairs
@@ -329,11 +352,14 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
     );
     text += "\nData until [ms]   mass [kg]              speed [m/s]            peak v1 [mm]           action\n";
     for estimate in &impact.estimates {
-        let cell = |interval: &CredibleInterval, factor: f64| {
+        let cell = |interval: &CredibleInterval, open_beyond: Option<f64>, factor: f64| {
             let CredibleInterval { mean, low, high } = interval;
+            let mean = match not_known(interval, open_beyond) {
+                true => "?".to_owned(),
+                false => short(factor * mean),
+            };
             let text = format!(
-                "{} ({} to {})",
-                short(factor * mean),
+                "{mean} ({} to {})",
                 short(factor * low),
                 short(factor * high)
             );
@@ -344,9 +370,9 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             text,
             "{:>15.0}   {}{}{}{}",
             1e3 * (estimate.data_until - detection.contact.time),
-            cell(&estimate.mass, 1.0),
-            cell(&estimate.velocity, 1.0),
-            cell(&estimate.peak_v1, 1e3),
+            cell(&estimate.mass, Some(MASS_OPEN_BEYOND), 1.0),
+            cell(&estimate.velocity, Some(VELOCITY_OPEN_BEYOND), 1.0),
+            cell(&estimate.peak_v1, None, 1e3),
             likely.map_or_else(String::new, |(action, p)| format!(
                 "{action} {:.0} %",
                 100.0 * p

@@ -22,7 +22,10 @@ mod simulation;
 pub use detection::detector::{Detection, Detector, Onset};
 pub use detection::sensing::{Sensing, Work};
 pub use inference::comparison::{ComparedMean, SensorComparison};
-pub use inference::estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
+pub use inference::estimate::{
+    CredibleInterval, FEWEST_RESPONSES, ImpactEstimate, MASS_OPEN_BEYOND, MOMENTUM_OPEN_BEYOND,
+    VELOCITY_OPEN_BEYOND,
+};
 pub use inference::estimate_record::EstimateRecord;
 pub use inference::estimator::{Estimator, EstimatorError, UNKNOWN_VEHICLE, UPDATE_INSTANTS};
 pub use inference::event_evidence::{EventEvidence, MAX_EVENTS};

@@ -100,28 +100,40 @@ fn reservations(estimate: &ImpactEstimate) -> Markup {
 
 fn numbers(estimate: &ImpactEstimate) -> Markup {
     let rows = [
-        ("Mass of the vehicle", &estimate.mass, 1.0, "kg"),
-        ("Speed of the vehicle", &estimate.velocity, 1.0, "m/s"),
-        ("Momentum", &estimate.momentum, 1e-3, "kN s"),
-        ("Largest v₁", &estimate.peak_v1, 1e3, "mm"),
-        ("v₁ that remains", &estimate.residual_v1, 1e3, "mm"),
+        ("Mass of the vehicle", "mass", &estimate.mass, 1.0, "kg"),
+        (
+            "Speed of the vehicle",
+            "velocity",
+            &estimate.velocity,
+            1.0,
+            "m/s",
+        ),
+        ("Momentum", "momentum", &estimate.momentum, 1e-3, "kN s"),
+        ("Largest v₁", "", &estimate.peak_v1, 1e3, "mm"),
+        ("v₁ that remains", "", &estimate.residual_v1, 1e3, "mm"),
         (
             "Residual over undamaged capacity",
+            "",
             &estimate.capacity_ratio,
             100.0,
             "%",
         ),
     ];
+    let not_known = estimate.not_known();
     html! {
         h3 { "Vehicle and residual damage" }
         table.compact {
             caption { "v₁ is the transverse displacement of the impact point." }
             thead { tr { th {} th.number { "mean" } th.number { "90 % interval" } } }
             tbody {
-                @for (name, interval, factor, unit) in rows {
+                @for (name, quantity, interval, factor, unit) in rows {
                     tr {
                         th scope="row" { (name) }
-                        td.number { (number(factor * interval.mean)) " " (unit) }
+                        td.number {
+                            @if not_known.contains(&quantity) { "not known" } @else {
+                                (number(factor * interval.mean)) " " (unit)
+                            }
+                        }
                         td.number { (number(factor * interval.low)) " to " (number(factor * interval.high)) " " (unit) }
                     }
                 }

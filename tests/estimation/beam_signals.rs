@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use column_beam::{BeamColumn, BowAxes, History, Instrument, Shape, Steel, Torsion, history};
+use column_beam::{
+    BeamColumn, BeamError, BowAxes, History, Instrument, Shape, Steel, Torsion, history,
+};
 use column_twin::column::{CrushCurve, CrushSpring, Impact, RolledSection, Support, Vehicle};
 use column_twin::estimation::{Readings, with_sensor_errors};
 use column_twin::parameters::{Parameters, parse_override};
@@ -23,7 +25,7 @@ pub struct BeamSignal {
     pub truth: History,
 }
 
-fn spring(points: &[[f64; 2]]) -> CrushSpring {
+pub fn spring(points: &[[f64; 2]]) -> CrushSpring {
     let envelope = CrushCurve::new(points).expect("a curve");
     CrushSpring {
         unloading_stiffness: envelope.steepest_slope(),
@@ -32,7 +34,7 @@ fn spring(points: &[[f64; 2]]) -> CrushSpring {
     }
 }
 
-fn deformable(masses: &[f64], springs: &[CrushSpring], velocity: f64) -> Impact {
+pub fn deformable(masses: &[f64], springs: &[CrushSpring], velocity: f64) -> Impact {
     let vehicle = Vehicle::new(masses, springs).expect("a vehicle");
     Impact {
         vehicle: Some(vehicle),
@@ -41,7 +43,7 @@ fn deformable(masses: &[f64], springs: &[CrushSpring], velocity: f64) -> Impact 
 }
 
 /// A front with a stiffness \[N/m\] up to a force \[N\] that then stays.
-fn plateau(stiffness: f64, force: f64) -> CrushSpring {
+pub fn plateau(stiffness: f64, force: f64) -> CrushSpring {
     spring(&[[force / stiffness, force], [10.0, force]])
 }
 
@@ -89,7 +91,7 @@ pub fn parameters() -> Parameters {
 }
 
 /// HEB 220 of S355 with 500 kN.
-fn column() -> BeamColumn {
+pub fn column() -> BeamColumn {
     BeamColumn {
         shape: Shape::Rolled(RolledSection {
             depth: 0.220,
@@ -136,7 +138,16 @@ pub fn sensors() -> Vec<Sensor> {
 impl BeamSignal {
     /// What these sensors read of an impact with this name, and for this time after contact \[s\], without errors.
     pub fn make(name: &str, sensors: &[Sensor], after: f64) -> Self {
-        let impact = impact(name);
+        Self::of(&column(), impact(name), sensors, after).expect("a response")
+    }
+
+    /// The same of any impact on a column.
+    pub fn of(
+        column: &BeamColumn,
+        impact: Impact,
+        sensors: &[Sensor],
+        after: f64,
+    ) -> Result<Self, BeamError> {
         let instruments: Vec<Instrument> = sensors
             .iter()
             .map(|sensor| match sensor.quantity {
@@ -147,8 +158,8 @@ impl BeamSignal {
             })
             .collect();
         let samples = (after / PERIOD).round() as usize;
-        let truth = history(&column(), &impact, &instruments, PERIOD, samples).expect("a response");
-        Self { impact, truth }
+        let truth = history(column, &impact, &instruments, PERIOD, samples)?;
+        Ok(Self { impact, truth })
     }
 
     /// Momentum of the vehicle \[N s\].

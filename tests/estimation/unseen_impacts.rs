@@ -9,7 +9,9 @@ use column_twin::estimation::{
 use column_twin::sensors::Sensor;
 use column_twin::standing::StandingColumn;
 
-use super::beam_signals::{AFTER, BEFORE, BeamSignal, parameters, sensors};
+use super::beam_signals::{
+    AFTER, BEFORE, BeamSignal, column, deformable, parameters, plateau, sensors,
+};
 
 fn unprepared(sensors: Vec<Sensor>) -> Estimator {
     let parameters = parameters();
@@ -164,4 +166,56 @@ fn a_second_impact_soon_after_the_first_one_is_told() {
     assert!((further - struck).abs() < 0.01, "{further} {struck}");
     assert!(last(&found).data_until <= further + 1e-9);
     assert_eq!(find(&first).further, None);
+}
+
+/// A hard mass ahead of a crushed front was taken for a rigid hit by this mass with a probability of 1, and the interval of the
+/// momentum ended at a fourth of the truth.
+#[test]
+fn a_hard_mass_ahead_of_a_crushed_front_leaves_the_momentum_open() {
+    let (signal, found) = estimated("two_mass_car_16", 1);
+    let last = last(&found);
+    let (kind, share) = &last.vehicle_probabilities[0];
+    assert!(kind != "rigid" || *share < 0.95, "{last:#?}");
+    let holds = (last.momentum.low..=last.momentum.high).contains(&signal.momentum());
+    assert!(holds, "{} {last:#?}", signal.momentum());
+}
+
+/// It was a vehicle of two masses with a probability of 1.
+#[test]
+fn a_light_elastic_hit_is_no_certain_kind_of_vehicle() {
+    let (signal, found) = estimated("light_rigid_2", 1);
+    let last = last(&found);
+    let two_masses = last.vehicle_probabilities.iter();
+    let two_masses = two_masses.filter(|(name, _)| name == "two_masses");
+    assert!(
+        two_masses.map(|(_, share)| share).sum::<f64>() < 0.95,
+        "{last:#?}"
+    );
+    for (interval, truth) in [
+        (last.momentum, signal.momentum()),
+        (last.mass, signal.impact.mass),
+    ] {
+        let holds = (interval.low..=interval.high).contains(&truth);
+        assert!(holds, "{truth} {last:#?}");
+    }
+}
+
+/// A column that collapses takes a small part of the momentum: nothing tells how much is left in the vehicle.
+#[test]
+fn a_collapse_leaves_the_momentum_open_upwards() {
+    let vehicle = deformable(&[20e3], &[plateau(5e6, 1.2e6)], 14.0);
+    let signal = BeamSignal::of(&column(), vehicle, &sensors(), AFTER).expect("a response");
+    assert!(signal.truth.collapsed);
+    let readings = signal.readings(&sensors(), BEFORE, 1);
+    let found = estimate_prepared(&mut prepared(), &readings).expect("sensors");
+    let found = found.expect("an impact");
+    let last = last(&found);
+    assert!(last.collapsed > 0.9, "{last:#?}");
+    let momentum = last.momentum;
+    assert!(momentum.high > 3.0 * momentum.low, "{last:#?}");
+    assert!(
+        (momentum.low..=momentum.high).contains(&signal.momentum()),
+        "{last:#?}"
+    );
+    assert!(last.not_known().contains(&"mass"), "{last:#?}");
 }

@@ -23,6 +23,16 @@ pub struct CredibleInterval {
 /// An estimate with a smaller effective sample size is unreliable.
 pub const FEWEST_RESPONSES: f64 = 20.0;
 
+/// Ratio of the ends of an interval of the mass beyond which the mass is not known: about half of the width, in logarithms, of the
+/// interval before anything is measured.
+pub const MASS_OPEN_BEYOND: f64 = 5.0;
+
+/// The same of the speed.
+pub const VELOCITY_OPEN_BEYOND: f64 = 3.5;
+
+/// The same of the momentum.
+pub const MOMENTUM_OPEN_BEYOND: f64 = 8.0;
+
 /// Probability outside of an interval, on each side.
 const TAIL: f64 = 0.05;
 
@@ -60,6 +70,14 @@ impl CredibleInterval {
             low: mean - TAIL_DEVIATIONS * deviation,
             high: mean + TAIL_DEVIATIONS * deviation,
         }
+    }
+
+    /// Whether the ratio of its ends is larger than this one, so that it leaves a positive quantity open.
+    #[must_use]
+    pub fn is_open(&self, beyond: f64) -> bool {
+        let is_narrow = self.high <= beyond * self.low;
+        // An interval without numbers says nothing.
+        !is_narrow
     }
 
     /// With its mean and its ends as this increasing function gives them.
@@ -160,6 +178,23 @@ pub struct ImpactEstimate {
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
     /// read. They do not count, unless several are equally suspicious.
     pub doubtful_sensors: Vec<String>,
+}
+
+impl ImpactEstimate {
+    /// Quantities of the vehicle that the data do not tell, by their names: `mass`, `velocity`, `momentum`. Their intervals are wider
+    /// than about half of those before anything is measured.
+    #[must_use]
+    pub fn not_known(&self) -> Vec<&'static str> {
+        let all = [
+            ("mass", &self.mass, MASS_OPEN_BEYOND),
+            ("velocity", &self.velocity, VELOCITY_OPEN_BEYOND),
+            ("momentum", &self.momentum, MOMENTUM_OPEN_BEYOND),
+        ];
+        let open = all
+            .into_iter()
+            .filter(|(_, of, beyond)| of.is_open(*beyond));
+        open.map(|(name, ..)| name).collect()
+    }
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ const CRUSH_BEFORE_PLATEAU: [f64; 2] = [0.2, 0.8];
 const LONGEST_PLATEAU: f64 = 20.0;
 
 /// Median of the mass that is ahead of the crushed part, over that of the vehicle, and standard deviation of its logarithm \[A\].
-const FRONT_SHARE: [f64; 2] = [0.12, 0.5];
+pub(crate) const FRONT_SHARE: [f64; 2] = [0.12, 0.5];
 
 /// Largest share that is considered.
 const MOST_FRONT_SHARE: f64 = 0.8;
@@ -187,6 +187,15 @@ impl Hypothesis {
             density -= 0.5 * z * z + libm::log(deviation);
         }
         density
+    }
+
+    /// Mass of the hard part that strikes the column \[kg\]; `None` where the front is soft.
+    pub(crate) fn hard_mass(&self, unknowns: &[f64; UNKNOWNS]) -> Option<f64> {
+        match self.front {
+            Front::Rigid => Some(libm::exp(unknowns[0])),
+            Front::TwoMasses => Some(libm::exp(unknowns[0] + unknowns[UNKNOWNS - 1])),
+            Front::Elastic | Front::Plateau | Front::Vehicle(_) => None,
+        }
     }
 
     /// The impact with these unknowns; `None` where they make no vehicle.

@@ -3,9 +3,11 @@
 use crate::assessment::Action;
 use crate::column::{Outcome, Report};
 use crate::estimation::inference::blocks::{CLIPPED, Highest};
-use crate::estimation::inference::estimate::{CredibleInterval, ImpactEstimate, Spread};
+use crate::estimation::inference::estimate::{
+    CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, VELOCITY_OPEN_BEYOND,
+};
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
-use crate::estimation::inference::hypothesis::{Front, UNKNOWNS};
+use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front, Hypothesis};
 use crate::estimation::inference::member::Member;
 use crate::sensors::Quantity;
 
@@ -30,6 +32,12 @@ const LEAST_PEAK: f64 = 1e-7;
 /// point: a rigid hit of 250 kg is taken for one of 1.7 to 2 times the mass and 1.2 times the momentum. With their largest values.
 const LIGHT_ERROR: [[f64; 2]; 2] = [[4.5, 1.0], [1.6, 0.35]];
 
+/// Mass that the model has at the impact point over that of a hard front, from which on the front begins to be light, and is \[A\].
+const LIGHT_RATIO: [f64; 2] = [0.1, 0.2];
+
+/// Probability that there is more behind a light, hard front \[A\].
+const HIDDEN: f64 = 0.5;
+
 /// Share of its kinetic energy that a vehicle has to lose in its front for the front to count as crushed.
 const CRUSHED: f64 = 0.05;
 
@@ -39,14 +47,67 @@ const RANGE_PARTS: u32 = 5;
 impl Estimator {
     /// Standard deviation of the logarithm of a member's momentum, or of its mass and speed, by the model.
     fn impact_error(&self, member: &Member, of_momentum: bool) -> f64 {
-        let striking = match self.population.hypotheses[member.hypothesis].front {
-            Front::Rigid => libm::exp(member.unknowns[0]),
-            Front::TwoMasses => libm::exp(member.unknowns[0] + member.unknowns[UNKNOWNS - 1]),
-            Front::Elastic | Front::Plateau | Front::Vehicle(_) => return IMPACT_ERROR,
+        let hypothesis = &self.population.hypotheses[member.hypothesis];
+        let Some(striking) = hypothesis.hard_mass(&member.unknowns) else {
+            return IMPACT_ERROR;
         };
         let ratio = self.impact_point_mass / striking;
         let [size, most] = LIGHT_ERROR[usize::from(of_momentum)];
         libm::hypot(IMPACT_ERROR, (size * ratio * ratio.sqrt()).min(most))
+    }
+
+    /// Probability that the part of a vehicle that a member has is only its light, hard front, behind which there is more, and the share
+    /// of the member's mass that this front is.
+    ///
+    /// The model stops such a front by a mass at one point instead of by waves, and the swing of the column that follows hides what a
+    /// force from behind adds: whether a response with anything behind explains the readings better does not tell whether there is.
+    fn hidden(&self, member: &Member) -> (f64, f64) {
+        let hypothesis = &self.population.hypotheses[member.hypothesis];
+        let Some(hard) = hypothesis.hard_mass(&member.unknowns) else {
+            return (0.0, 1.0);
+        };
+        let [from, to] = LIGHT_RATIO;
+        let ratio = self.impact_point_mass / hard;
+        let hidden = HIDDEN * ((ratio - from) / (to - from)).clamp(0.0, 1.0);
+        (hidden, hard / libm::exp(member.unknowns[0]))
+    }
+
+    /// The hypotheses with their probabilities. A vehicle with a light, hard front may be either of the two kinds that have one.
+    fn vehicles(&self, weights: &[f64]) -> Vec<(String, f64)> {
+        let hypotheses = &self.population.hypotheses;
+        let mut shares = vec![0.0; hypotheses.len()];
+        let place = |front: &Front| hypotheses.iter().position(|it| it.front == *front);
+        let kinds = [place(&Front::Rigid), place(&Front::TwoMasses)];
+        for (member, weight) in self.population.members.iter().zip(weights) {
+            let other = match kinds {
+                [Some(rigid), Some(two)] if member.hypothesis == rigid => two,
+                [Some(rigid), Some(two)] if member.hypothesis == two => rigid,
+                _ => member.hypothesis,
+            };
+            let (hidden, _) = self.hidden(member);
+            shares[member.hypothesis] += (1.0 - hidden) * weight;
+            shares[other] += hidden * weight;
+        }
+        let names = hypotheses.iter().map(|it| it.name.clone());
+        names.zip(shares).collect()
+    }
+
+    /// An interval, or where it leaves the quantity open one that holds what is probable before anything is measured, too.
+    fn unless_open(
+        &self,
+        found: CredibleInterval,
+        beyond: f64,
+        powers: [f64; 2],
+    ) -> CredibleInterval {
+        if !found.is_open(beyond) {
+            return found;
+        }
+        let prior = prior(&self.population.hypotheses, powers);
+        CredibleInterval {
+            low: found.low.min(prior.low),
+            high: found.high.max(prior.high),
+            ..found
+        }
     }
 
     /// The peak displacement of the impact point that a sensor at its height has read by `until` \[s\]; `None` without such a sensor that counts. The most exact one tells it.
@@ -112,22 +173,34 @@ impl Estimator {
         let effective = effective(&weights);
         // Their distributions are skew: the mean is that of the logarithm. A front that is crushed leaves the momentum open, and
         // the speed with it.
+        let largest = libm::log(prior(&self.population.hypotheses, [1.0, 1.0]).high);
         let positive = |of_mass: f64, of_velocity: f64| {
             let each = members().flat_map(|(member, weight)| {
                 let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
-                let (open, parts) = match of_velocity > 0.0 {
-                    true => open_momentum(&member.prediction.report, member),
-                    false => ([0.0; 2], 1),
-                };
-                let width = (open[1] - open[0]) / f64::from(parts);
+                let (open, is_moving) = open_momentum(&member.prediction.report, member, largest);
+                // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
+                let shows = if is_moving { of_mass } else { of_velocity };
+                let [low, high] = if shows > 0.0 { open } else { [0.0; 2] };
+                let parts = if high > low { RANGE_PARTS } else { 1 };
+                let width = (high - low) / f64::from(parts);
                 let model = self.impact_error(member, of_mass > 0.0 && of_velocity > 0.0);
                 // Each part is a normal distribution of the variance of a uniform one.
                 let deviation = libm::hypot(model, width / 12.0_f64.sqrt());
-                (0..parts).map(move |part| Spread {
-                    mean: known + open[0] + (f64::from(part) + 0.5) * width,
+                let (hidden, hard) = self.hidden(member);
+                let hidden = if of_mass > 0.0 { hidden } else { 0.0 };
+                let own = (0..parts).map(move |part| Spread {
+                    mean: known + low + (f64::from(part) + 0.5) * width,
                     deviation,
-                    weight: weight / f64::from(parts),
-                })
+                    weight: weight * (1.0 - hidden) / f64::from(parts),
+                });
+                // What may be behind a light front is as heavy as before anything is measured.
+                let [front_share, scatter] = FRONT_SHARE;
+                let behind = Spread {
+                    mean: known + libm::log(hard / front_share),
+                    deviation: libm::hypot(model, scatter),
+                    weight: weight * hidden,
+                };
+                own.chain(std::iter::once(behind))
             });
             CredibleInterval::of_spread(each.collect(), effective).map(libm::exp)
         };
@@ -153,13 +226,7 @@ impl Estimator {
                 .filter(|(member, _)| is(member))
                 .fold(0.0, |sum, (_, weight)| sum + weight)
         };
-        let mut vehicles: Vec<(String, f64)> = self
-            .population
-            .hypotheses
-            .iter()
-            .enumerate()
-            .map(|(k, it)| (it.name.clone(), share(&|member| member.hypothesis == k)))
-            .collect();
+        let mut vehicles = self.vehicles(&weights);
         // The share of the evidence for the hypotheses that is left where none of them explains the data.
         let explained = 1.0 / self.population.temperature();
         if explained < 1.0 {
@@ -176,8 +243,8 @@ impl Estimator {
         ImpactEstimate {
             data_until,
             contact_time: CredibleInterval::normal(contact, deviation),
-            mass: positive(1.0, 0.0),
-            velocity: positive(0.0, 1.0),
+            mass: self.unless_open(positive(1.0, 0.0), MASS_OPEN_BEYOND, [1.0, 0.0]),
+            velocity: self.unless_open(positive(0.0, 1.0), VELOCITY_OPEN_BEYOND, [0.0, 1.0]),
             momentum: positive(1.0, 1.0),
             mass_velocity_correlation: correlation(
                 members()
@@ -208,27 +275,41 @@ impl Estimator {
     }
 }
 
-/// What a front that is crushed leaves open of the momentum: logarithms of its bounds over the momentum of the response, and the
-/// number of parts in which the range between them counts.
+/// The interval of these powers of mass and speed, multiplied, before anything is measured.
+fn prior(hypotheses: &[Hypothesis], [of_mass, of_velocity]: [f64; 2]) -> CredibleInterval {
+    let each = hypotheses.iter().map(|it| Spread {
+        mean: of_mass * it.mean[0] + of_velocity * it.mean[1],
+        deviation: libm::hypot(of_mass * it.deviation[0], of_velocity * it.deviation[1]),
+        weight: it.probability,
+    });
+    CredibleInterval::of_spread(each.collect(), f64::INFINITY).map(libm::exp)
+}
+
+/// What a response leaves open of the momentum: logarithms of its bounds over the momentum of the response, and whether the vehicle
+/// has not stopped. `largest` is the logarithm of the largest momentum that is probable before anything is measured.
 ///
 /// Of the vehicle, only the contact force acts on the column. Any passive front with the same force, whose impulse is `J` and which
-/// does the work
-/// `W` on the column, has a momentum from `J / 2 + m W / J`, if it returns all of its energy, to `J`, if it returns none of it. The
-/// upper bound holds once the vehicle has stopped.
-fn open_momentum(report: &Report, member: &Member) -> ([f64; 2], u32) {
+/// does the work `W` on the column, has a momentum from `J / 2 + m W / J`, if it returns all of its energy, to `J`, if it returns none
+/// of it. The upper bound holds once the vehicle has stopped: a column that collapses takes a small part of the momentum, and nothing
+/// tells how much is left.
+fn open_momentum(report: &Report, member: &Member, largest: f64) -> ([f64; 2], bool) {
     let lost: f64 = report.vehicle.dissipated.iter().sum();
     let is_crushed = report.vehicle.masses > 0 && lost > CRUSHED * report.input_energy;
-    if !is_crushed || report.impactor_velocity > 0.0 || report.impulse <= 0.0 {
-        return ([0.0; 2], 1);
+    let is_moving = report.impactor_velocity > 0.0;
+    if report.impulse <= 0.0 || !(is_crushed || is_moving) {
+        return ([0.0; 2], false);
+    }
+    let momentum = member.unknowns[0] + member.unknowns[1];
+    let impulse = report.impulse;
+    if is_moving {
+        return ([0.0, (largest - momentum).max(0.0)], true);
     }
     let kept = report.impactor_kinetic_energy + lost + report.vehicle.elastic_energy;
     let work = (report.input_energy - kept).max(0.0);
-    let impulse = report.impulse;
     let mass = libm::exp(member.unknowns[0]);
     let least = (0.5 * impulse + mass * work / impulse).min(impulse);
-    let momentum = member.unknowns[0] + member.unknowns[1];
     let bounds = [least, impulse].map(|bound| libm::log(bound) - momentum);
-    (bounds, RANGE_PARTS)
+    (bounds, false)
 }
 
 fn correlation(pairs: impl Iterator<Item = ([f64; 2], f64)> + Clone) -> f64 {
@@ -238,4 +319,27 @@ fn correlation(pairs: impl Iterator<Item = ([f64; 2], f64)> + Clone) -> f64 {
     let covariance = moment(&|x| (x[0] - a) * (x[1] - b));
     let variances = moment(&|x| (x[0] - a) * (x[0] - a)) * moment(&|x| (x[1] - b) * (x[1] - b));
     covariance / variances.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::inference::estimate::MOMENTUM_OPEN_BEYOND;
+    use crate::estimation::inference::hypothesis::hypotheses;
+    use crate::parameters::Parameters;
+
+    /// An interval that counts as known is narrower than half of the one before anything is measured.
+    #[test]
+    fn a_quantity_is_not_known_from_about_half_of_the_interval_before_the_impact_on() {
+        let hypotheses = hypotheses(&Parameters::default());
+        for (powers, beyond) in [
+            ([1.0, 0.0], MASS_OPEN_BEYOND),
+            ([0.0, 1.0], VELOCITY_OPEN_BEYOND),
+            ([1.0, 1.0], MOMENTUM_OPEN_BEYOND),
+        ] {
+            let before = prior(&hypotheses, powers);
+            let half = (before.high / before.low).sqrt();
+            assert!((0.65 * half..=half).contains(&beyond), "{half} {beyond}");
+        }
+    }
 }
