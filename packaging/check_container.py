@@ -206,6 +206,7 @@ def check(image: Stage, version: str) -> None:
     expect(bool(components) and bool(licences), "the list of components and the licences of the wheel", [components, licences])
     print(image.output("demo", "-o", "/tmp/demo"))
     first = node(image, hit=True)
+    expect(str(state) in first, f"a log that names {state}", first)
     inside = image.root / str(state).lstrip("/")
     saved = list(inside.glob("state/*.json"))
     expect(len(saved) == 1 and len(list(inside.glob("recordings/*"))) == 1, f"the damage and a recording in {state}", list(inside.rglob("*")))

@@ -357,7 +357,7 @@ impl Place {
         let (status, _, log) = running.terminate();
         assert!(status.success(), "{log:#?}");
         let [made, kept] =
-            ["recordings", "FLEET"].map(|name| self.folder.path().join(name));
+            ["column_twin/recordings", "FLEET"].map(|name| self.folder.path().join(name));
         std::fs::rename(made, kept).expect("a recording");
     }
 
@@ -390,6 +390,7 @@ impl Place {
             )
             .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env("XDG_STATE_HOME", self.folder.path())
             .env_remove("ROS_NAMESPACE");
         shell
     }
