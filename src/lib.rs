@@ -52,6 +52,7 @@
 // - shape/: The geometry that everything that draws the column shares: its joints, the outline of its section, the solid that
 //   this outline sweeps along the bent axis, the yield surface of its hinges, and the vehicle that hits it
 // - standing/: A column at rest with its damage, as the next impact will find it
+// - state_home.rs: Folders below the state folder of the user (XDG Base Directory Specification 0.8), as parameters name them
 // - study/: Studies: many impacts on a column, computed on all processors
 // - time.rs: Time as this program counts it
 // - twin/: The digital twin of one column over its life, from impact to impact
@@ -94,6 +95,7 @@ pub mod second_opinion;
 pub mod sensors;
 pub mod shape;
 pub mod standing;
+pub mod state_home;
 pub mod study;
 pub mod time;
 pub mod twin;

@@ -335,6 +335,7 @@ fn a_node_with_too_little_address_space_says_what_it_needs() {
     let ended = Command::new("sh")
         .args(["-c", "ulimit -v 200000 && exec \"$0\" run", program])
         .current_dir(folder.path())
+        .env("XDG_STATE_HOME", folder.path())
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .output()
         .expect("a shell");

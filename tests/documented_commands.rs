@@ -137,6 +137,14 @@ const COMMANDS: &[(&str, How)] = &[
         "cargo test --test tidy",
         Elsewhere(".ci/run", "cargo test --release\n"),
     ),
+    (
+        "podman ",
+        Elsewhere(".ci/run", "packaging/check_container.py"),
+    ),
+    (
+        "packaging/release.sh",
+        Elsewhere("packaging/check_release.py", "--dry-run"),
+    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
@@ -348,7 +356,8 @@ impl Place {
         running.wait_for("result of impact");
         let (status, _, log) = running.terminate();
         assert!(status.success(), "{log:#?}");
-        let [made, kept] = ["recordings", "FLEET"].map(|name| self.folder.path().join(name));
+        let [made, kept] =
+            ["column_twin/recordings", "FLEET"].map(|name| self.folder.path().join(name));
         std::fs::rename(made, kept).expect("a recording");
     }
 
@@ -381,6 +390,7 @@ impl Place {
             )
             .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env("XDG_STATE_HOME", self.folder.path())
             .env_remove("ROS_NAMESPACE");
         shell
     }

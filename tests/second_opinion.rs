@@ -236,7 +236,7 @@ fn a_hit_that_the_two_bars_do_not_see_is_judged_by_the_beam() {
     );
     let both = hit("--direction 90");
     let reason = both["reason"].as_str().expect("a reason");
-    assert!(reason.starts_with("By the fibre beam, "), "{reason}");
+    assert!(reason.contains(" Cause, by the fibre beam: "), "{reason}");
     assert!(
         reason.contains("the vehicle travels at 90 degrees"),
         "{reason}"

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use column_twin::assessment::{
-    Action, Assumption, ImpactEvaluation, MissingData, respond_and_rest,
+    Action, Assessment, Assumption, ImpactEvaluation, MissingData, respond_and_rest,
 };
 use column_twin::column::Outcome;
 use column_twin::parameters::{Parameters, parse_override};
@@ -133,6 +133,21 @@ fn the_base_of_the_stronger_column_bears_its_own_forces() {
     assert_eq!(variation.action, action);
 }
 
+/// A reason once began with "collapse: Collapse or fractured hinge or web in the response (1: yes): 1.00; at most 0 [C]".
+fn is_an_order_with_its_cause(assessment: &Assessment) {
+    let reason = &assessment.reason;
+    let headline = &reason[..reason.len() - assessment.reservations().len()];
+    if assessment.action != Action::None {
+        let order = &assessment.action.order()[1..];
+        let begin = format!("{order} Cause: {}.", assessment.cause);
+        assert!(headline.contains(&begin), "{headline}");
+    }
+    let name = format!("{}:", assessment.deciding_criterion);
+    for wrong in [" [", "at most", "1: yes", "limit 0", &name] {
+        assert!(!headline.contains(wrong), "{headline:?} contains {wrong:?}");
+    }
+}
+
 #[test]
 fn no_verdict_is_milder_than_that_of_an_engineer() {
     // The engineer's word for taking the load off a column is the program's former one.
@@ -144,6 +159,7 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
     for case in &cases {
         let evaluation = evaluated(case);
         let assessment = evaluation.assessment.expect("an assessment");
+        is_an_order_with_its_cause(&assessment);
         let range = evaluation.range.expect("a range");
         let residual = match evaluation.report.residual_v1 {
             Some(v1) => format!("{:.1} mm", 1e3 * v1),

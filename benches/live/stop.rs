@@ -33,7 +33,7 @@ fn stop() -> f64 {
     let (ended, took, log) = program.terminate();
     assert!(ended.success(), "{ended}: {log:#?}");
     assert!(
-        folder.path().join("state/column.json").exists(),
+        folder.path().join("column_twin/state/column.json").exists(),
         "the damage is saved"
     );
     took.as_secs_f64()

@@ -92,6 +92,18 @@ impl Action {
             Self::Evacuate => "evacuate",
         }
     }
+
+    /// What has to be done, as an imperative that goes on after a colon and ends with a full stop.
+    #[must_use]
+    pub fn order(self) -> &'static str {
+        match self {
+            Self::None => "no action follows from these checks.",
+            Self::Inspect => "have an engineer examine the column.",
+            Self::Restrict => "keep people and additional loads away from the column.",
+            Self::Shore => "take the load off the column immediately.",
+            Self::Evacuate => "clear the part of the building that the column carries.",
+        }
+    }
 }
 
 impl Display for Action {

@@ -104,8 +104,11 @@ pub struct Assessment {
     /// Name of the criterion that decides: of the most severe ones that are exceeded the first, or the one closest to its
     /// limit where none is exceeded.
     pub deciding_criterion: &'static str,
-    /// The reason in words, with its margin and with what the model does not know. It begins with `At least` where more may
-    /// have to be done.
+    /// Why that has to be done, in plain words, as a part of a sentence.
+    #[serde(skip)]
+    pub cause: &'static str,
+    /// What has to be done as an imperative, the cause in plain words, the number with its limit, and what the model does not
+    /// know. It begins with `At least` where more may have to be done.
     pub reason: String,
     /// Which load `N` is, as a sentence, which is a part of the reason.
     pub load: String,
@@ -175,9 +178,13 @@ impl Assessment {
             false => String::new(),
         };
         self.reason = format!(
-            "{at_least}By the fibre beam, {}: {} It counts because {because}; the two bars alone lead to {}.",
-            deciding.name, deciding.statement, self.action
+            "{at_least}{} Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
+            in_sentence(beam.action.order()),
+            beam.cause,
+            numbers(deciding),
+            self.action
         );
+        self.cause = beam.cause;
         self.reservations = self.reason.len();
         self.reason += &missing_data(&beam.not_evaluated);
         self.reason += " ";
@@ -232,7 +239,8 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         true => format!("At least {}: ", in_capitals(action)),
         false => String::new(),
     };
-    reason += &finding(input, action, deciding);
+    let cause = cause(input, deciding);
+    reason += &finding(input, action, cause, deciding);
     let reservations = reason.len();
     reason += &missing_data(&not_evaluated);
     let load = input.load.in_words(&input.remaining);
@@ -246,6 +254,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         at_least,
         not_evaluated,
         deciding_criterion: deciding.name,
+        cause,
         reason,
         load,
         load_basis: input.load.basis,
@@ -396,15 +405,45 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
-/// Words as a sentence of their own.
+/// Words as a sentence.
 fn in_sentence(words: &str) -> String {
-    let mut sentence = format!("{words}.");
+    let mut sentence = words.to_owned();
     sentence[..1].make_ascii_uppercase();
     sentence
 }
 
-/// The criterion that decides with its numbers, or how far the column has come where nothing decides.
-fn finding(input: &AssessmentInput, action: Action, deciding: &Criterion) -> String {
+/// The cause of the criterion that decides; of a lost column, how it was lost.
+fn cause(input: &AssessmentInput, deciding: &Criterion) -> &'static str {
+    match deciding.name {
+        ALWAYS_DECIDES if input.fractured => {
+            "the column fractures during the hit and carries nothing"
+        }
+        ALWAYS_DECIDES => "the column collapses during the hit and carries nothing",
+        _ => deciding.cause,
+    }
+}
+
+/// The number of a criterion with its limit, as a sentence behind a space; empty where it is yes or no, and without a limit that is 0.
+fn numbers(criterion: &Criterion) -> String {
+    let (Some(value), Some(limit)) = (criterion.value, criterion.limit) else {
+        return String::new();
+    };
+    if criterion.name == ALWAYS_DECIDES {
+        return String::new();
+    }
+    let mut text = format!(
+        " {}: {}",
+        criterion.quantity(),
+        quantity(value, criterion.unit)
+    );
+    if limit != 0.0 {
+        text += &format!("; limit {}", quantity(limit, criterion.unit));
+    }
+    text + "."
+}
+
+/// What has to be done, the cause, and the number with its limit; or how far the column has come where nothing decides.
+fn finding(input: &AssessmentInput, action: Action, cause: &str, deciding: &Criterion) -> String {
     match (action, input.utilisation) {
         (Action::None, Some(utilisation)) => {
             format!("No deciding criterion is exceeded. Largest utilisation: {utilisation}.")
@@ -413,7 +452,11 @@ fn finding(input: &AssessmentInput, action: Action, deciding: &Criterion) -> Str
             "No deciding criterion is exceeded. The closest to its limit is {}: {}",
             deciding.name, deciding.statement
         ),
-        _ => format!("{}: {}", deciding.name, deciding.statement),
+        _ => format!(
+            "{} Cause: {cause}.{}",
+            in_sentence(action.order()),
+            numbers(deciding)
+        ),
     }
 }
 
@@ -468,6 +511,7 @@ fn axes(input: &AssessmentInput) -> String {
     if let Some(component) = component_in_words(direction) {
         text.push(' ');
         text.push_str(&in_sentence(&component));
+        text.push('.');
     }
     text
 }

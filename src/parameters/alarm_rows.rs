@@ -7,13 +7,13 @@ pub(super) const ROWS: [Parameter; 21] = [
     Parameter {
         name: "alarm.spool",
         unit: "",
-        default: DefaultValue::Text("alarms"),
+        default: DefaultValue::Text("$XDG_STATE_HOME/column_twin/alarms"),
         admissible: Admissible::Text {
             min_chars: 1,
             max_chars: 4096,
         },
         applies: Applies::Restart,
-        meaning: "directory of the alarms that wait for delivery; each node needs one of its own",
+        meaning: "directory of the alarms that wait for delivery; each node needs one of its own; `$XDG_STATE_HOME` as for `state.directory`",
     },
     Parameter {
         name: "alarm.heartbeat",

@@ -1078,11 +1078,11 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "state.directory",
         unit: "",
-        default: DefaultValue::Text("state"),
+        default: DefaultValue::Text("$XDG_STATE_HOME/column_twin/state"),
         admissible: OPTIONAL_PATH,
         applies: Applies::Restart,
         meaning: "directory of the state file, which is named after the column and preserves the damage across restarts; \
-                  empty: the damage is lost when the program ends",
+                  `$XDG_STATE_HOME` is `~/.local/state` unless the environment sets it; empty: the damage is lost when the program ends",
     },
     Parameter {
         name: "real_time.priority",
@@ -1128,10 +1128,10 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "record.directory",
         unit: "",
-        default: DefaultValue::Text("recordings"),
+        default: DefaultValue::Text("$XDG_STATE_HOME/column_twin/recordings"),
         admissible: DIRECTORY,
         applies: Applies::Restart,
-        meaning: "directory of the recordings",
+        meaning: "directory of the recordings; `$XDG_STATE_HOME` as for `state.directory`",
     },
     Parameter {
         name: "record.max_file_size",
@@ -1252,10 +1252,10 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "viewer.directory",
         unit: "",
-        default: DefaultValue::Text("recordings"),
+        default: DefaultValue::Text("$XDG_STATE_HOME/column_twin/recordings"),
         admissible: DIRECTORY,
         applies: Applies::Restart,
-        meaning: "directory of the files that `save` writes",
+        meaning: "directory of the files that `save` writes; `$XDG_STATE_HOME` as for `state.directory`",
     },
     Parameter {
         name: "viewer.memory_limit",

@@ -20,6 +20,7 @@ pub use rosbag2_mcap::*;
 use crate::endpoints::{JOURNAL, Qos};
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
+use crate::state_home;
 pub use earlier::{check_version, is_of_earlier_version, open};
 pub use event_summary::{EventSummary, summarise_events};
 pub use instant::instant;
@@ -131,7 +132,7 @@ pub fn recorder_options(
         max_files: number(record.max_files),
         max_total_size: number(record.max_total_size),
         max_age: seconds(record.max_age),
-        ..RecorderOptions::new(&record.directory, started)
+        ..RecorderOptions::new(state_home::resolve(&record.directory), started)
     })
 }
 
@@ -167,8 +168,6 @@ impl From<Compression> for ChunkCompression {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use crate::parameters::Parameters;
 
@@ -177,7 +176,11 @@ mod tests {
         let parameters = Parameters::default();
         let record = &parameters.settings().record;
         let options = recorder_options(record, SystemTime::UNIX_EPOCH).expect("a fresh key");
-        assert_eq!(options.directory, Path::new("recordings"));
+        // In whichever state folder these tests run.
+        assert_eq!(
+            options.directory,
+            state_home::resolve("$XDG_STATE_HOME/column_twin/recordings")
+        );
         assert_eq!(
             (options.max_file_size, options.max_files),
             (1_000_000_000, Some(100))

@@ -6,7 +6,7 @@ use super::assessed::Assessed;
 use super::checks::{limit_in_words, value_in_words};
 use super::reported_impact::ReportedImpact;
 use super::words::{capitalised, part_of};
-use crate::assessment::{Action, ActionRange, Assessment, Criterion, Utilisation};
+use crate::assessment::{Action, ActionRange, Assessment, Utilisation};
 use crate::column::{End, Outcome};
 use crate::figures::units::Unit;
 use crate::shape::WEB_PLACES;
@@ -74,7 +74,7 @@ impl Verdict {
                 _ => class_of(assessment.action),
             },
             headline: headline(assessment),
-            cause: cause(impact, assessment, assessed.deciding()),
+            cause: cause(assessment),
             numbers: numbers(impact, assessed),
             model: model(assessed),
             range: range.map_or(String::new(), |range| {
@@ -111,35 +111,16 @@ impl Verdict {
     }
 }
 
-/// What has to be done, in the imperative.
-fn order(action: Action) -> &'static str {
-    match action {
-        Action::None => "no action follows from these checks.",
-        Action::Inspect => "have an engineer examine the column.",
-        Action::Restrict => "keep people and additional loads away from the column.",
-        Action::Shore => "take the load off the column immediately.",
-        Action::Evacuate => "clear the part of the building that the column carries.",
-    }
-}
-
 fn headline(assessment: &Assessment) -> String {
     let action = assessment.action.name().to_uppercase();
     let at_least = if assessment.at_least { "AT LEAST " } else { "" };
-    format!("{at_least}{action}: {}", order(assessment.action))
+    format!("{at_least}{action}: {}", assessment.action.order())
 }
 
-fn cause(impact: &ReportedImpact, assessment: &Assessment, deciding: Option<&Criterion>) -> String {
-    match (assessment.action, deciding) {
-        (Action::None, _) | (_, None) => {
-            "No limit of the checks that decide is exceeded.".to_owned()
-        }
-        (_, Some(criterion)) if criterion.name == "collapse" => match impact.report.outcome {
-            Outcome::Fractured => {
-                "Cause: the column fractures during the hit and carries nothing.".to_owned()
-            }
-            _ => "Cause: the column collapses during the hit and carries nothing.".to_owned(),
-        },
-        (_, Some(criterion)) => format!("Cause: {}.", criterion.cause),
+fn cause(assessment: &Assessment) -> String {
+    match assessment.action {
+        Action::None => "No limit of the checks that decide is exceeded.".to_owned(),
+        _ => format!("Cause: {}.", assessment.cause),
     }
 }
 
@@ -289,5 +270,5 @@ pub(super) fn class_of(action: Action) -> &'static str {
 
 /// What has to be done, for the box of an estimate.
 pub(super) fn instruction(action: Action) -> String {
-    capitalised(order(action))
+    capitalised(action.order())
 }

@@ -12,6 +12,7 @@ use column_alarm::{
 use crate::estimation::{SensorCondition, SensorHealth};
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
 use crate::parameters::{AlarmAction, AlarmSettings};
+use crate::state_home;
 use crate::twin::Output;
 
 use super::diagnostics::entry;
@@ -163,7 +164,7 @@ fn delivery(settings: &AlarmSettings, node: &str) -> Option<Settings> {
     });
     (mqtt.is_some() || webhook.is_some()).then(|| Settings {
         node: node.to_owned(),
-        spool: spool.into(),
+        spool: state_home::resolve(spool),
         heartbeat: (*heartbeat > 0.0).then(|| Duration::from_secs_f64(*heartbeat)),
         mqtt,
         webhook,

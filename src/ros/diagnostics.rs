@@ -114,7 +114,8 @@ pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticSt
         of_action => {
             let action = action_word(twin.action);
             let reason = &twin.action_reason;
-            let message = format!("{message}; action {action}: {reason}");
+            // First what to do.
+            let message = format!("action {action}: {reason} ({message})");
             (level.max(of_action), message)
         }
     };

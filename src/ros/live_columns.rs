@@ -15,6 +15,7 @@ use crate::parameters::{
     FleetColumn, FleetColumns, MAX_SELECTED_COLUMNS, ParameterFaults, Parameters, RecordMode,
     SelectionError, select_columns,
 };
+use crate::state_home;
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{
     Accepted, Command, Condition, ImpactCommand, OpinionTask, Prediction, Rejection, RejectionCode,
@@ -185,10 +186,10 @@ impl LiveColumns {
         let selected = &settings.viewer.select;
         let selected = select_columns(columns, selected, MAX_SELECTED_COLUMNS)?;
         check_sensor_topics(columns)?;
-        let directory = &settings.state.directory;
-        let reserved = match directory.is_empty() {
+        let directory = state_home::resolve(&settings.state.directory);
+        let reserved = match settings.state.directory.is_empty() {
             true => None,
-            false => Some(state_file::reserve_folder(Path::new(directory))?),
+            false => Some(state_file::reserve_folder(&directory)?),
         };
         let (simulated, clock) = clocks(node);
         let mut stored = Stored::default();
@@ -198,7 +199,10 @@ impl LiveColumns {
             stored.load(parameters, &name, "~/reset_column", |_, _| restored += 1)?;
         }
         if restored > 0 {
-            tracing::info!("the damage of {restored} columns was restored from {directory}");
+            tracing::info!(
+                "the damage of {restored} columns was restored from {}",
+                directory.display()
+            );
         }
         let mut twins = make_twins(columns, &stored.saved, monotonic_nanos, clock.now())?;
         stored.keep_unknown_damage(&mut twins, clock.now())?;

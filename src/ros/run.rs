@@ -10,10 +10,12 @@ use crate::endpoints::Endpoint;
 use crate::live::LiveOptions;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{
-    Fault, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
+    Fault, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, RecordMode, Settings,
+    Source,
 };
 #[cfg(feature = "record")]
 use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
+use crate::state_home;
 
 use super::NODE_NAME;
 use super::address_space::{TooLittleAddressSpace, check_address_space};
@@ -188,6 +190,10 @@ fn run_loaded(
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
+    log_folders(match &loaded {
+        Loaded::One(parameters) => parameters.settings(),
+        Loaded::Many(columns) => columns.node.settings(),
+    });
     let dds_threads = DdsThreads::stop_on_panic();
     let recording = RunRecording::start(&loaded, &names)?;
     let started = match loaded {
@@ -229,6 +235,39 @@ fn run_loaded(
         unsaved_states: health.unsaved_states,
         has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
+}
+
+/// Says where the damage and the recordings go, and warns where that depends on the folder from which the node is started.
+fn log_folders(settings: &Settings) {
+    let (state, record) = (&settings.state.directory, &settings.record);
+    let absolute = |folder: &str| {
+        let folder = state_home::resolve(folder);
+        std::path::absolute(&folder).unwrap_or(folder)
+    };
+    let mut used = Vec::new();
+    if state.is_empty() {
+        tracing::info!("the damage is lost when the node ends, because state.directory is empty");
+    } else {
+        tracing::info!(
+            "the damage is saved in {} (state.directory)",
+            absolute(state).display()
+        );
+        used.push(("state.directory", state));
+    }
+    if record.mode != RecordMode::Off {
+        let directory = &record.directory;
+        tracing::info!(
+            "recordings are written to {} (record.directory)",
+            absolute(directory).display()
+        );
+        used.push(("record.directory", directory));
+    }
+    for warning in used
+        .iter()
+        .filter_map(|(name, folder)| state_home::without_home(name, folder))
+    {
+        tracing::warn!("{warning}");
+    }
 }
 
 /// Lets the process open as many files as [`WANTED_FILES`], if the system allows it: each endpoint takes two, and many columns may
@@ -320,7 +359,7 @@ impl RunRecording {
             Loaded::Many(columns) => &columns.node,
         };
         match node.settings().record.mode {
-            crate::parameters::RecordMode::Off => Ok(Self),
+            RecordMode::Off => Ok(Self),
             _ => Err(RunError::Recording(
                 "record.mode asks for a recording, but this program was built without the feature `record`; set it to off"
                     .into(),

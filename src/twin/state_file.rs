@@ -11,6 +11,7 @@ use super::saved_state::SavedState;
 use crate::bounded_file::read_text_at_most;
 use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
+use crate::state_home;
 
 /// Maximum size of a state file that is read \[B\]; written files are much smaller.
 pub const MAX_STATE_FILE_BYTES: u64 = 4 << 20;
@@ -112,7 +113,8 @@ pub enum StateFileError {
 pub fn path(parameters: &Parameters) -> Option<PathBuf> {
     let settings = parameters.settings();
     let directory = &settings.state.directory;
-    (!directory.is_empty()).then(|| Path::new(directory).join(file_name(&settings.column_id)))
+    (!directory.is_empty())
+        .then(|| state_home::resolve(directory).join(file_name(&settings.column_id)))
 }
 
 /// A unique file name for a column, which every file system accepts: bytes other than letters, digits, `-` and `_` are

@@ -18,6 +18,7 @@ use super::server;
 use super::spawned::Spawned;
 use super::stream::StreamOptions;
 use crate::parameters::{ViewerMode, ViewerSettings};
+use crate::state_home;
 use crate::twin::NoticeLevel;
 
 /// Minimum time between two frames of the scene \[ns\].
@@ -75,7 +76,7 @@ impl<P: Picture + Send + 'static> Destination<P> {
         Ok(Some(match viewer.mode {
             ViewerMode::Off => return Ok(None),
             ViewerMode::Save => {
-                let path = new_file(Path::new(&viewer.directory), name, now)?;
+                let path = new_file(&state_home::resolve(&viewer.directory), name, now)?;
                 let stream = saving(&path)?;
                 log(
                     NoticeLevel::Info,

@@ -94,7 +94,7 @@ fn action(report: &ImpactReport) -> String {
         _ => "not assessed: have an engineer examine the column",
     };
     let mut text = format!("**Action: {action}.**");
-    // The reason begins with the name of the criterion that decides.
+    // The reason begins with what has to be done.
     let reason = report.action_reason.trim_end_matches('.');
     if !reason.is_empty() {
         text.push_str(&format!(" {}.", escaped(reason)));

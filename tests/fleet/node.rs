@@ -362,6 +362,7 @@ fn ended(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
         .arg("fleet")
         .args(arguments)
         .current_dir(folder)
+        .env("XDG_STATE_HOME", folder)
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .output()
         .expect("the program that was built with this test");

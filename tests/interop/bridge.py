@@ -182,7 +182,8 @@ class Sites:
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
         self.router = Process("the router", [self.bridge_program, "-c", CONFIG / "router.json5", "-l", self.endpoint],
                               "a router only", folder)
-        self.twin = Process("the twin", [program, "run", "--ros-args", "-p", "record.mode:=always", "-p", "state.directory:=state"],
+        self.twin = Process("the twin", [program, "run", "--ros-args", "-p", "record.mode:=always", "-p", "record.directory:=recordings",
+                             "-p", "state.directory:=state"],
                             "is ready in domain", folder, ROS_DOMAIN_ID=str(self.near_domain))
 
     def bridge(self, domain):

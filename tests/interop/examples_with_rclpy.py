@@ -60,6 +60,7 @@ def main():
     environment = {**os.environ, "ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
                    "PYTHONUNBUFFERED": "1"}
     with tempfile.TemporaryDirectory() as folder:
+        environment["XDG_STATE_HOME"] = folder
         (Path(folder) / "sensor.yaml").write_text(SENSOR)
         start = lambda *line: Process(line, environment, folder)
         example = lambda name, *arguments: start(sys.executable, EXAMPLES / name, *arguments)

@@ -4,7 +4,8 @@
     launch_files.py COLUMN_TWIN
 
 COLUMN_TWIN is the program. For every node of every launch file the command line is made that launch_ros makes, the program is
-started with it on loopback in a domain of its own, must say that it is ready under its name, and must end well on SIGINT.
+started with it on loopback in a domain of its own, must say that it is ready under its name, and must end well on SIGINT. With a
+wrong parameter it must end by itself, and the launch file must not start it again.
 Exit code 1 with what went wrong. What only an installed ROS 2 can show, that `ros2 launch` finds the file, it cannot show.
 """
 
@@ -111,7 +112,8 @@ def description_of(path):
 
 def start(line, folder, domain):
     """Starts the node and stops it; returns a fault or nothing."""
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+                   "XDG_STATE_HOME": folder}
     process = subprocess.Popen(line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     watchdog = threading.Timer(PATIENCE, process.kill)
     watchdog.start()
@@ -125,6 +127,21 @@ def start(line, folder, domain):
     if code != 0 or not any("is ready in domain" in text for text in said):
         return f"{line} ended with {code}:\n{''.join(said)}"
     print("ready and stopped:", " ".join(line[1:]))
+    return None
+
+
+def wrong_parameter(action, program, context, folder, domain):
+    """Starts the node with a wrong parameter, as often as launch would; returns a fault or nothing."""
+    wrong = Path(folder) / "wrong.yaml"
+    wrong.write_text("/**:\n  ros__parameters:\n    top.load: -1.0\n")
+    line = [*action.command(program, context, folder), "--params-file", str(wrong)]
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+                   "XDG_STATE_HOME": folder}
+    done = subprocess.run(line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                          timeout=PATIENCE)
+    if "top.load" not in done.stdout or not action.ends(done.returncode):
+        return f"{line}: expected one start that names top.load; after exit code {done.returncode} launch starts it again:\n{done.stdout}"
+    print("not started again after", done.returncode)
     return None
 
 
@@ -143,8 +160,9 @@ def main():
             if not action.ends(2) or action.respawn and action.ends(1):
                 faults.append(f"{path.name}: respawn must stop after exit code 2 (bad input), and only then")
             with tempfile.TemporaryDirectory() as folder:
-                fault = start(action.command(program, context, folder), folder, domain)
-            faults += [f"{path.name}: {fault}"] if fault else []
+                found = [start(action.command(program, context, folder), folder, domain),
+                         wrong_parameter(action, program, context, folder, domain)]
+            faults += [f"{path.name}: {fault}" for fault in found if fault]
         if nodes == 0:
             faults.append(f"{path.name}: starts no node")
     print("\n".join(faults) or "all launch files start their nodes")

@@ -8,7 +8,11 @@ use rustix::process::{Pid, Signal, kill_process};
 /// The program with these arguments, in this folder.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
-    command.current_dir(folder).args(arguments);
+    // Nothing is left in the state folder of whoever runs the tests.
+    command
+        .current_dir(folder)
+        .env("XDG_STATE_HOME", folder)
+        .args(arguments);
     command
 }
 

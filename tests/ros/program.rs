@@ -26,8 +26,11 @@ impl Program {
         Self::spawn(domain, folder, command)
     }
 
-    /// Starts it with another command.
+    /// Starts it with another command. The state folder of the user is the working folder, unless the command has set it.
     pub fn spawn(domain: &Domain, folder: &Path, mut command: Command) -> Self {
+        if command.get_envs().all(|(name, _)| name != "XDG_STATE_HOME") {
+            command.env("XDG_STATE_HOME", folder);
+        }
         let mut child = command
             .current_dir(folder)
             .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())

@@ -26,7 +26,7 @@ const QUIET: [&str; 4] = [
 
 /// The state file of the default column for a program in this working folder.
 fn state_file(folder: &Path) -> PathBuf {
-    folder.join("state/column.json")
+    folder.join("column_twin/state/column.json")
 }
 
 fn status(node: &mut Node) -> TwinStatus {
@@ -66,7 +66,7 @@ fn sigterm_during_a_response_keeps_its_damage() {
         .cloned()
         .unwrap_or_default();
     for part in [
-        "state/column.json",
+        "column_twin/state/column.json",
         " UTC: it stands, v1 is ",
         "in 1 impacts",
         "\"e1\"",
@@ -132,7 +132,12 @@ fn a_truncated_state_file_is_kept_aside_and_said() {
     );
     assert!(line.contains("column.json.rejected-1"), "{line}");
     assert_eq!(status(&mut reader(&domain)).impacts_since_reset, 0);
-    let kept = fs::read(folder.path().join("state/column.json.rejected-1")).unwrap();
+    let kept = fs::read(
+        folder
+            .path()
+            .join("column_twin/state/column.json.rejected-1"),
+    )
+    .unwrap();
     assert_eq!(kept, half);
     // It is as good a twin as any.
     assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
@@ -146,7 +151,7 @@ fn a_state_file_of_another_column_is_kept_aside_and_said() {
     let program = Program::ready(&domain, folder.path(), &QUIET);
     assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
     assert!(program.terminate().0.success());
-    let other = folder.path().join("state/other.json");
+    let other = folder.path().join("column_twin/state/other.json");
     fs::copy(state_file(folder.path()), &other).unwrap();
 
     let another_name = [&QUIET[..], &["-p", "column_id:=other"]].concat();
@@ -207,12 +212,71 @@ fn reset(node: &mut Node) {
     }
 }
 
+/// The defaults were relative: after a start from another folder, the damage was gone without a word.
+#[test]
+fn a_node_that_is_started_from_another_folder_finds_its_damage() {
+    let domain = Domain::fresh();
+    let [home, first, second] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+    let start = |folder: &Path, home: Option<&Path>| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_column-twin"));
+        command.args(["run", "--ros-args"]).args(QUIET);
+        command.args(["-p", "record.mode:=events"]);
+        command.env_remove("XDG_STATE_HOME").env_remove("HOME");
+        if let Some(home) = home {
+            command.env("HOME", home);
+        }
+        let mut program = Program::spawn(&domain, folder, command);
+        program.wait_for("is ready in domain");
+        program
+    };
+    let has = |program: &Program, part: &str| program.seen.iter().any(|it| it.contains(part));
+    let program = start(first.path(), Some(home.path()));
+    let place = home.path().join(".local/state/column_twin");
+    for [said, folder] in [
+        ["the damage is saved in", "state"],
+        ["recordings are written to", "recordings"],
+    ] {
+        let line = format!("{said} {}", place.join(folder).display());
+        assert!(has(&program, &line), "{:#?} lacks {line}", program.seen);
+    }
+    assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
+    assert!(program.terminate().0.success());
+    assert!(place.join("state/column.json").is_file());
+    assert_eq!(fs::read_dir(place.join("recordings")).unwrap().count(), 1);
+
+    let program = start(second.path(), Some(home.path()));
+    assert!(
+        has(
+            &program,
+            "the damage of column \"column\" was restored from"
+        ),
+        "{:#?}",
+        program.seen
+    );
+    assert!(program.terminate().0.success());
+    for folder in [&first, &second] {
+        assert_eq!(
+            fs::read_dir(folder.path()).unwrap().count(),
+            0,
+            "nothing is left behind"
+        );
+    }
+
+    // Without a home only the current folder remains, and the node says so.
+    let program = start(second.path(), None);
+    let is_warning =
+        |it: &String| it.contains("WARN") && it.contains("neither XDG_STATE_HOME nor HOME");
+    assert!(program.seen.iter().any(is_warning), "{:#?}", program.seen);
+    assert!(program.terminate().0.success());
+    assert!(second.path().join("column_twin/state").is_dir());
+}
+
 /// A damaged column looked undamaged, with one warning at the start.
 #[test]
 fn a_rejected_state_file_calls_for_an_inspection_until_the_reset() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("state")).unwrap();
+    fs::create_dir_all(folder.path().join("column_twin/state")).unwrap();
     fs::write(state_file(folder.path()), "half of a file").unwrap();
     let calls = |it: &TwinStatus| {
         it.action == TwinStatus::ACTION_INSPECT
@@ -259,7 +323,7 @@ fn damage_that_cannot_be_saved_is_an_error_in_diagnostics_and_of_the_program() {
     let mut node = reader(&domain);
     let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
     // Where the new file would be written.
-    let new = folder.path().join("state/column.json.new");
+    let new = folder.path().join("column_twin/state/column.json.new");
     fs::create_dir(new).unwrap();
     assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
     let line = program.wait_for("cannot be written");
@@ -283,8 +347,8 @@ fn a_state_file_that_cannot_be_written_at_the_stop_makes_the_exit_code_3() {
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &QUIET);
     // A file in the place of the folder.
-    fs::remove_dir_all(folder.path().join("state")).unwrap();
-    fs::write(folder.path().join("state"), "").unwrap();
+    fs::remove_dir_all(folder.path().join("column_twin/state")).unwrap();
+    fs::write(folder.path().join("column_twin/state"), "").unwrap();
     let (ended, _, log) = program.terminate();
     assert_eq!(ended.code(), Some(3), "{log:#?}");
     let is_told = |it: &String| it.contains("ERROR") && it.contains("state file");

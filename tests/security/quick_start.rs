@@ -89,6 +89,7 @@ fn the_quick_start_of_the_documentation_works_as_written() {
         shell
             .args(["-c", &format!("{export} && exec {command} 1>&2")])
             .current_dir(folder.path())
+            .env("XDG_STATE_HOME", folder.path())
             .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
         shell

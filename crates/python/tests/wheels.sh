@@ -3,6 +3,7 @@
 #
 #   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/old_glibc_wheels, for glibc 2.17 and newer
 #   crates/python/tests/wheels.sh check               # what they need of glibc and of Python, and what they say of themselves
+#   crates/python/tests/wheels.sh sdist FOLDER        # the source distribution of the library, into the folder
 #   crates/python/tests/wheels.sh source              # the library from its source distribution, in an empty folder
 #   crates/python/tests/wheels.sh install             # pip install of both, as a user does; the demonstration of the program
 #   crates/python/tests/wheels.sh test [ARGUMENT...]  # pytest of the installed library
@@ -44,9 +45,13 @@ check() {
   done
 }
 
+source_distribution() {
+  (cd "$repository/crates/python" && "$tools/bin/maturin" sdist --out "$1")
+}
+
 # With what is in the archive alone. The packages of the registry are those that are compiled already.
 from_source() {
-  (cd "$repository/crates/python" && "$tools/bin/maturin" sdist --out "$folder")
+  source_distribution "$folder"
   fresh_environment "$folder/venv"
   (cd "$folder" && "$folder/venv/bin/pip" install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$folder"/column_twin-*.tar.gz)
   "$folder/venv/bin/python" -I -c 'from column_twin import Column; print(Column().simulate("mid_car", velocity=10.0))'
@@ -112,13 +117,14 @@ trap 'rm -rf "$folder"' EXIT
 command=${1:-}
 case $command in
 build | check | install | mixed) "$command" ;;
+sdist) source_distribution "$(realpath "${2:?expected a folder}")" ;;
 source) from_source ;;
 test)
   shift
   run_tests "$@"
   ;;
 *)
-  printf '%s\n' "expected build, check, source, install, test or mixed; found '$command'" >&2
+  printf '%s\n' "expected build, check, sdist, source, install, test or mixed; found '$command'" >&2
   exit 2
   ;;
 esac

@@ -143,7 +143,7 @@ class Column:
     ) -> None:
         """Writes the HTML report of one impact, one file with verdict, sketches, checks and figures.
 
-        The program `column-twin` writes it: `pip install "column-twin[program]"`. All parameters go to a JSON file next to it.
+        The program `column-twin` writes it: `pip install ./packaging/program` in the repository. All parameters go to a JSON file next to it.
 
         Args:
             path: HTML file; an existing one is replaced.

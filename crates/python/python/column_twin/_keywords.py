@@ -266,7 +266,7 @@ class ParameterKeywords(TypedDict, total=False):
     beam__bow_axes: Literal["both", "strong", "weak"]
     """axes about which the fibre beam is bowed before the impact, and about which its capacity counts"""
     state__directory: Text
-    """directory of the state file, which is named after the column and preserves the damage across restarts; empty: the damage is lost when the program ends"""
+    """directory of the state file, which is named after the column and preserves the damage across restarts; `$XDG_STATE_HOME` is `~/.local/state` unless the environment sets it; empty: the damage is lost when the program ends"""
     real_time__priority: Whole
     """SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below; 0: normal scheduling"""
     real_time__processors: Text
@@ -278,7 +278,7 @@ class ParameterKeywords(TypedDict, total=False):
     record__mode: Literal["off", "events", "always"]
     """off: no recording; events: every impact event with its response; always: everything"""
     record__directory: Text
-    """directory of the recordings"""
+    """directory of the recordings; `$XDG_STATE_HOME` as for `state.directory`"""
     record__max_file_size: Whole
     """size at which a new recording is started once the column is at rest; at twice this size in any case [B]"""
     record__max_duration: Number
@@ -304,7 +304,7 @@ class ParameterKeywords(TypedDict, total=False):
     viewer__port: Whole
     """TCP port to serve on or to connect to"""
     viewer__directory: Text
-    """directory of the files that `save` writes"""
+    """directory of the files that `save` writes; `$XDG_STATE_HOME` as for `state.directory`"""
     viewer__memory_limit: Whole
     """memory for the data that viewers receive when they connect later or again (serve, connect, spawn); the oldest data are dropped first [B]"""
     viewer__magnification: Number
@@ -312,7 +312,7 @@ class ParameterKeywords(TypedDict, total=False):
     viewer__select: Sequence[str]
     """columns of a fleet that the viewer always shows in full, besides the one that was hit last: their `column_id`, or their names with the wildcards of parameter files (`/garage/*`); a single twin ignores it"""
     alarm__spool: Text
-    """directory of the alarms that wait for delivery; each node needs one of its own"""
+    """directory of the alarms that wait for delivery; each node needs one of its own; `$XDG_STATE_HOME` as for `state.directory`"""
     alarm__heartbeat: Number
     """time between two heartbeats, whose absence tells the receiver that the node does not run or cannot be reached [s]"""
     alarm__mqtt__broker: Text

@@ -30,8 +30,7 @@ def _explanation(cause: ImportError) -> str:
         f"the native part of column_twin does not load: {cause}.\n"
         f"It {_built_for()}; this is {platform.python_implementation()} {platform.python_version()} "
         f"on {sysconfig.get_platform()} with {libc}.\n"
-        "Install a wheel for this platform (pip install --force-reinstall column-twin), or build one from the source "
-        "with Rust 1.95 or newer: pip install ./crates/python"
+        "Install a wheel for this platform, or build one in the repository with Rust 1.95 or newer: pip install --force-reinstall ./crates/python"
     )
 
 

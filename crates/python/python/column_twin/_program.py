@@ -24,7 +24,7 @@ def _path() -> str:
     places = (os.environ.get("COLUMN_TWIN_PROGRAM"), shutil.which("column-twin", path=sysconfig.get_path("scripts")))
     path = next((it for it in places if it), None) or shutil.which("column-twin")
     if path is None:
-        raise ProgramError("the program column-twin is not installed; pip install \"column-twin[program]\"")
+        raise ProgramError("the program column-twin is not installed; in the repository: pip install ./packaging/program")
     return path
 
 
@@ -75,7 +75,7 @@ def read_recording(recording: str | os.PathLike[str], *topics: str) -> Iterator[
     1970], and `message` with the fields of its type in SI units.
 
     Every rosbag2 MCAP file can be read, because a recording contains the definitions of its messages. The program `column-twin` reads
-    it: `pip install "column-twin[program]"`.
+    it: `pip install ./packaging/program` in the repository.
 
     >>> [it["message"]["action"] for it in read_recording("recordings/one", "/impact_report")]
 
