@@ -150,7 +150,10 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
 fn model(assessed: &Assessed) -> String {
     match &assessed.second_opinion {
         None => "Model that decides: the two bars alone.".to_owned(),
-        Some(Err(reason)) => format!("Model that decides: the two bars alone; {reason}."),
+        Some(Err(_)) => {
+            "Model that decides: the two bars alone; the annex gives the reason why there is no second opinion."
+                .to_owned()
+        }
         Some(Ok(opinion)) if opinion.decides => {
             let says = capitalised(&opinion.to_string());
             format!("Model that decides: the fibre beam. {says}")

@@ -68,7 +68,7 @@ fn the_first_page_names_the_model_that_decides() {
         (
             "numbers",
             &format!("--config {}", config("heb220_paper.yaml")),
-            "Model that decides: the two bars alone; no second opinion: the plates of the section are not known",
+            "Model that decides: the two bars alone; the annex gives the reason why there is no second opinion.",
         ),
     ] {
         let (_, html) = simulated(
