@@ -141,10 +141,6 @@ const COMMANDS: &[(&str, How)] = &[
         "podman ",
         Elsewhere(".ci/run", "packaging/check_container.py"),
     ),
-    (
-        "packaging/release.sh",
-        Elsewhere("packaging/check_release.py", "--dry-run"),
-    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
