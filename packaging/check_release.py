@@ -22,13 +22,23 @@ DANGEROUS = ("cargo", "cosign", "curl", "docker", "gpg", "maturin", "podman", "s
 IDENTITY = ["-c", "user.name=release", "-c", "user.email=release@example.org", "-c", "commit.gpgsign=false"]
 
 
+def files_of_checkout() -> list[str]:
+    """What a commit of this checkout would have; of an export without history, everything but what Cargo has built."""
+    if not (ROOT / ".git").exists():
+        names = (it.relative_to(ROOT) for it in ROOT.rglob("*") if it.is_file())
+        return [str(it) for it in names if it.parts[0] != "target"]
+    # The checkout may belong to another user.
+    line = ["git", "-c", "safe.directory=*", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    listed = subprocess.run(line, cwd=ROOT, check=True, capture_output=True).stdout
+    return [it for it in listed.decode().split("\0") if it]
+
+
 class Copy:
     """A copy of the repository, ready for a release."""
 
     def __init__(self, folder: Path) -> None:
         self.root, self.tools, self.calls = folder / "repository", folder / "tools", folder / "calls"
-        files = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"], cwd=ROOT, check=True, capture_output=True).stdout
-        for name in filter(None, files.decode().split("\0")):
+        for name in files_of_checkout():
             # Deleted in the checkout, and not yet in a commit.
             if (ROOT / name).is_file():
                 (self.root / name).parent.mkdir(parents=True, exist_ok=True)
