@@ -3,6 +3,8 @@
 //!
 //! Arguments: kinds by parts of their names; `impacts=N` of each kind (6); `seed=N` of the first impact (1); `each` prints every
 //! estimate. The seeds from 9000 on were kept aside while the estimator was changed.
+//!
+//! A column that collapses has no peak, so none is compared; where peaks are fewer than impacts, the table says of how many.
 
 use std::collections::BTreeMap;
 
@@ -66,7 +68,8 @@ struct Count {
 }
 
 impl Count {
-    fn take(&mut self, estimate: &ImpactEstimate, truth: [f64; QUANTITIES]) {
+    /// Counts the quantities whose truth is known.
+    fn take(&mut self, estimate: &ImpactEstimate, truth: [Option<f64>; QUANTITIES]) {
         let all = [
             estimate.mass,
             estimate.velocity,
@@ -75,6 +78,9 @@ impl Count {
         ];
         self.estimates += 1;
         for (k, (interval, truth)) in all.into_iter().zip(truth).enumerate() {
+            let Some(truth) = truth else {
+                continue;
+            };
             let counted = match (truth < interval.low, truth > interval.high) {
                 (true, _) => &mut self.below,
                 (_, true) => &mut self.above,
@@ -84,12 +90,8 @@ impl Count {
             self.widths[k].push(interval.high / interval.low);
         }
         let momentum = estimate.momentum;
-        let holds = (momentum.low..=momentum.high).contains(&truth[2]);
-        self.confident_and_wrong += u32::from(!holds && momentum.high < CONFIDENT * momentum.low);
-    }
-
-    fn share(&self, of: u32) -> f64 {
-        100.0 * f64::from(of) / f64::from(self.estimates.max(1))
+        let excludes = truth[2].is_some_and(|it| !(momentum.low..=momentum.high).contains(&it));
+        self.confident_and_wrong += u32::from(excludes && momentum.high < CONFIDENT * momentum.low);
     }
 
     fn print(&self, kind: &str, time: &str) {
@@ -97,9 +99,18 @@ impl Count {
             let mut widths = self.widths[k].clone();
             widths.sort_by(f64::total_cmp);
             let median = widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN);
+            let counts = [self.below[k], self.inside[k], self.above[k]];
+            let compared: u32 = counts.iter().sum();
+            if compared == 0 {
+                return "not compared".to_owned();
+            }
             let [below, inside, above] =
-                [self.below[k], self.inside[k], self.above[k]].map(|it| self.share(it));
-            format!("{inside:.0} % ({below:.0} below, {above:.0} above; {median:.2})")
+                counts.map(|it| 100.0 * f64::from(it) / f64::from(compared));
+            let of = match compared == self.estimates {
+                true => String::new(),
+                false => format!(" of {compared}"),
+            };
+            format!("{inside:.0} %{of} ({below:.0} below, {above:.0} above; {median:.2})")
         });
         let each: Vec<_> = each.collect();
         println!(
@@ -192,7 +203,7 @@ fn main() {
         .collect();
     let kinds = KINDS
         .into_iter()
-        .filter(|kind| chosen.is_empty() || chosen.iter().any(|it| it == kind));
+        .filter(|kind| chosen.is_empty() || chosen.iter().any(|it| kind.contains(it.as_str())));
     let (parameters, sensors) = (parameters(), beam_signals::sensors());
     let undamaged = StandingColumn::undamaged(&parameters);
     let hypotheses = hypotheses(&parameters);
@@ -220,13 +231,16 @@ fn main() {
                 continue;
             };
             let Impact { mass, velocity, .. } = signal.impact;
-            let truth = [mass, velocity, signal.momentum(), signal.truth.peak[0]];
+            let momentum = signal.momentum();
+            // A collapse ends the readings, and its peak is only the last of them.
+            let peak = (!signal.truth.collapsed).then_some(signal.truth.peak[0]);
+            let truth = [Some(mass), Some(velocity), Some(momentum), peak];
             if prints_each {
                 println!(
                     "{kind}, seed {seed}: {mass:.0} kg at {velocity:.2} m/s, peak {:.2} mm, J/(m v) {:.2}, yielded {}, released {}, \
                      collapsed {}",
-                    1e3 * truth[3],
-                    signal.truth.impulse / truth[2],
+                    1e3 * signal.truth.peak[0],
+                    signal.truth.impulse / momentum,
                     signal.truth.yielded,
                     signal.truth.released,
                     signal.truth.collapsed,
@@ -236,17 +250,15 @@ fn main() {
                 let last = found.estimates.last().expect("an estimate");
                 let is_due = |it: &&ImpactEstimate| it.data_until - BEFORE >= instant;
                 let estimate = found.estimates.iter().find(is_due).unwrap_or(last);
-                // A collapse ends the readings, and its peak is the last of them.
-                let mut truth = truth;
-                if signal.truth.collapsed {
-                    truth[3] = estimate.peak_v1.mean;
-                }
                 counts
                     .entry((of_kind, at))
                     .or_default()
                     .take(estimate, truth);
                 if prints_each {
                     let ratio = |k: usize| {
+                        let Some(truth) = truth[k] else {
+                            return "not compared".to_owned();
+                        };
                         let all = [
                             estimate.mass,
                             estimate.velocity,
@@ -254,7 +266,7 @@ fn main() {
                             estimate.peak_v1,
                         ];
                         let [mean, low, high] =
-                            [all[k].mean, all[k].low, all[k].high].map(|it| it / truth[k]);
+                            [all[k].mean, all[k].low, all[k].high].map(|it| it / truth);
                         format!("{mean:.2} [{low:.2} {high:.2}]")
                     };
                     let vehicles = &estimate.vehicle_probabilities;

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -46,8 +47,10 @@ class Copy:
                 (self.root / name).chmod((ROOT / name).stat().st_mode)
         self.version = re.search(r'^version = "(.*)"', self.read("Cargo.toml"), re.MULTILINE)[1]  # type: ignore[index]
         self.git("init", "--quiet")
-        self.replace("CHANGELOG.md", rf"^## \[Unreleased\] - {re.escape(self.version)}$", f"## [{self.version}] - 2026-01-31")
-        self.replace("README.md", "has not been released", "is a release")
+        # The commit of a release has its date, and states the release, already.
+        for name, expression, by in (("CHANGELOG.md", rf"^## \[Unreleased\] - {re.escape(self.version)}$", f"## [{self.version}] - 2026-01-31"),
+                                     ("README.md", "has not been released", "is a release")):
+            (self.root / name).write_text(re.sub(expression, by, self.read(name), flags=re.MULTILINE))
         self.commit()
         self.tools.mkdir()
         for name in DANGEROUS:
@@ -133,12 +136,17 @@ def tagged_before(copy: Copy) -> None:
     copy.replace("LICENSE", "Apache", "apache")
 
 
+def without_date(copy: Copy) -> None:
+    copy.replace("CHANGELOG.md", rf"(?<=^## \[{re.escape(copy.version)}\] - )\d{{4}}-\d\d-\d\d", "soon")
+
+
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         copy = Copy(Path(folder))
         code, text = copy.release("--dry-run", f"{folder}/release")
         assert code == 0, text
-        for expected in (f"version {copy.version}", "wheels.sh build", "check_container.py", "collect", f"git tag -s v{copy.version}", "twine upload", "podman push"):
+        flags = copy.read("packaging/program/build_flags").strip()
+        for expected in (f"version {copy.version}", f"the program is built with {flags}", "wheels.sh build", "check_container.py", "collect", f"git tag -s v{copy.version}", "twine upload", "podman push"):
             assert expected in text, f"expected {expected} in:\n{text}"
         status = subprocess.run(["git", "status", "--porcelain"], cwd=copy.root, check=True, capture_output=True).stdout
         assert not copy.calls.exists() and not Path(folder, "release").exists() and not status, "a dry run must do nothing"
@@ -165,8 +173,8 @@ def main() -> None:
     rejected("another version of a crate", version("Cargo.toml", rf'(?<=column_beam = {{ version = "){number}'), "of column_beam, found 9.9.9")
     rejected("a lock file of before", version("Cargo.lock", rf'(?<=name = "column_beam"\nversion = "){number}'), "Cargo.lock: expected column_beam")
     rejected("a changelog without the version", version("CHANGELOG.md", rf"(?<=^## \[){number}"), "CHANGELOG.md: expected a section")
-    rejected("a changelog without a date", lambda copy: copy.replace("CHANGELOG.md", r"2026-01-31", "soon"), "CHANGELOG.md: expected a section")
-    rejected("a README of before", lambda copy: copy.replace("README.md", "is a release", "has not been released"), "README.md: it says")
+    rejected("a changelog without a date", without_date, "CHANGELOG.md: expected a section")
+    rejected("a README of before", lambda copy: copy.replace("README.md", r"\Z", "It has not been released.\n"), "README.md: it says")
     rejected("a tag at another commit", tagged_before, "does not exist; it names")
     print("packaging/release.sh --dry-run accepts and rejects what it should")
 
@@ -176,3 +184,7 @@ if __name__ == "__main__":
         main()
     except AssertionError as fault:
         sys.exit(f"check_release.py: {fault}")
+    except subprocess.CalledProcessError as fault:
+        # Some of them print to the terminal.
+        text = (fault.stderr or b"").decode(errors="replace")
+        sys.exit(f"check_release.py: {shlex.join(map(str, fault.cmd))} ended with {fault.returncode}:\n{text}")

@@ -49,6 +49,11 @@ step() {
   fi
 }
 
+# The features that .ci/run has tested.
+COLUMN_TWIN_PROGRAM_FLAGS=$(<packaging/program/build_flags)
+export COLUMN_TWIN_PROGRAM_FLAGS
+printf '%s\n' "the program is built with $COLUMN_TWIN_PROGRAM_FLAGS"
+
 wheels=${CARGO_TARGET_DIR:-$repository/target}/old_glibc_wheels
 tests=crates/python/tests
 

@@ -294,7 +294,8 @@ MC4CAQAwBQYDK2VwBCIEIGrJEbjRgeB96JKCHzdL3tOtD6suGiIer9pIoWzHeQC5
 ";
 
 /// The recording that docs/fleet.md verifies.
-const RECORDING_OF_A_FLEET: &str = "recordings/column_twin_2026_11_21-07_40_00";
+const RECORDING_OF_A_FLEET: &str =
+    "~/.local/state/column_twin/recordings/column_twin_2026_11_21-07_40_00";
 
 /// A folder as a reader of the documents would have it: the files, and the programs in the PATH.
 struct Place {

@@ -398,8 +398,10 @@ impl AssessmentInput {
     /// The largest residual bow between the supports \[m\]; `None` if the column has no equilibrium, or it is not known.
     #[must_use]
     pub fn largest_bow(&self) -> Option<f64> {
-        let larger = self.larger_bow.unwrap_or(0.0);
-        self.residual_v1.map(|v1| v1.abs().max(larger))
+        let there = self.residual_v1?.abs();
+        // A NaN at the impact point is no bow that another one exceeds: it fails every check.
+        let larger = self.larger_bow.filter(|bow| *bow > there);
+        Some(larger.unwrap_or(there))
     }
 
     /// The residual bow over the height.
@@ -411,8 +413,9 @@ impl AssessmentInput {
     /// shorter bar does, to both sides. A kink in its middle makes a bow of a quarter of the kink, never less than that of
     /// the whole column.
     pub(super) fn bow_of_bent_part(&self) -> Option<f64> {
-        let column = self.bow_of_column()?;
-        self.residual_v1.map(|v1| self.bow_of_kink(v1).max(column))
+        let kink = self.bow_of_kink(self.residual_v1?);
+        let column = self.bow_of_column().filter(|bow| *bow > kink);
+        Some(column.unwrap_or(kink))
     }
 
     /// The bow of the bent part over its length if the impact point lies this far from the line between the supports \[m\].

@@ -406,7 +406,7 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
 }
 
 /// Words as a sentence.
-fn in_sentence(words: &str) -> String {
+pub(crate) fn in_sentence(words: &str) -> String {
     let mut sentence = words.to_owned();
     sentence[..1].make_ascii_uppercase();
     sentence

@@ -37,7 +37,7 @@ pub struct ExportArgs {
 
 const EXAMPLE: &str = "\
 Example: displacements and hinge forces for a spreadsheet
-  column-twin export recordings/column_twin_2026_11_21-07_40_00 --csv \\
+  column-twin export ~/.local/state/column_twin/recordings/column_twin_2026_11_21-07_40_00 --csv \\
     --topics /column_state /hinge_forces
 
 In a CSV table, a text that a spreadsheet would take for a formula (it begins with =, +, -, @, a

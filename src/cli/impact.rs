@@ -149,8 +149,12 @@ fn run_row(
     let is_rejected = |it: &ImpactReport| {
         (it.kind, it.end) == (ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED)
     };
+    // An event that is rejected as a whole has one reason for all columns; several reasons are told below.
     if answers.iter().all(is_rejected)
-        && let Some(first) = answers.first()
+        && let Some((first, others)) = answers.split_first()
+        && others
+            .iter()
+            .all(|it| it.action_reason == first.action_reason)
     {
         let text = format!("the fleet rejected the event: {}", first.action_reason);
         return Err(Failure::plain(Exit::Failed, text));

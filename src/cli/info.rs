@@ -33,7 +33,7 @@ const MAX_WIDTH: usize = 80;
 
 const EXAMPLE: &str = "\
 Example: list the impacts of a recording and their outcomes
-  column-twin info recordings/column_twin_2026_11_21-07_40_00
+  column-twin info ~/.local/state/column_twin/recordings/column_twin_2026_11_21-07_40_00
 
 Reads recordings of this program and any other MCAP file; impacts are listed if the file contains
 messages of column_twin. The seal is checked, the messages are not: column-twin verify does both.

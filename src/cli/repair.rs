@@ -22,7 +22,7 @@ pub struct RepairArgs {
 
 const EXAMPLE: &str = "\
 Example: repair a recording that a power failure has cut off
-  column-twin repair recordings/column_twin_2026_11_21-07_40_00
+  column-twin repair ~/.local/state/column_twin/recordings/column_twin_2026_11_21-07_40_00
 
 The original is never changed, and nothing is overwritten.
 Exit codes: 0 all records were saved or no repair was needed, 1 failed, 2 bad input or usage,

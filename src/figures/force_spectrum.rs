@@ -9,9 +9,15 @@ use crate::column::ForceSpectrum;
 /// The longest period that the figure shows \[s\].
 const LONGEST: f64 = 0.5;
 
-/// Draws the response spectrum of the contact force, with the line of its impulse, which it follows at long periods.
-pub(super) fn force_spectrum(response: &ResponseHistory<'_>) -> Drawn<String> {
-    let forces = response.spectrum().equivalent_forces();
+/// Draws the response spectrum of the contact force, with the line of its impulse, which it follows at long periods; `None` where
+/// the spectrum is not known or nothing has touched the column.
+pub(super) fn force_spectrum(response: &ResponseHistory<'_>) -> Option<Drawn<String>> {
+    let spectrum = response.spectrum?;
+    (response.report.impulse > 0.0).then(|| draw(response, spectrum))
+}
+
+fn draw(response: &ResponseHistory<'_>, spectrum: &ForceSpectrum) -> Drawn<String> {
+    let forces = spectrum.equivalent_forces();
     let spectrum = ForceSpectrum::periods().into_iter().zip(forces);
     let points: Vec<_> = spectrum.filter(|(period, _)| *period <= LONGEST).collect();
     let largest = points.iter().map(|point| point.1).fold(0.0, f64::max);

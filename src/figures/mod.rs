@@ -1,5 +1,6 @@
 //! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force and its
-//! equivalent static force, the crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
+//! equivalent static force, the crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered
+//! from the same SVG, as PNG.
 //!
 //! The figures of a damage map are drawn in the same way.
 //! [`draw_risk`] draws the figures of a risk study, [`draw_estimate`] those of an estimate from the readings of sensors.
@@ -167,7 +168,8 @@ fn write_all(folder: &Path, drawings: Vec<(String, String)>) -> Result<Vec<PathB
     Ok(files)
 }
 
-/// Every figure as SVG, by its name. There is no figure `force_crush` of a rigid vehicle.
+/// Every figure as SVG, by its name. There is no figure `force_crush` of a rigid vehicle, and no figure `contact_force_spectrum`
+/// where nothing has touched the column or [`ResponseHistory::spectrum`] is `None`.
 ///
 /// # Errors
 /// The history has no sample, or the plotting library fails.
@@ -197,10 +199,6 @@ pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>,
             histories::contact_force(response),
         ),
         (
-            "contact_force_spectrum".to_owned(),
-            force_spectrum::force_spectrum(response),
-        ),
-        (
             "energy_ledger".to_owned(),
             energy_ledger::energy_ledger(response),
         ),
@@ -209,8 +207,14 @@ pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>,
             deformed_shape::deformed_shape(response),
         ),
     ];
-    if let Some(drawn) = force_crush::force_crush(response) {
-        figures.push(("force_crush".to_owned(), drawn));
+    for (name, figure) in [
+        (
+            "contact_force_spectrum",
+            force_spectrum::force_spectrum(response),
+        ),
+        ("force_crush", force_crush::force_crush(response)),
+    ] {
+        figures.extend(figure.map(|svg| (name.to_owned(), svg)));
     }
     for (hinge, name) in HINGE_NAMES.iter().enumerate() {
         let name = format!("mn_path_{name}");

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::column::{
-    End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
-    YieldExponents,
+    End, ForceSpectrum, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report,
+    Sample, YieldExponents,
 };
 use crate::figures::ResponseHistory;
 use crate::twin::Lengths;
@@ -13,6 +13,7 @@ use crate::twin::Lengths;
 pub(crate) struct Reference {
     pub samples: Vec<Sample>,
     pub report: Report,
+    pub spectrum: ForceSpectrum,
     pub yield_surface: YieldExponents,
 }
 
@@ -50,6 +51,7 @@ impl Reference {
             title: "HEB 220, paper's example: 1500 kg at 10 m/s, 1 m above the base",
             samples: &self.samples,
             report: &self.report,
+            spectrum: Some(&self.spectrum),
             yield_surface: self.yield_surface,
             resistance_moment: RESISTANCE_MOMENT,
             resistance_axial: RESISTANCE_AXIAL,
@@ -74,11 +76,21 @@ impl Reference {
             .collect();
         let report = report(&samples, summary);
         Self {
+            spectrum: spectrum_of(&samples),
             samples,
             report,
             yield_surface,
         }
     }
+}
+
+/// The response spectrum of the contact force in these samples.
+pub(crate) fn spectrum_of(samples: &[Sample]) -> ForceSpectrum {
+    let mut spectrum = ForceSpectrum::default();
+    for sample in samples {
+        spectrum.push(sample.time, sample.impulse);
+    }
+    spectrum
 }
 
 type ReferenceRow = std::collections::HashMap<String, f64>;

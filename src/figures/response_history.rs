@@ -13,6 +13,8 @@ pub struct ResponseHistory<'a> {
     pub samples: &'a [Sample],
     /// The outcome.
     pub report: &'a Report,
+    /// The response spectrum of the contact force, of every step; `None` where only published states are known, which are too few.
+    pub spectrum: Option<&'a ForceSpectrum>,
     /// Exponents of the hinges' yield surface.
     pub yield_surface: YieldExponents,
     /// `M^p` \[N m\].
@@ -38,15 +40,6 @@ impl ResponseHistory<'_> {
             .iter()
             .map(|sample| (sample.time, quantity(sample)))
             .collect()
-    }
-
-    /// The response spectrum of the contact force.
-    pub fn spectrum(&self) -> ForceSpectrum {
-        let mut spectrum = ForceSpectrum::default();
-        for sample in self.samples {
-            spectrum.push(sample.time, sample.impulse);
-        }
-        spectrum
     }
 
     /// The largest magnitude of some quantities.

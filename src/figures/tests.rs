@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use resvg::tiny_skia::Path as PathData;
 use resvg::usvg::{Group, Node, Tree};
 
-use super::reference::Reference;
+use super::reference::{Reference, spectrum_of};
 use super::*;
 use crate::column::{End, HINGES, HingeReport, Outcome, Report, Sample, YieldExponents};
 
@@ -146,8 +146,8 @@ fn every_file_is_written_completely() {
     let folder = folder.path().join("new/plots");
     let reference = Reference::ellipse();
     let files = draw_all(&folder, &reference.response()).unwrap();
-    assert_eq!(files.len(), 22);
-    assert_eq!(fs::read_dir(&folder).unwrap().count(), 22);
+    assert_eq!(files.len(), 24);
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 24);
     for file in &files {
         let content = fs::read(file).unwrap();
         if file.extension().is_some_and(|ending| ending == "png") {
@@ -185,11 +185,13 @@ fn a_folder_that_cannot_be_created_is_named() {
 
 /// Checks that every figure of a history can be drawn and that its texts stay on the page.
 fn draws(samples: &[Sample], report: &Report) {
+    let spectrum = spectrum_of(samples);
     let response = ResponseHistory {
         title: "a degenerate history, with a title that is much longer than the page is wide, \
                 so that it has to be shortened: 1500 kg at 10 m/s, 1 m above the base, < & > \" '",
         samples,
         report,
+        spectrum: Some(&spectrum),
         yield_surface: YieldExponents {
             alpha: 50.0,
             beta: 1.0,
@@ -279,6 +281,7 @@ fn degenerate_histories_can_be_drawn() {
 
 #[test]
 fn a_collapse_with_many_impact_impulses_can_be_drawn() {
+    let mut impulse = 0.0;
     let samples: Vec<_> = (0..30_000)
         .map(|number| {
             let time = f64::from(number) * 1e-5;
@@ -292,6 +295,8 @@ fn a_collapse_with_many_impact_impulses_can_be_drawn() {
             } else {
                 0.0
             };
+            impulse += sample.impact_impulse;
+            sample.impulse = impulse;
             sample.hinges[3].moment = (time * 900.0).sin() * 2.0;
             sample
         })
@@ -303,9 +308,34 @@ fn a_collapse_with_many_impact_impulses_can_be_drawn() {
         first_contact_time: Some(0.0),
         release_time: Some(1e-5),
         impact_impulses: 4286,
+        total_impact_impulse: impulse,
+        impulse,
         ..nothing_happened()
     };
     draws(&samples, &report);
+}
+
+/// The spectrum of states that were published 50 times per second was drawn, and was wrong at every period; that of a miss was an
+/// empty figure.
+#[test]
+fn a_spectrum_is_drawn_only_of_a_contact_whose_every_step_is_known() {
+    let reference = Reference::ellipse();
+    let response = reference.response();
+    let is_drawn = |response: &ResponseHistory<'_>| {
+        let figures = draw_svg(response).unwrap();
+        figures
+            .iter()
+            .any(|(name, _)| name == "contact_force_spectrum")
+    };
+    assert!(is_drawn(&response));
+    assert!(!is_drawn(&ResponseHistory {
+        spectrum: None,
+        ..response
+    }));
+    assert!(!is_drawn(&ResponseHistory {
+        report: &nothing_happened(),
+        ..response
+    }));
 }
 
 /// Figures of a risk study with a known limit state: all texts are on the page, none overlaps another, and the bar of a

@@ -1,7 +1,7 @@
 //! The outcome of an impact with its assessment as messages.
 
 use crate::assessment::{
-    Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange,
+    Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange, in_sentence,
 };
 use crate::column::Impact;
 use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
@@ -244,10 +244,16 @@ impl<'a> Numbers<'a> {
 /// Action, deciding criterion and reason of a column that may have a damage that the twin does not know: at least an
 /// inspection, because the model may be milder than the column is.
 fn with_unknown_damage(numbers: &Numbers<'_>) -> (u8, &'static str, String) {
-    let reason = format!("{UNKNOWN_DAMAGE}; {}", numbers.reason);
     match numbers.action {
-        TwinStatus::ACTION_NONE => (TwinStatus::ACTION_INSPECT, "state_file", reason),
-        action => (action, numbers.deciding_criterion, reason),
+        TwinStatus::ACTION_NONE => {
+            let order = in_sentence(Action::Inspect.order());
+            let reason = format!("{order} Cause: {UNKNOWN_DAMAGE}. {}", numbers.reason);
+            (TwinStatus::ACTION_INSPECT, "state_file", reason)
+        }
+        action => {
+            let reason = format!("{} Besides, {UNKNOWN_DAMAGE}.", numbers.reason);
+            (action, numbers.deciding_criterion, reason)
+        }
     }
 }
 

@@ -45,9 +45,9 @@ pub(super) const MODE: Parameter = row(
     "",
     DefaultValue::Text("second_opinion"),
     Admissible::Choice(&["off", "second_opinion", "governing"]),
-    "whether `simulate` computes the impact with the fibre beam, too. second_opinion: its verdict counts where both models differ, \
-     where the hit is out of the plane of the two bars, or where shear or the spread of yielding governs; governing: it always \
-     counts. The action is the more severe one of both. Nodes use it as well, maps and risk studies where they are asked for the model",
+    "whether the fibre beam computes impacts, too: in `simulate` and nodes, and in maps and risk studies with `--model`. second_opinion: \
+     its verdict counts where the two models differ (docs/second_opinion.md lists when); governing: it always counts. The more severe \
+     action of the two models then applies",
 );
 
 pub(super) const ELEMENTS: Parameter = row(

@@ -1,7 +1,8 @@
 //! The course of one response, computed from the instant at which the impact begins.
 
 use crate::column::{
-    ColumnProperties, Model, Progress, Report, Response, Sample, State, StepError, residual_state,
+    ColumnProperties, ForceSpectrum, Model, Progress, Report, Response, Sample, State, StepError,
+    residual_state,
 };
 use crate::figures::HistoryThinning;
 
@@ -22,6 +23,8 @@ pub(super) struct Course {
     /// The history, thinned to what figures need.
     pub samples: Vec<Sample>,
     pub report: Report,
+    /// The response spectrum of the contact force, of every step; the thinned history has lost the short periods.
+    pub spectrum: ForceSpectrum,
     /// The equilibrium that the response leaves behind, if there is one.
     pub settled: Option<State>,
 }
@@ -32,10 +35,15 @@ impl Struck {
         // The length of the history is known after a first run, so that a history of any length fits in a bounded memory.
         let report = self.report()?;
         let mut thinning = HistoryThinning::new(report.steps, report.end_time);
-        let (report, settled) = self.follow(&mut |sample| thinning.push(sample))?;
+        let mut spectrum = ForceSpectrum::default();
+        let (report, settled) = self.follow(&mut |sample| {
+            thinning.push(sample);
+            spectrum.push(sample.time, sample.impulse);
+        })?;
         Ok(Course {
             samples: thinning.finish(),
             report,
+            spectrum,
             settled,
         })
     }

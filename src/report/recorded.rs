@@ -633,12 +633,14 @@ impl Finished {
             model,
             samples,
             report: output.report,
+            // Published states are too far apart for it.
+            spectrum: None,
             settled: after.filter(|_| output.report.residual_v1.is_some()),
             struck: None,
             second_opinion: None,
             remarks: vec![format!(
-                "{why} The histories have the values that were published, at most {rate} per second; the error of the time step \
-                 was not estimated."
+                "{why} The histories have the values that were published, at most {rate} per second, which are too few for the \
+                 contact force spectrum; the error of the time step was not estimated."
             )],
             parameters,
         })

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
-    Impact, Model, Report, Response, Sample, SimulationError, State, StepError, Support,
-    error_estimate, with_half_the_step,
+    ForceSpectrum, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
+    Support, error_estimate, with_half_the_step,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
@@ -33,6 +33,8 @@ pub struct ReportedImpact {
     pub samples: Vec<Sample>,
     /// The outcome.
     pub report: Report,
+    /// The response spectrum of the contact force, of every step; `None` where only the published states are known.
+    pub spectrum: Option<ForceSpectrum>,
     /// The column at rest after the impact; `None` if it has no equilibrium.
     pub settled: Option<State>,
     /// The beginning of the impact, if it is known; computations with other properties start from it.
@@ -81,6 +83,7 @@ impl ReportedImpact {
         let Course {
             samples,
             report,
+            spectrum,
             settled,
         } = struck.course()?;
         Ok(Self {
@@ -98,6 +101,7 @@ impl ReportedImpact {
             model: struck.model,
             samples,
             report,
+            spectrum: Some(spectrum),
             settled,
             struck: Some(*struck),
             second_opinion: None,
@@ -123,6 +127,7 @@ impl ReportedImpact {
             title: &self.title,
             samples: &self.samples,
             report: &self.report,
+            spectrum: self.spectrum.as_ref(),
             yield_surface: properties.yield_surface,
             resistance_moment: properties.resistance_moment,
             resistance_axial: properties.resistance_axial,
@@ -172,5 +177,41 @@ impl ReportedImpact {
                 one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))
             })
             .unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::simulate;
+
+    /// The figure was computed from the thinned history, and differed from the spectrum in the JSON output.
+    #[test]
+    fn the_spectrum_of_a_thinned_history_is_that_of_every_step() {
+        let long = [
+            ("solver.dt", 1e-6.into()),
+            ("response.duration", 0.05.into()),
+        ];
+        let parameters = Parameters::from_values(long).expect("admissible");
+        let reported = ReportedImpact::simulated(&parameters).expect("a response");
+        let (kept, steps) = (reported.samples.len() as u64, reported.report.steps);
+        assert!(
+            kept < steps,
+            "{kept} samples of {steps} steps are not thinned"
+        );
+        let impact = parameters.impact();
+        let mut expected = ForceSpectrum::default();
+        simulate(
+            &parameters.column_properties().before(&impact),
+            &impact,
+            parameters.response_duration(),
+            &mut |sample| expected.push(sample.time, sample.impulse),
+        )
+        .expect("a response");
+        let found = reported
+            .history()
+            .spectrum
+            .expect("every step was computed");
+        assert_eq!(found.equivalent_forces(), expected.equivalent_forces());
     }
 }

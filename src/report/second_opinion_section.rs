@@ -35,7 +35,7 @@ fn agreement(opinion: &SecondOpinion) -> String {
                     its whole length. "
         .to_owned();
     text += match (opinion.agrees(), opinion.ratio_to_two_bars) {
-        (true, _) => "Both models agree on the peak and on how the response ends.",
+        (true, _) => "Both models agree on the peak, on what remains and on how the response ends.",
         (false, Some(_)) => "The two models part.",
         (false, None) => "The two bars do not see this hit.",
     };
@@ -63,11 +63,13 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
         false => String::new(),
     };
     let residual = report.residual_v1.unwrap_or(f64::NAN);
+    // From the undamaged column, as the two bars count.
+    let [peak, remains] = opinion.from_undamaged();
     let rows = [
         (
             "peak",
             length(report.max_v1),
-            length(beam.max_displacement_m),
+            length(peak[0]),
             opinion.ratio_to_two_bars.map_or(String::new(), ratio),
         ),
         (
@@ -79,22 +81,22 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
         (
             "what remains",
             length(residual),
-            length(beam.residual_displacement_m),
+            length(remains[0]),
             match opinion.ratio_to_two_bars {
-                Some(_) if residual.abs() > 1e-5 => ratio(beam.residual_displacement_m / residual),
+                Some(_) if residual.abs() > 1e-5 => ratio(remains[0] / residual),
                 _ => String::new(),
             },
         ),
         (
             "peak across the hit",
             "not known".to_owned(),
-            length(beam.max_sideways_m),
+            length(peak[1]),
             String::new(),
         ),
         (
             "residual across the hit",
             "not known".to_owned(),
-            length(beam.residual_sideways_m),
+            length(remains[1]),
             String::new(),
         ),
         (

@@ -158,13 +158,21 @@ fn model(assessed: &Assessed) -> String {
             let says = capitalised(&opinion.to_string());
             format!("Model that decides: the fibre beam. {says}")
         }
-        Some(Ok(opinion)) if opinion.counts.is_empty() => {
-            "Model that decides: the two bars; the fibre beam agrees with them.".to_owned()
+        Some(Ok(opinion)) => {
+            let by_beam = opinion.action().map_or("not assessed", Action::name);
+            let says = match opinion.counts.is_empty() {
+                true if opinion.action() == Some(assessed.assessment.action) => {
+                    "the fibre beam agrees with them".to_owned()
+                }
+                true => format!(
+                    "the action by the fibre beam alone is {by_beam}, but the models differ too little for its verdict to count"
+                ),
+                false => format!(
+                    "the verdict of the fibre beam ({by_beam}) counts, too, and is no more severe"
+                ),
+            };
+            format!("Model that decides: the two bars; {says}.")
         }
-        Some(Ok(opinion)) => format!(
-            "Model that decides: the two bars; the verdict of the fibre beam ({}) counts, too, and is no more severe.",
-            opinion.action().map_or("no", Action::name)
-        ),
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::time::{Duration, Instant};
 
 use futures::channel::oneshot;
 use futures::{StreamExt, join};
@@ -10,6 +11,7 @@ use ros2_client::rcl_interfaces as rcl;
 use ros2_client::{Gid, MessageInfo, Server, Subscription};
 
 use crate::incoming::{column_command, impact_command, nanos};
+use crate::live::BACKGROUND_THREAD;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin_msgs::{
     ColumnParameters, ConfirmEstimateRequest, ConfirmEstimateResponse, CorrectDamageRequest,
@@ -34,6 +36,7 @@ use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
 use super::receiving::{Receiving, each, named};
 use super::requests;
+use super::task::spawn;
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}
@@ -45,6 +48,12 @@ impl ros2_client::Message for PredictImpactResponse {}
 
 /// How a rejected set of parameters is called in the recording and in the log.
 const SET_OF_PARAMETERS: &str = "a set of parameters";
+
+/// Longest wait of a prediction for its second opinion, which is computed only while no other thread wants the processor.
+const OPINION_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Name of the thread that waits for a second opinion.
+const WAITING_THREAD: &str = "column_twin/wait";
 
 /// The subscriptions that must be handled without delay.
 pub(super) struct Subscriptions {
@@ -513,23 +522,44 @@ async fn predicted(columns: &LiveColumns, request: &PredictImpactRequest) -> Pre
     }
 }
 
-/// The prediction with its second opinion, where it awaits one.
+/// The prediction with its second opinion, where it awaits one; without it after [`OPINION_PATIENCE`].
 async fn with_opinion(columns: &LiveColumns, prediction: Prediction) -> Prediction {
     let Some(task) = prediction.opinion_task() else {
         return prediction;
     };
-    let (sender, receiver) = oneshot::channel();
+    let (sender, opinion) = sync_channel(1);
     let reply = Box::new(move |found| {
-        // Nobody waits after a stop.
+        // Nobody waits for one that comes too late.
         let _ = sender.send(found);
     });
     if let Err(rejection) = columns.ask_opinion(task, reply) {
         return prediction.without_opinion(&format!("no second opinion: {}", rejection.reason));
     }
-    match receiver.await {
+    // The executor has no timer, so that a thread waits while other requests are answered.
+    let (teller, told) = oneshot::channel();
+    let wait = move || {
+        // Nobody waits after a stop.
+        let _ = teller.send(opinion.recv_timeout(OPINION_PATIENCE));
+    };
+    if let Err(error) = spawn(WAITING_THREAD, wait) {
+        return prediction.without_opinion(&format!("no second opinion: {error}"));
+    }
+    match told.await.unwrap_or(Err(RecvTimeoutError::Disconnected)) {
         Ok(found) => prediction.with_opinion(&found),
-        Err(oneshot::Canceled) => {
+        Err(RecvTimeoutError::Timeout) => prediction.without_opinion(&format!(
+            "no second opinion: it was not computed within {} s",
+            OPINION_PATIENCE.as_secs()
+        )),
+        Err(RecvTimeoutError::Disconnected) if columns.is_stopping() => {
             prediction.without_opinion("no second opinion: the node is being stopped")
+        }
+        Err(RecvTimeoutError::Disconnected) => {
+            tracing::error!(
+                "the thread \"{BACKGROUND_THREAD}\", which computes second opinions and critical velocities, has ended: it panicked, or \
+                 could not give up its real-time priority; restart the node, and report a panic"
+            );
+            prediction
+                .without_opinion("no second opinion: this node computes none any more; see its log")
         }
     }
 }

@@ -355,7 +355,8 @@ impl LiveColumns {
         self.ask(|handle| handle.predict(column, vehicle, impact))
     }
 
-    /// Asks for the second opinion on a prediction, which is computed with the lowest priority and given to `reply`; a stop drops it.
+    /// Asks for the second opinion on a prediction, which is computed with the lowest priority and given to `reply`. `reply` is dropped
+    /// by a stop, see [`is_stopping`](Self::is_stopping), and if the thread that computes second opinions has panicked.
     ///
     /// # Errors
     /// The columns have stopped, or too many second opinions are asked for.
@@ -367,6 +368,13 @@ impl LiveColumns {
                 "too many predictions wait for their second opinion; ask again later",
             )),
         })
+    }
+
+    /// Whether the columns have been stopped, or are being stopped.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        let running = self.running.read().unwrap_or_else(PoisonError::into_inner);
+        running.is_none()
     }
 
     /// Where the measurements of the columns go; `None` if no column has sensors.

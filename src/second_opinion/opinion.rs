@@ -142,21 +142,20 @@ impl SecondOpinion {
     /// Finds its verdict, by all on which the verdict of the two bars depends.
     fn judge(&mut self, bars: &AssessmentInput) {
         let beam = self.seen_by_the_beam(bars);
-        let capacities = [&beam, bars].map(|it| it.remaining.ratio);
-        let bows = [&beam, bars].map(|it| it.largest_bow().unwrap_or(0.0));
-        let has_larger_bow = bows[0] > BAND * bows[1] && bows[0] > BOW_OF_NEW * bars.height();
-        let found = [
-            (WhyItCounts::Bow, has_larger_bow),
-            (
-                WhyItCounts::Capacity,
-                capacities[0] < LEAST_CAPACITY * capacities[1],
-            ),
-        ];
-        for (why, holds) in found {
-            if holds && !self.counts.contains(&why) {
-                self.counts.push(why);
-            }
-        }
+        let [of_beam, of_bars] = [&beam, bars].map(|it| it.remaining.ratio);
+        // Where a column gives way, there is nothing to compare.
+        let bows = beam.largest_bow().zip(bars.largest_bow());
+        let gives_way = [&beam, bars].map(|it| it.collapsed || it.fractured);
+        let both_stand = gives_way == [false; 2];
+        let has_larger_bow = bows.is_some_and(|(of_beam, of_bars)| {
+            of_beam > BAND * of_bars && of_beam > BOW_OF_NEW * bars.height()
+        });
+        let leaves_less = of_beam < LEAST_CAPACITY * of_bars;
+        let remains = [WhyItCounts::Bow, WhyItCounts::Capacity];
+        self.counts.retain(|why| !remains.contains(why));
+        let found = remains.into_iter().zip([has_larger_bow, leaves_less]);
+        let found = found.filter(|(_, holds)| *holds && both_stand);
+        self.counts.extend(found.map(|(why, _)| why));
         self.assessment = Some(assess(&beam));
     }
 
@@ -169,18 +168,19 @@ impl SecondOpinion {
         parameters: &Parameters,
         report: &Report,
     ) -> Self {
-        let [before, _] = answer.beam.displaced_before_m;
-        let ratio = (before + answer.beam.max_displacement_m) / report.max_v1;
-        let is_seen = share_in_plane(direction) > LEAST_SHARE && ratio.is_finite();
         let mut opinion = Self {
             beam: answer.beam,
             direction,
             capacity: answer.capacity,
-            ratio_to_two_bars: is_seen.then_some(ratio),
+            ratio_to_two_bars: None,
             counts: Vec::new(),
             assessment: None,
             decides: false,
         };
+        let [[peak, _], _] = opinion.from_undamaged();
+        let ratio = peak / report.max_v1;
+        let is_seen = share_in_plane(direction) > LEAST_SHARE && ratio.is_finite();
+        opinion.ratio_to_two_bars = is_seen.then_some(ratio);
         opinion.counts = opinion.why(parameters.settings().beam.mode, report);
         opinion
     }
@@ -248,20 +248,29 @@ impl SecondOpinion {
     pub fn seen_by_the_beam(&self, bars: &AssessmentInput) -> AssessmentInput {
         let beam = &self.beam;
         let stands = beam.outcome != BeamEnd::Collapse;
-        // From where the impact point is in the undamaged column, as in the two bars.
-        let [along, across] = beam.displaced_before_m;
-        let from_undamaged =
-            |there: f64, sideways: f64| libm::hypot(along + there, across.abs() + sideways);
-        let residual = from_undamaged(beam.residual_displacement_m, beam.residual_sideways_m);
+        let [peak, residual] = self.from_undamaged().map(|[x, y]| libm::hypot(x, y));
         bars.by_another_model(&OtherModel {
             collapsed: !stands,
             yielded: beam.outcome != BeamEnd::Elastic,
             residual: stands.then_some(residual),
             bow: stands.then_some(beam.residual_bow_m),
-            peak: from_undamaged(beam.max_displacement_m, beam.max_sideways_m),
+            peak,
             capacity: self.capacity,
             base_shear: beam.base_shear_n,
         })
+    }
+
+    /// Peak and residual displacement of the impact point, each along the hit and, as a magnitude, at right angles to it \[m\], from
+    /// where the impact point is in the undamaged column, as in the two bars. What remains is NaN after a collapse.
+    #[must_use]
+    pub fn from_undamaged(&self) -> [[f64; 2]; 2] {
+        let beam = &self.beam;
+        let [along, across] = beam.displaced_before_m;
+        [
+            [beam.max_displacement_m, beam.max_sideways_m],
+            [beam.residual_displacement_m, beam.residual_sideways_m],
+        ]
+        .map(|[there, sideways]| [along + there, across.abs() + sideways])
     }
 
     /// Whether the vehicle travels out of the plane of the two bars.
@@ -303,7 +312,7 @@ impl SecondOpinion {
                 readable(BAND)
             ),
             WhyItCounts::Capacity => format!(
-                "the beam leaves less than {:.0} % of the axial capacity that the two bars leave",
+                "the beam leaves less than {:.0} % of the share of the axial capacity that the two bars leave",
                 100.0 * LEAST_CAPACITY
             ),
         }
@@ -319,13 +328,15 @@ impl SecondOpinion {
         }
     }
 
-    /// Whether both models agree on the peak and on how the response ends.
+    /// Whether both models agree on the peak, on what remains, and on how the response ends.
     #[must_use]
     pub fn agrees(&self) -> bool {
         let parts = [
             WhyItCounts::Collapse,
             WhyItCounts::Yielding,
             WhyItCounts::Peak,
+            WhyItCounts::Bow,
+            WhyItCounts::Capacity,
         ];
         self.ratio_to_two_bars.is_some() && !parts.iter().any(|it| self.counts.contains(it))
     }
@@ -366,10 +377,11 @@ impl Display for SecondOpinion {
             ),
             false => millimetres(along),
         };
+        let [peak, residual] = self.from_undamaged();
         write!(
             f,
             "the fibre beam has a peak of {}",
-            across(beam.max_displacement_m, beam.max_sideways_m)
+            across(peak[0], peak[1])
         )?;
         match beam.outcome {
             BeamEnd::Collapse => f.write_str(" and COLLAPSES")?,
@@ -377,7 +389,7 @@ impl Display for SecondOpinion {
             BeamEnd::Plastic => write!(
                 f,
                 ", keeps {} and {:.0} % of its axial capacity",
-                across(beam.residual_displacement_m, beam.residual_sideways_m),
+                across(residual[0], residual[1]),
                 100.0 * (self.capacity[1] / self.capacity[0]).min(1.0),
             )?,
         }

@@ -63,9 +63,9 @@ impl VerdictModel {
         match self {
             Self::Bars => None,
             Self::Beam => Some("by the fibre beam"),
-            Self::Both => {
-                Some("by the two bars and the fibre beam, the more severe one where they differ")
-            }
+            Self::Both => Some(
+                "by the two bars and the fibre beam, the more severe one where that of the beam counts",
+            ),
         }
     }
 

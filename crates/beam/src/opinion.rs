@@ -69,13 +69,14 @@ pub struct BeamOutcome {
     pub residual_sideways_m: f64,
     /// Where earlier impacts had left the impact point, along the direction and at right angles to it, from where it is in the
     /// undamaged column under its load \[m\].
+    #[serde(default)]
     pub displaced_before_m: [f64; 2],
     /// What all impacts have left: the largest distance of the axis from that of the undamaged column under its load, in any
     /// direction \[m\]; NaN after a collapse. Between the supports; of a column with a free top, up to the impact point.
-    #[serde(deserialize_with = "nan_where_null")]
+    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
     pub residual_bow_m: f64,
     /// At which height above the base \[m\]; NaN after a collapse.
-    #[serde(deserialize_with = "nan_where_null")]
+    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
     pub residual_bow_height_m: f64,
     /// When the peak displacement is reached \[s\].
     pub max_displacement_time_s: f64,
@@ -98,6 +99,11 @@ pub struct BeamOutcome {
     pub evaluations: u64,
     /// Change of the whole energy over the energy of the vehicle: what the solution of the equations has lost.
     pub energy_error: f64,
+}
+
+/// A state file of an earlier build does not have it.
+fn not_known() -> f64 {
+    f64::NAN
 }
 
 /// JSON has no NaN, which is written as null.

@@ -420,7 +420,9 @@ impl Column {
         }
         let impact = self.impact(py, vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
-        let stated = self.with_impact(vehicle, mass, impact.velocity);
+        // The whole speed: of an oblique hit, `impact` has the component in the plane of the two bars.
+        let whole = velocity.unwrap_or(self.parameters().settings().impact.velocity);
+        let stated = self.with_impact(vehicle, mass, whole);
         let stated = stated.unwrap_or_else(|_| self.parameters().clone());
         let this = self.clone();
         let history = abandonable(py, move || this.history(&stated, &impact, &name, asks_beam))?

@@ -1,8 +1,9 @@
 //! The one thread that computes what columns await in the background, with the lowest priority: second opinions, ranges of verdicts,
 //! and the critical velocities of columns at rest.
 //!
-//! It also computes the second opinions on predictions. Columns that differ by their names only have the same results, which are computed once. Second opinions come first, the newest
-//! before the others, then those that somebody has asked for, then ranges, then columns that have been hit. For the others, of which a fleet has many after the start, the
+//! Second opinions on impacts come first, the newest before the others; then second opinions on predictions, then ranges, then the
+//! critical velocities of columns that have been hit. Columns that differ by their names only have the same results, which are
+//! computed once. For the critical velocities of the other columns, of which a fleet has many after the start, the
 //! thread takes only a part of a processor, because they are not urgent. What a column no longer awaits is abandoned, after the
 //! response that is being computed. The solver threads and this one share queues without locks only: a thread with the lowest
 //! priority must not hold a lock that they need. A pop may spin while a push is preempted, which is rare.
@@ -125,13 +126,11 @@ impl Background {
             .name(BACKGROUND_THREAD.to_owned())
             .stack_size(THREAD_STACK)
             .spawn(move || {
+                let _end = AtEnd(&shared);
                 // With a real-time priority it must not compute.
                 if lower_priority(processors.as_ref()) {
                     shared.run(&tell);
                 }
-                // Whoever waits is told that there will be none.
-                shared.has_ended.store(true, Ordering::SeqCst);
-                while shared.asked.pop().is_some() {}
             })
     }
 
@@ -154,15 +153,22 @@ impl Background {
         taken.then_some(wanted)
     }
 
-    /// Asks for a second opinion on a prediction, which is given to `reply`; after a stop it is dropped. `false` if there is no
-    /// room, or nobody to compute it.
+    /// Asks for a second opinion on a prediction, which is given to `reply`. Once the thread has ended, by a stop or a panic, `reply`
+    /// is dropped. `false` if there is no room.
     pub fn ask(&self, task: OpinionTask, reply: OpinionReply) -> bool {
-        if self.has_ended.load(Ordering::SeqCst) {
-            return false;
-        }
         let taken = self.asked.push(Asked { task, reply }).is_ok();
+        // After the push: the thread may have ended before it, and would never see it.
+        if self.has_ended.load(Ordering::SeqCst) {
+            self.drop_asked();
+            return true;
+        }
         self.notifier.notify();
         taken
+    }
+
+    /// Whoever waits learns that there will be no second opinion.
+    fn drop_asked(&self) {
+        while self.asked.pop().is_some() {}
     }
 
     /// The next result.
@@ -267,6 +273,17 @@ impl Background {
     }
 }
 
+/// Tells whoever waits for a second opinion that there will be none when the thread ends, also when it panics.
+struct AtEnd<'a>(&'a Background);
+
+impl Drop for AtEnd<'_> {
+    fn drop(&mut self) {
+        // Before what is asked for is dropped: what is asked for later sees it.
+        self.0.has_ended.store(true, Ordering::SeqCst);
+        self.0.drop_asked();
+    }
+}
+
 /// Processor time of the calling thread \[ns\].
 fn processor_time() -> u64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
@@ -276,6 +293,8 @@ fn processor_time() -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+
     use super::*;
     use crate::column::ImpactSpecification;
     use crate::parameters::Parameters;
@@ -326,7 +345,7 @@ mod tests {
             assert!(background.want(column, task.clone()).is_some());
         }
         assert_eq!(background.unknown(), 4);
-        let (sender, told) = std::sync::mpsc::sync_channel(4);
+        let (sender, told) = sync_channel(4);
         let thread = background.start(None, move || sender.send(()).expect("listened to"));
         let results: Vec<_> = (0..4)
             .map(|_| {
@@ -355,7 +374,7 @@ mod tests {
         let background = Arc::new(Background::new(1));
         let wanted = background.want(0, task(false)).expect("room");
         wanted.abandon();
-        let (sender, told) = std::sync::mpsc::sync_channel(1);
+        let (sender, told) = sync_channel(1);
         let thread = background.start(None, move || sender.send(()).expect("listened to"));
         told.recv_timeout(Duration::from_secs(120))
             .expect("an answer");
@@ -364,5 +383,60 @@ mod tests {
         assert_eq!(background.unknown(), 0);
         background.stop();
         thread.expect("starts").join().expect("no panic");
+    }
+
+    /// A hit out of the plane of the two bars, which the beam would compute.
+    fn opinion_task() -> OpinionTask {
+        let given = Parameters::load(&["config/heb220_s355.yaml".into()], &[]);
+        let changes = [("solver.dt", 1e-4.into())];
+        let parameters = given.expect("admissible").with_changes(changes);
+        let parameters = parameters.expect("admissible");
+        let twin = Twin::new(parameters, None, Box::new(|| 0), 0).expect("stands");
+        let impact = ImpactSpecification {
+            mass: 1500.0,
+            velocity: 6.0,
+            gap: None,
+            restitution: None,
+            height: Some(1.0),
+            direction: Some(0.2),
+        };
+        let prediction = twin.snapshot().predict("", "rigid", &impact, &|| 0);
+        let prediction = prediction.expect("a prediction");
+        prediction.opinion_task().expect("awaited")
+    }
+
+    /// A panic left those who waited for a second opinion waiting for ever, and so those who asked afterwards.
+    #[test]
+    fn a_panic_of_the_thread_drops_what_is_asked_for_before_and_after() {
+        let awaited = opinion_task();
+        let background = Arc::new(Background::new(1));
+        let ask = || {
+            let (sender, opinion) = sync_channel(1);
+            let reply = Box::new(move |found| sender.send(found).expect("listened to"));
+            assert!(background.ask(awaited.clone(), reply), "there is room");
+            opinion
+        };
+        // Its result is told at once.
+        let wanted = background.want(0, task(false)).expect("room");
+        wanted.abandon();
+        let (reached, is_told) = sync_channel(1);
+        let (asked, goes_on) = sync_channel::<()>(1);
+        let thread = background.start(None, move || {
+            reached.send(()).expect("listened to");
+            goes_on.recv().expect("told");
+            panic!("on purpose");
+        });
+        is_told
+            .recv_timeout(Duration::from_secs(120))
+            .expect("a result");
+        let before = ask();
+        asked.send(()).expect("listened to");
+        let panicked = thread.expect("starts").join();
+        assert!(panicked.is_err());
+        let after = ask();
+        for opinion in [before, after] {
+            let found = opinion.recv_timeout(Duration::from_secs(120));
+            assert_eq!(found, Err(RecvTimeoutError::Disconnected));
+        }
     }
 }

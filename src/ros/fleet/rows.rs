@@ -99,6 +99,12 @@ impl RowImpacts {
             let endpoint = &qos::IMPACT_EVENT;
             self.receiving.record(column, endpoint, &event, None);
             if let Err(rejection) = columns.submit(column, impact_command(event.clone())) {
+                // Rejections by the twin are among its outputs, and logged there; this impact did not reach it.
+                tracing::error!(
+                    "impact event {:?} did not reach column {:?}: {rejection}",
+                    event.event_id,
+                    event.column_id
+                );
                 self.receiving
                     .not_taken(Some(column), endpoint, &event.event_id, &rejection);
                 rows.not_submitted(&event, &rejection.to_string());

@@ -248,7 +248,7 @@ class ParameterKeywords(TypedDict, total=False):
     assessment__range_front: Number
     """relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`"""
     beam__mode: Literal["off", "second_opinion", "governing"]
-    """whether `simulate` computes the impact with the fibre beam, too. second_opinion: its verdict counts where both models differ, where the hit is out of the plane of the two bars, or where shear or the spread of yielding governs; governing: it always counts. The action is the more severe one of both. Nodes use it as well, maps and risk studies where they are asked for the model"""
+    """whether the fibre beam computes impacts, too: in `simulate` and nodes, and in maps and risk studies with `--model`. second_opinion: its verdict counts where the two models differ (docs/second_opinion.md lists when); governing: it always counts. The more severe action of the two models then applies"""
     beam__elements: Whole
     """elements of the fibre beam along the column; 0: automatic"""
     beam__fibres: Whole
