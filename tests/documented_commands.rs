@@ -139,7 +139,7 @@ const COMMANDS: &[(&str, How)] = &[
     ),
     (
         "podman ",
-        Elsewhere(".ci/run", "packaging/check_container.py"),
+        Elsewhere(".ci/long", "packaging/check_container.py"),
     ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),

@@ -9,9 +9,7 @@ use column_twin::estimation::{
 use column_twin::sensors::Sensor;
 use column_twin::standing::StandingColumn;
 
-use super::beam_signals::{
-    AFTER, BEFORE, BeamSignal, column, deformable, parameters, plateau, sensors,
-};
+use super::beam_signals::{AFTER, BEFORE, BeamSignal, parameters, sensors};
 
 fn unprepared(sensors: Vec<Sensor>) -> Estimator {
     let parameters = parameters();
@@ -198,24 +196,4 @@ fn a_light_elastic_hit_is_no_certain_kind_of_vehicle() {
         let holds = (interval.low..=interval.high).contains(&truth);
         assert!(holds, "{truth} {last:#?}");
     }
-}
-
-/// A column that collapses takes a small part of the momentum: nothing tells how much is left in the vehicle.
-#[test]
-fn a_collapse_leaves_the_momentum_open_upwards() {
-    let vehicle = deformable(&[20e3], &[plateau(5e6, 1.2e6)], 14.0);
-    let signal = BeamSignal::of(&column(), vehicle, &sensors(), AFTER).expect("a response");
-    assert!(signal.truth.collapsed);
-    let readings = signal.readings(&sensors(), BEFORE, 1);
-    let found = estimate_prepared(&mut prepared(), &readings).expect("sensors");
-    let found = found.expect("an impact");
-    let last = last(&found);
-    assert!(last.collapsed > 0.9, "{last:#?}");
-    let momentum = last.momentum;
-    assert!(momentum.high > 3.0 * momentum.low, "{last:#?}");
-    assert!(
-        (momentum.low..=momentum.high).contains(&signal.momentum()),
-        "{last:#?}"
-    );
-    assert!(last.not_known().contains(&"mass"), "{last:#?}");
 }

@@ -151,7 +151,7 @@ mod tests {
                 * if ratio >= 0.5 {
                     2.0
                 } else {
-                    2.0 * (PI * ratio).sin()
+                    2.0 * libm::sin(PI * ratio)
                 }
         });
     }
@@ -162,17 +162,20 @@ mod tests {
         // Not half of a period of the spectrum, where the closed form is 0 / 0.
         let (force, duration) = (3e5, 0.0511);
         let found = of(duration, |time| {
-            force * duration / PI * (1.0 - (PI * time / duration).cos())
+            force * duration / PI * (1.0 - libm::cos(PI * time / duration))
         });
         compare(&found, |period| {
             let ratio = period / (2.0 * duration);
             let at = |time: f64| {
-                let (push, ring) = ((PI * time / duration).sin(), (TAU * time / period).sin());
+                let (push, ring) = (
+                    libm::sin(PI * time / duration),
+                    libm::sin(TAU * time / period),
+                );
                 ((push - ratio * ring) / (1.0 - ratio * ratio)).abs()
             };
             let forced = (0..=20_000).map(|k| at(duration * f64::from(k) / 20_000.0));
             let forced = forced.fold(0.0, f64::max);
-            let free = 2.0 * ratio / (ratio * ratio - 1.0) * (PI / (2.0 * ratio)).cos();
+            let free = 2.0 * ratio / (ratio * ratio - 1.0) * libm::cos(PI / (2.0 * ratio));
             force * forced.max(free.abs())
         });
     }

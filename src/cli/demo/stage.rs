@@ -17,7 +17,7 @@ use column_twin::ros::{Environment, FreshDomain, RosArguments, StopSignals};
 const MAX_FOLDERS: u32 = 1000;
 
 /// Maximum time that another process may take to exit.
-const EXIT_TIMEOUT: Duration = Duration::from_secs(5);
+const EXIT_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Interval at which the exit of another process is looked for.
 const CHILD_INTERVAL: Duration = Duration::from_millis(10);

@@ -154,8 +154,10 @@ fn a_damaged_column_is_hit_again_and_its_damage_is_read_back_to_the_last_bit() {
         assert_eq!(one.displaced_before_m, [0.0; 2]);
         assert!((along / one.residual_displacement_m - 1.0).abs() < 0.01);
         assert!((across.abs() - one.residual_sideways_m).abs() < 1e-4);
-        let bow =
-            (along + again.residual_displacement_m).hypot(across.abs() + again.residual_sideways_m);
+        let bow = libm::hypot(
+            along + again.residual_displacement_m,
+            across.abs() + again.residual_sideways_m,
+        );
         assert!(again.residual_bow_m > 0.999 * bow, "{bow}");
         // As text for a thousand columns.
         assert!(text.len() <= 20_000, "{}", text.len());
