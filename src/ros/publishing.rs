@@ -264,6 +264,9 @@ impl Publishing {
         if let Some(fleet) = &mut self.fleet {
             fleet.note(column, &output, &self.sending.columns);
         }
+        if let Output::Forecast(_) = output {
+            self.sending.columns.wait_until_saved(column);
+        }
         self.messages(column, &output);
         match output {
             Output::Journal(entry) => {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -21,12 +21,18 @@ pub const STATE_WRITER_THREAD: &str = "column_twin/state_file"; // the system sh
 /// Its stack \[B\]: a state is written as text, and the memory may be locked.
 const STACK: usize = 256 << 10;
 
+/// Most columns with a state to be written for which somebody waits for one of them: many columns that are hit at once must not hold
+/// up their forecasts.
+const FEW: usize = 4;
+
 /// The states to be written, without a lock: of each column only the newest matters.
 #[derive(Debug)]
 pub struct Keeper {
     newest: Box<[ArrayQueue<Arc<SavedState>>]>,
     /// The columns with a state to be written.
     waiting: Marked,
+    /// One more than the index of the column whose state is being written; 0: none.
+    writing: AtomicUsize,
     notifier: Notifier,
     stop: AtomicBool,
     given: AtomicU64,
@@ -44,6 +50,7 @@ impl Keeper {
         let keeper = Arc::new(Self {
             newest: paths.iter().map(|_| ArrayQueue::new(1)).collect(),
             waiting: Marked::new(paths.len()),
+            writing: AtomicUsize::new(0),
             notifier: Notifier::default(),
             stop: AtomicBool::new(false),
             given: AtomicU64::new(0),
@@ -65,6 +72,14 @@ impl Keeper {
             self.waiting.mark(column);
             self.notifier.notify();
         }
+    }
+
+    /// Whether a state of this column is still to be written, and few others are.
+    pub fn is_saving(&self, column: u32) -> bool {
+        let index = column as usize;
+        let is_waiting = self.newest.get(index).is_some_and(|it| !it.is_empty());
+        (is_waiting || self.writing.load(Ordering::SeqCst) == index + 1)
+            && self.waiting.len() <= FEW
     }
 
     /// Lets the thread write the last states and end.
@@ -111,10 +126,14 @@ impl Keeper {
             let (Some(newest), Some(path)) = place else {
                 continue;
             };
+            // Before it is taken, so that at every instant it is waiting or being written.
+            self.writing.store(column as usize + 1, Ordering::SeqCst);
             let Some(saved) = newest.pop() else {
+                self.writing.store(0, Ordering::SeqCst);
                 continue;
             };
             let result = state_file::store(path, &saved);
+            self.writing.store(0, Ordering::SeqCst);
             match &result {
                 Ok(()) => {
                     self.written.fetch_add(1, Ordering::Relaxed);

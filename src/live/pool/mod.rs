@@ -457,6 +457,13 @@ impl FleetHandle {
         }
     }
 
+    /// Whether the damage of this column is still to be written, and that of few others.
+    #[must_use]
+    pub fn is_saving(&self, column: u32) -> bool {
+        let keeper = self.shared.keeper.as_ref();
+        keeper.is_some_and(|it| it.is_saving(column))
+    }
+
     /// State files written since the start.
     #[must_use]
     pub fn states_written(&self) -> u64 {
