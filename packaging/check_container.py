@@ -345,7 +345,7 @@ def main() -> int:
             try:
                 check(built(context, minimal_root(), Path(folder)), version_of(wheels[0]))
             finally:
-                # Before the folder goes: whoever removes a root must not reach what is mounted in it.
+                # Unmount first, so that removing the folder does not remove mounted files.
                 for mount in sorted(Path("/proc/mounts").read_text().split(), reverse=True):
                     if mount.startswith(f"{folder}/"):
                         subprocess.run(["umount", "--lazy", mount], check=True)

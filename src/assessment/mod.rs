@@ -179,7 +179,7 @@ impl Assessment {
         };
         self.reason = format!(
             "{at_least}{} Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
-            in_sentence(beam.action.order()),
+            capitalised(beam.action.order()),
             beam.cause,
             numbers(deciding),
             self.action
@@ -405,11 +405,12 @@ fn statement(definition: &Definition, measured: &Measured) -> String {
     text
 }
 
-/// Words as a sentence.
-pub(crate) fn in_sentence(words: &str) -> String {
-    let mut sentence = words.to_owned();
-    sentence[..1].make_ascii_uppercase();
-    sentence
+/// The text with a capital letter at its beginning.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 /// The cause of the criterion that decides; of a lost column, how it was lost.
@@ -454,7 +455,7 @@ fn finding(input: &AssessmentInput, action: Action, cause: &str, deciding: &Crit
         ),
         _ => format!(
             "{} Cause: {cause}.{}",
-            in_sentence(action.order()),
+            capitalised(action.order()),
             numbers(deciding)
         ),
     }
@@ -510,7 +511,7 @@ fn axes(input: &AssessmentInput) -> String {
     let direction = input.impact.map_or(0.0, |impact| impact.direction);
     if let Some(component) = component_in_words(direction) {
         text.push(' ');
-        text.push_str(&in_sentence(&component));
+        text.push_str(&capitalised(&component));
         text.push('.');
     }
     text

@@ -1,7 +1,7 @@
 //! The outcome of an impact with its assessment as messages.
 
 use crate::assessment::{
-    Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange, in_sentence,
+    Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange, capitalised,
 };
 use crate::column::Impact;
 use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
@@ -246,7 +246,7 @@ impl<'a> Numbers<'a> {
 fn with_unknown_damage(numbers: &Numbers<'_>) -> (u8, &'static str, String) {
     match numbers.action {
         TwinStatus::ACTION_NONE => {
-            let order = in_sentence(Action::Inspect.order());
+            let order = capitalised(Action::Inspect.order());
             let reason = format!("{order} Cause: {UNKNOWN_DAMAGE}. {}", numbers.reason);
             (TwinStatus::ACTION_INSPECT, "state_file", reason)
         }

@@ -3,8 +3,7 @@
 use maud::{Markup, html};
 
 use super::verdict::{class_of, instruction};
-use super::words::capitalised;
-use crate::assessment::Action;
+use crate::assessment::{Action, capitalised};
 use crate::estimation::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 use crate::figures::TimedEstimate;
 use crate::figures::units::{Unit, significant};

@@ -6,8 +6,8 @@ use maud::{Markup, html};
 use super::assessed::Assessed;
 use super::facts::fact;
 use super::reported_impact::ReportedImpact;
-use super::words::{capitalised, outcome_in_words, short};
-use crate::assessment::{ActionRange, Variation};
+use super::words::{outcome_in_words, short};
+use crate::assessment::{ActionRange, Variation, capitalised};
 use crate::column::{Outcome, Report};
 use crate::figures::units::Unit;
 

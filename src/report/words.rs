@@ -91,14 +91,6 @@ pub(super) fn part_of(length: f64, whole: f64) -> String {
     }
 }
 
-/// The text with a capital letter at its beginning.
-pub(super) fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
-
 /// The reactions of the base that summaries and reports show, with their names.
 pub fn base_rows(base: &BaseReport) -> Vec<(&'static str, &BaseForces)> {
     let plateau = base.plateau.iter().map(|it| ("plateau", it));

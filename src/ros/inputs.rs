@@ -529,7 +529,7 @@ async fn with_opinion(columns: &LiveColumns, prediction: Prediction) -> Predicti
     };
     let (sender, opinion) = sync_channel(1);
     let reply = Box::new(move |found| {
-        // Nobody waits for one that comes too late.
+        // After the timeout the receiver is gone.
         let _ = sender.send(found);
     });
     if let Err(rejection) = columns.ask_opinion(task, reply) {
@@ -538,7 +538,7 @@ async fn with_opinion(columns: &LiveColumns, prediction: Prediction) -> Predicti
     // The executor has no timer, so that a thread waits while other requests are answered.
     let (teller, told) = oneshot::channel();
     let wait = move || {
-        // Nobody waits after a stop.
+        // After a stop the receiver is gone.
         let _ = teller.send(opinion.recv_timeout(OPINION_PATIENCE));
     };
     if let Err(error) = spawn(WAITING_THREAD, wait) {

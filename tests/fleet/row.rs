@@ -238,7 +238,7 @@ fn an_impact_without_a_forecast_ends_the_row_with_an_error() {
     assert_eq!(ended(rows), ["lorry/a1", "lorry/a2", "lorry/a3"]);
 }
 
-/// The last column of a row rejected its impact, and whoever had sent the event waited for an answer until the time was up.
+/// When the last column of a row rejected its impact, the sender of the event got no answer and waited until its timeout.
 #[test]
 fn the_rejection_by_the_last_column_of_a_row_is_told() {
     let mut rows = Rows::default();

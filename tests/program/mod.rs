@@ -8,7 +8,7 @@ use rustix::process::{Pid, Signal, kill_process};
 /// The program with these arguments, in this folder.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
-    // Nothing is left in the state folder of whoever runs the tests.
+    // The tests leave nothing in the user's state folder.
     command
         .current_dir(folder)
         .env("XDG_STATE_HOME", folder)

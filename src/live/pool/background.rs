@@ -166,7 +166,7 @@ impl Background {
         taken
     }
 
-    /// Whoever waits learns that there will be no second opinion.
+    /// Tells those who wait that there will be no second opinion.
     fn drop_asked(&self) {
         while self.asked.pop().is_some() {}
     }
@@ -273,7 +273,7 @@ impl Background {
     }
 }
 
-/// Tells whoever waits for a second opinion that there will be none when the thread ends, also when it panics.
+/// When the thread ends, even by a panic, tells those who wait that there will be no second opinion.
 struct AtEnd<'a>(&'a Background);
 
 impl Drop for AtEnd<'_> {
