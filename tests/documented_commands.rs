@@ -61,7 +61,7 @@ const COMMANDS: &[(&str, How)] = &[
         Cannot(COMPILES),
     ),
     (
-        "cargo install --path .",
+        "cargo install --locked --path .",
         Cannot("writes into the home directory"),
     ),
     (

@@ -205,3 +205,22 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
     assert_eq!(harsher, HARSHER.map(|(id, _)| id));
     assert_eq!(out_of_range, OUT_OF_RANGE);
 }
+
+/// The README, the page for operators and the report once drew the line of `restrict` and `shore` differently.
+#[test]
+fn the_documents_give_the_measure_of_each_action_as_the_program_does() {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let page = |name: &str| std::fs::read_to_string(root.join(name)).expect("a page");
+    let (criteria, operators) = (page("docs/assessment.md"), page("docs/operators.md"));
+    for action in Action::ALL {
+        let (first, rest) = action.order().split_at(1);
+        let order = first.to_uppercase() + rest;
+        let row = format!("| `{action}` | {order} |");
+        assert!(criteria.contains(&row), "{row}");
+        assert!(operators.contains(&format!("| `{action}` | ")), "{action}");
+    }
+    let readme = page("README.md");
+    let words: Vec<_> = readme.split_whitespace().collect();
+    let order = Action::Restrict.order();
+    assert!(words.join(" ").contains(&order[1..]), "{order}");
+}

@@ -288,8 +288,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     // The base, in one block.
     Definition {
         name: "base_anchors_1_3",
-        title: "Base anchors, failed",
-        cause: "the anchors of the base no longer hold the column",
+        title: "Base anchors, beyond their margin",
+        cause: "the anchors of the base may be broken",
         edition: BASE_SHEAR,
         tag: Provenance::Assumed,
         unit: "",
@@ -297,7 +297,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         action: Action::Restrict,
         value: "largest force in the anchors over 1 ms, shear or uplift, with 1.25 times the strength of a column that has flowed, \
                 over their resistance",
-        consequence: "the anchors do not hold the column",
+        consequence: "the anchors may be broken",
         evaluate: |input| {
             let (base, demand) = base(input)?;
             let used = base.shear(demand).ratio().max(base.uplift(demand).ratio());

@@ -13,6 +13,9 @@ pub const PARTIAL_FACTOR: f64 = 1.0;
 /// Unit of a bow over the length to which it belongs.
 pub(crate) const PART_OF_LENGTH: &str = "L";
 
+/// What has to be done where a column cannot be assessed.
+pub const NOT_ASSESSED: &str = "Act as for EVACUATE, and have an engineer examine the column.";
+
 /// What has to be done, least severe first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -21,11 +24,12 @@ pub enum Action {
     None,
     /// Have an engineer examine the column.
     Inspect,
-    /// Keep people and additional loads away from the column until an engineer has examined it.
+    /// Keep people away from the column, and additional loads off the part of the building that it carries, until an engineer has
+    /// examined it.
     Restrict,
-    /// Take the load off the column immediately.
+    /// Clear the part of the building that the column carries, and have it shored as an engineer directs.
     Shore,
-    /// Evacuate the part of the building that the column carries.
+    /// Clear the part of the building that the column carries; nobody enters it before an engineer allows it.
     Evacuate,
 }
 
@@ -99,9 +103,9 @@ impl Action {
         match self {
             Self::None => "no action follows from these checks.",
             Self::Inspect => "have an engineer examine the column.",
-            Self::Restrict => "keep people and additional loads away from the column.",
-            Self::Shore => "take the load off the column immediately.",
-            Self::Evacuate => "clear the part of the building that the column carries.",
+            Self::Restrict => "keep people away from the column, and additional loads off it.",
+            Self::Shore => "clear the structure that the column carries, and have it shored.",
+            Self::Evacuate => "clear the structure that the column carries, and let nobody in.",
         }
     }
 }

@@ -61,7 +61,7 @@ use criteria::DEFINITIONS;
 #[cfg(feature = "cli")]
 pub(crate) use criterion::PART_OF_LENGTH as UNIT_OF_BOW;
 use criterion::quantity;
-pub use criterion::{Action, Criterion, PARTIAL_FACTOR};
+pub use criterion::{Action, Criterion, NOT_ASSESSED, PARTIAL_FACTOR};
 use definition::{Definition, NotEvaluated, Relation};
 pub use evaluation::ImpactEvaluation;
 pub use input::{
@@ -136,15 +136,6 @@ pub struct MissingData {
 }
 
 impl Assessment {
-    /// What has to be done, as two or three words of a sentence.
-    #[must_use]
-    pub fn action_in_words(&self) -> String {
-        match self.at_least {
-            true => format!("at least {}", self.action),
-            false => self.action.to_string(),
-        }
-    }
-
     /// What has to be done, in capitals, and the reason.
     #[must_use]
     pub fn in_words(&self) -> String {
@@ -174,7 +165,7 @@ impl Assessment {
             };
         }
         let at_least = match beam.at_least {
-            true => format!("At least {}: ", in_capitals(beam.action)),
+            true => format!("{AT_LEAST}{}: ", in_capitals(beam.action)),
             false => String::new(),
         };
         self.reason = format!(
@@ -204,6 +195,9 @@ impl Assessment {
         &self.reason[self.reservations..]
     }
 }
+
+/// How the reason of an action begins that is a lower bound; the action follows.
+pub const AT_LEAST: &str = "At least ";
 
 fn in_capitals(action: Action) -> String {
     action.name().to_uppercase()
@@ -236,7 +230,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
     let (action, deciding) = (choice.action(), &criteria[choice.deciding()]);
     let at_least = not_evaluated.iter().any(|missing| missing.action > action);
     let mut reason = match at_least {
-        true => format!("At least {}: ", in_capitals(action)),
+        true => format!("{AT_LEAST}{}: ", in_capitals(action)),
         false => String::new(),
     };
     let cause = cause(input, deciding);

@@ -326,8 +326,8 @@ fn the_bow_that_remains_decides() {
     let reason = assess(&input).reason;
     assert!(
         reason.starts_with(
-            "Take the load off the column immediately. Cause: the column stays bent so far that its buckling resistance must not be \
-             relied on. Residual bow over the height: L/45; limit L/100. "
+            "Clear the structure that the column carries, and have it shored. Cause: the column stays bent so far that its buckling \
+             resistance must not be relied on. Residual bow over the height: L/45; limit L/100. "
         ),
         "{reason}"
     );

@@ -389,12 +389,7 @@ impl Column {
             },
         );
         let assessment = &result.assessment;
-        let _ = write!(
-            text,
-            "\nAction: {}\n{}\n\n",
-            assessment.action_in_words(),
-            assessment.reason
-        );
+        let _ = write!(text, "\nAction: {}\n\n", assessment.in_words());
         for criterion in &assessment.criteria {
             let mark = match criterion.exceeded {
                 Some(true) => "!",

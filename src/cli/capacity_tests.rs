@@ -72,7 +72,7 @@ fn a_undamaged_column_is_compared_with_itself() {
     assert!(ended.is_ok());
     assert!(text.starts_with("HEB220, 4 m high: undamaged\n"), "{text}");
     assert!(text.contains("100 % of the undamaged column"), "{text}");
-    assert!(text.contains("Action: none"), "{text}");
+    assert!(text.contains("Action: NONE: "), "{text}");
     assert!(!text.contains("stands"), "{text}");
 }
 

@@ -33,6 +33,25 @@ pub fn action_word(action: u8) -> &'static str {
     }
 }
 
+/// What has to be done and why, by the action and the reason of a report or a status: `RESTRICT: Keep people away ...`. The reason of an
+/// action that is a lower bound names it itself.
+#[must_use]
+pub fn verdict_in_words(action: u8, reason: &str) -> String {
+    let word = action_word(action).to_uppercase();
+    match (action, reason) {
+        (_, "") => word,
+        (TwinStatus::ACTION_UNKNOWN, _) => format!("NOT ASSESSED: {reason}"),
+        _ if reason.starts_with(assessment::AT_LEAST) => reason.to_owned(),
+        _ => format!("{word}: {reason}"),
+    }
+}
+
+/// The same of a column that cannot be assessed.
+#[must_use]
+pub fn not_assessed_in_words() -> String {
+    verdict_in_words(TwinStatus::ACTION_UNKNOWN, assessment::NOT_ASSESSED)
+}
+
 /// The range of a verdict in a report or a status in words; `None` where it is not known.
 #[must_use]
 pub fn range_in_words(least: u8, most: u8, at_least: bool, decided_by: &str) -> Option<String> {

@@ -1,8 +1,6 @@
 //! The outcome of an impact with its assessment as messages.
 
-use crate::assessment::{
-    Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange, capitalised,
-};
+use crate::assessment::{Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange, capitalised, NOT_ASSESSED};
 use crate::column::Impact;
 use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;
@@ -213,7 +211,7 @@ impl<'a> Numbers<'a> {
                 reserve: f64::NAN,
                 action: ImpactReport::ACTION_UNKNOWN,
                 deciding_criterion: "",
-                reason: "The column cannot be computed, so that it is not assessed.",
+                reason: NOT_ASSESSED,
             };
         };
         let ResidualCapacity {

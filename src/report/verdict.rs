@@ -6,7 +6,7 @@ use super::assessed::Assessed;
 use super::checks::{limit_in_words, value_in_words};
 use super::reported_impact::ReportedImpact;
 use super::words::part_of;
-use crate::assessment::{Action, ActionRange, Assessment, Utilisation, capitalised};
+use crate::assessment::{Action, ActionRange, Assessment, NOT_ASSESSED, Utilisation, capitalised};
 use crate::column::{End, Outcome};
 use crate::figures::units::Unit;
 use crate::shape::WEB_PLACES;
@@ -47,17 +47,16 @@ impl Verdict {
             Err(reason) => {
                 return Self {
                     class: "warning",
-                    headline:
-                        "NO ASSESSMENT: keep people away and have an engineer examine the column."
-                            .to_owned(),
+                    headline: format!("NO ASSESSMENT: {NOT_ASSESSED}"),
                     cause: format!("There is no assessment, because {reason}."),
                     numbers: outcome(impact),
                     model: String::new(),
                     range: String::new(),
                     reservations,
                     people: [
-                        "Not known: keep people away.".to_owned(),
-                        "Until an engineer has examined the column.".to_owned(),
+                        "Not known: act as for EVACUATE.".to_owned(),
+                        "Nobody goes back before an engineer has examined the column and allows it."
+                            .to_owned(),
                     ],
                 };
             }
@@ -239,15 +238,15 @@ fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
         ),
         Action::Restrict => (
             "Not near the column.",
-            "Keep people and additional loads away from it and from the structure that it carries until an engineer has examined it.",
+            "Keep people away from it, and additional loads off the part of the building that it carries, until an engineer has examined it.",
         ),
         Action::Shore => (
             "Not where the column carries the building.",
-            "Only those stay who take the load off it, under the direction of an engineer.",
+            "Only those go in who shore it, as an engineer directs.",
         ),
         Action::Evacuate => (
             "No.",
-            "Everybody leaves the part of the building that the column carries, and nobody goes back before an engineer allows it.",
+            "Everybody leaves the part of the building that the column carries, and nobody enters it, not even to shore it, before an engineer allows it.",
         ),
     };
     let mut condition = condition.to_owned();

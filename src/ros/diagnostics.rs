@@ -16,7 +16,7 @@ use super::live_columns::Health;
 use super::security::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
-use crate::messages::words::range_in_words;
+use crate::messages::words::{range_in_words, verdict_in_words};
 
 /// What the statuses of a node are made of.
 pub(super) struct Observed<'a> {
@@ -112,10 +112,9 @@ pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticSt
     let (level, message) = match action_level(twin.action) {
         DiagnosticStatus::OK => (level, message),
         of_action => {
-            let action = action_word(twin.action);
-            let reason = &twin.action_reason;
             // First what to do.
-            let message = format!("action {action}: {reason} ({message})");
+            let verdict = verdict_in_words(twin.action, &twin.action_reason);
+            let message = format!("{verdict} ({message})");
             (level.max(of_action), message)
         }
     };

@@ -8,7 +8,7 @@ use crate::messages::column_twin_msgs::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
 pub use crate::messages::words::{action_word, actions_in_words, decision_word, in_unit};
-use crate::messages::words::{estimate_line, phase_word, range_in_words};
+use crate::messages::words::{estimate_line, phase_word, range_in_words, verdict_in_words};
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -325,11 +325,10 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     };
     let range = range_of(report).map_or(String::new(), |it| format!(" Range: {it}."));
     format!(
-        "{kind} of {}: action {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
+        "{kind} of {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
          push-down {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
-        action_word(report.action),
-        report.action_reason,
+        verdict_in_words(report.action, &report.action_reason),
         vehicle_word(&report.vehicle),
         1e3 * report.max_v1,
         report.max_v1_time,
@@ -366,15 +365,14 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
     );
     let range = range.map_or(String::new(), |it| format!("; range {it}"));
     format!(
-        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm, action {}{}{range}",
+        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm; {}{range}",
         status.column_id,
         phase_word(status.phase),
         status.impacts_since_reset,
         1e3 * status.residual_v1,
-        action_word(status.action),
         match status.action {
-            TwinStatus::ACTION_NONE => String::new(),
-            _ => format!(": {}", status.action_reason),
+            TwinStatus::ACTION_NONE => "NONE".to_owned(),
+            action => verdict_in_words(action, &status.action_reason),
         }
     )
 }

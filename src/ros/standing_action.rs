@@ -1,5 +1,6 @@
 //! What has to be done with a column, as its outputs say it: for alarms and metrics.
 
+use crate::messages::words::not_assessed_in_words;
 use crate::twin::{Assessed, Output, ReportOutput, Status, TwinPhase};
 
 /// The rank of a column that cannot be assessed: that of the most severe action.
@@ -71,8 +72,8 @@ impl StandingAction {
                 event_id: event_id.to_owned(),
             },
             None => {
-                let what = "the column cannot be assessed. An engineer must examine it.";
-                Self::not_assessed(format!("{begin}: {what}"), event_id)
+                let reason = format!("{begin}: {}", not_assessed_in_words());
+                Self::not_assessed(reason, event_id)
             }
         }
     }

@@ -14,7 +14,7 @@ use super::status::Lengths;
 use super::status::{Status, TwinPhase};
 use super::striking::Striking;
 use super::withdrawn_impact::WithdrawnImpact;
-use crate::assessment::{self, VerdictRange};
+use crate::assessment::{self, NOT_ASSESSED, VerdictRange};
 use crate::column::{Report, Sample};
 use crate::estimation::{EstimateRecord, EventEvidence};
 use crate::parameters::Parameters;
@@ -243,7 +243,7 @@ pub(super) trait Verdicts {
 impl<O: Outputs> Verdicts for O {
     fn verdict(&mut self, kind: &str, event_id: &str, assessed: Option<&Assessed>, now: Nanos) {
         let Some(Assessed { assessment, .. }) = assessed else {
-            let text = format!("{kind} of impact \"{event_id}\": the column cannot be assessed");
+            let text = format!("{kind} of impact \"{event_id}\": the column cannot be assessed. {NOT_ASSESSED}");
             return self.notice(NoticeLevel::Error, now, text);
         };
         let action = match assessment.action {
@@ -252,9 +252,8 @@ impl<O: Outputs> Verdicts for O {
             assessment::Action::Shore | assessment::Action::Evacuate => NoticeLevel::Error,
         };
         let text = format!(
-            "{kind} of impact \"{event_id}\": action {}; {}",
-            assessment.action_in_words(),
-            assessment.reason
+            "{kind} of impact \"{event_id}\": {}",
+            assessment.in_words()
         );
         self.notice(action, now, text);
     }

@@ -4,6 +4,7 @@ use super::item::Announcement;
 use super::scene::{Drawing, force};
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::messages::column_twin_msgs::ImpactReport;
+use crate::messages::words::verdict_in_words;
 use crate::printable::is_printable;
 use crate::shape::HINGE_PLACES;
 use crate::study::VehicleLimits;
@@ -85,22 +86,9 @@ fn verdict(kind: &str, announced: &Announcement) -> String {
 
 /// What has to be done, and which criterion decides.
 fn action(report: &ImpactReport) -> String {
-    let action = match report.action {
-        ImpactReport::ACTION_NONE => "none, no deciding criterion is exceeded",
-        ImpactReport::ACTION_INSPECT => "inspect: have an engineer examine the column",
-        ImpactReport::ACTION_RESTRICT => "RESTRICT use and load until the column is examined",
-        ImpactReport::ACTION_SHORE => "SHORE the column now",
-        ImpactReport::ACTION_EVACUATE => "EVACUATE",
-        _ => "not assessed: have an engineer examine the column",
-    };
-    let mut text = format!("**Action: {action}.**");
-    // The reason begins with what has to be done.
-    let reason = report.action_reason.trim_end_matches('.');
-    if !reason.is_empty() {
-        text.push_str(&format!(" {}.", escaped(reason)));
-    }
-    text.push_str("\n\n");
-    text
+    let words = verdict_in_words(report.action, &report.action_reason);
+    let (action, reason) = words.split_once(':').unwrap_or((&words, ""));
+    format!("**{action}**:{}\n\n", escaped(reason))
 }
 
 /// Which hinges yield, in words.
@@ -303,7 +291,7 @@ mod tests {
         let mut announced = announced();
         let text = |announced: &Announcement| panel(&drawing, Told::Result(announced));
         let unknown = text(&announced);
-        assert!(unknown.contains("**Action: not assessed:"), "{unknown}");
+        assert!(unknown.contains("**UNKNOWN**"), "{unknown}");
         assert!(!unknown.contains("capacity") && !unknown.contains("Crush of"));
         let report = &mut announced.report;
         report.outcome = ImpactReport::FRACTURED;
@@ -321,7 +309,7 @@ mod tests {
             "## Result: FRACTURED, a hinge or web is fractured"
         );
         for part in [
-            "**Action: EVACUATE.** hinge rotation.",
+            "**EVACUATE**: hinge rotation.",
             "| Crush of spring 1 | 620 mm, permanent 550 mm |",
             "| Crush of spring 2 | 90 mm, permanent 10 mm |",
             "| Energy absorbed by the vehicle | 152.0 kJ |",

@@ -61,6 +61,38 @@ fn the_peak_is_what_the_sensor_at_the_impact_point_has_measured() {
     }
 }
 
+/// The peak took readings into account that arrived while the estimate was made: a recording, which has those before it only, did not
+/// give the same bits again.
+#[test]
+fn readings_that_arrive_while_an_estimate_is_made_do_not_change_it() {
+    let signal = BeamSignal::make("light_rigid_12", &sensors(), AFTER);
+    let readings = signal.readings(&sensors(), BEFORE, 1);
+    let (_, found) = estimated("light_rigid_12", 1);
+    let contact = found.detection.contact;
+    for milliseconds in [2.0, 3.0, 4.0] {
+        let until = contact.time + 1e-3 * milliseconds;
+        let estimate = |arrived_until: f64| {
+            let mut estimator = prepared();
+            estimator.begin(contact.time, contact.deviation, &found.detection.zeros);
+            let mut is_observed = false;
+            for (time, values) in readings.rows().filter(|(time, _)| *time < arrived_until) {
+                if time >= until && !is_observed {
+                    estimator.observe(until);
+                    is_observed = true;
+                }
+                for (sensor, &value) in values.iter().enumerate() {
+                    estimator.push(sensor, time, value);
+                }
+            }
+            if !is_observed {
+                estimator.observe(until);
+            }
+            estimator.estimate(until)
+        };
+        assert_eq!(estimate(until), estimate(until + 1e-3));
+    }
+}
+
 /// A normal distribution about a positive quantity reached below zero.
 #[test]
 fn no_interval_of_a_peak_begins_below_zero() {

@@ -99,7 +99,7 @@ fn the_first_page_answers_both_questions_of_the_engineer() {
     let first = text_of(sheets[0]);
     let mut place = 0;
     for text in [
-        "SHORE: take the load off the column immediately.",
+        "SHORE: clear the structure that the column carries, and have it shored.",
         "Cause: ",
         "; limit ",
         "Bow that remains: ",

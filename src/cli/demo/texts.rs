@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::cli::summary::wrapped;
 use column_twin::messages::column_twin_msgs::ImpactReport;
-use column_twin::ros::action_word;
+use column_twin::messages::words::verdict_in_words;
 
 /// Maximum wait for the node, and for each of its answers.
 pub(super) const TIMEOUT: Duration = Duration::from_secs(15);
@@ -21,8 +21,7 @@ pub(super) fn outcome_text(report: &ImpactReport) -> &'static str {
 
 /// The action with its reason, in lines that fit into a terminal.
 pub(super) fn action_text(report: &ImpactReport) -> String {
-    let action = action_word(report.action);
-    let words = format!("{action}: {}", report.action_reason);
+    let words = verdict_in_words(report.action, &report.action_reason);
     let mut text = String::new();
     let _ = wrapped(&mut text, "  action", &words); // writing to a String cannot fail
     text

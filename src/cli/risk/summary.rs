@@ -69,7 +69,7 @@ impl fmt::Display for Summary<'_> {
         )?;
         writeln!(
             f,
-            "  Courses to the column   {} vehicles = n T lambda dx = {} x {} 1/m x {} m",
+            "  Courses to the column   {} vehicles = n T lambda dx = {} x {:e} 1/m x {} m",
             small(result.departures),
             short(exposure.vehicles_per_day * 365.25 * exposure.years),
             exposure.encroachment_rate,

@@ -6,7 +6,7 @@ use crate::column::{
     capacity,
 };
 use crate::estimation::detection::detector::WITNESS_RATE;
-use crate::estimation::inference::blocks::Blocks;
+use crate::estimation::inference::blocks::{Blocks, Highest};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
@@ -103,7 +103,10 @@ pub struct Estimator {
     undamaged: UndamagedCapacities,
     /// Displacement of the impact point before the impact \[m\].
     pub(super) rest_v1: f64,
-    pub(super) blocks: Option<Blocks>,
+    blocks: Option<Blocks>,
+    /// The peak displacement that each sensor had read by the instant until which data were used last. What arrives later, while
+    /// an estimate is made, does not count for it.
+    pub(super) highest: Vec<Option<Highest>>,
     /// Instant of contact and its standard deviation \[s\].
     pub(super) contact: [f64; 2],
     observed: usize,
@@ -146,6 +149,7 @@ impl Estimator {
             yield_strain: steel.yield_strength / steel.young_modulus,
             parameters: parameters.clone(),
             blocks: None,
+            highest: Vec::new(),
             contact: [f64::NAN; 2],
             observed: 0,
             prepared: 0,
@@ -257,6 +261,7 @@ impl Estimator {
             &self.sensors,
             zeros,
         ));
+        self.highest.clear();
         self.observed = 0;
     }
 
@@ -294,6 +299,8 @@ impl Estimator {
                 .observe(blocks.layout()[index], means.collect());
             self.observed = index + 1;
         }
+        let sensors = 0..self.sensors.len();
+        self.highest = sensors.map(|it| blocks.highest(it, until)).collect();
     }
 
     /// Gives at most `count` responses from `first` on that were never weighed a first impression, in this thread; returns

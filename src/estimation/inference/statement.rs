@@ -110,9 +110,8 @@ impl Estimator {
         }
     }
 
-    /// The peak displacement of the impact point that a sensor at its height has read by `until` \[s\]; `None` without such a sensor that counts. The most exact one tells it.
-    fn measured_peak(&self, until: f64) -> Option<Highest> {
-        let blocks = self.blocks.as_ref()?;
+    /// The peak displacement of the impact point that a sensor at its height has read; `None` without such a sensor that counts. The most exact one tells it.
+    fn measured_peak(&self) -> Option<Highest> {
         let properties = self.population.properties();
         let each = self.sensors.iter().zip(&self.doubtful).enumerate();
         let at_impact = each.filter(|(_, (sensor, doubtful))| {
@@ -126,7 +125,7 @@ impl Estimator {
                 && !**doubtful
         });
         let measured = at_impact.filter_map(|(index, (sensor, _))| {
-            let highest = blocks.highest(index, until)?;
+            let highest = (*self.highest.get(index)?)?;
             // A sensor at the end of its range has not seen the peak.
             (sensor.range == 0.0 || highest.value < CLIPPED * sensor.range).then_some(highest)
         });
@@ -251,7 +250,7 @@ impl Estimator {
                     .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
             ),
             peak_v1: {
-                let measured = self.measured_peak(data_until);
+                let measured = self.measured_peak();
                 let each = members().map(|(member, weight)| {
                     let [mean, deviation] = self.peak_by(member, measured);
                     Spread {

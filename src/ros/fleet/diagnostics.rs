@@ -7,7 +7,7 @@ use crate::fleet::MAX_OPEN_COLUMNS;
 use crate::messages::column_twin_msgs::ColumnStatus;
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
 use crate::ros::diagnostics::{action_level, entry, phase_name};
-use crate::ros::lines::action_word;
+use crate::messages::words::verdict_in_words;
 
 use super::column_topics::TopicCounts;
 
@@ -139,9 +139,8 @@ pub(super) fn summary(summary: &Summary<'_>) -> DiagnosticStatus {
 }
 
 fn column_status(level: u8, column: &ColumnStatus) -> DiagnosticStatus {
-    let action = action_word(column.action);
     let message = match column.fault.is_empty() {
-        true => format!("action {action}: {}", column.action_reason),
+        true => verdict_in_words(column.action, &column.action_reason),
         false => format!("faulted: {}", column.fault),
     };
     let values = [

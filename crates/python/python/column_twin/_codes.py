@@ -15,11 +15,12 @@ class Action(IntEnum):
     INSPECT = 1
     """Have an engineer examine the column."""
     RESTRICT = 2
-    """Keep people and additional loads away from the column until an engineer has examined it."""
+    """Keep people away from the column, and additional loads off the part of the building that it carries, until an engineer has
+    examined it."""
     SHORE = 3
-    """Take the load off the column immediately."""
+    """Clear the part of the building that the column carries, and have it shored as an engineer directs."""
     EVACUATE = 4
-    """Evacuate the part of the building that the column carries."""
+    """Clear the part of the building that the column carries; nobody enters it before an engineer allows it."""
 
     def __str__(self) -> str:
         return self.name.lower()
