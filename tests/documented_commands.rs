@@ -174,6 +174,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("ssh -L", Cannot("needs another machine")),
     ("cpupower", Cannot("needs a tool of the kernel, and root")),
     // Parts of commands in sentences.
+    ("cargo run --release --", Name),
     ("column-twin simulate --readings FILE", Name),
     ("column-twin estimate --figures FOLDER", Name),
     ("column-twin impact --vehicle mid_car@0.41", Name),
