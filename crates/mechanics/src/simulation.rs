@@ -49,13 +49,29 @@ pub fn follow(
 ) -> Result<(Report, Model, State), SimulationError> {
     let model = Model::new(properties)?;
     let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
-    observe(&model, &state);
+    let observe = |state: &State| observe(&model, state);
+    let report = follow_from(&model, &mut state, impact, max_duration, observe)?;
+    Ok((report, model, state))
+}
+
+/// As [`follow`], from a column at rest in this state, which may be damaged, to the state in which the response ends.
+///
+/// # Errors
+/// As [`simulate`], but for the column.
+pub fn follow_from(
+    model: &Model,
+    state: &mut State,
+    impact: &Impact,
+    max_duration: f64,
+    mut observe: impl FnMut(&State),
+) -> Result<Report, SimulationError> {
+    let mut response = Response::begin(model, state, *impact, max_duration)?;
+    observe(state);
     loop {
-        let progress = response.advance(&model, &mut state, u64::MAX)?;
-        observe(&model, &state);
+        let progress = response.advance(model, state, u64::MAX)?;
+        observe(state);
         if let Progress::Over(end) = progress {
-            return Ok((response.report(&model, &state, end), model, state));
+            return Ok(response.report(model, state, end));
         }
     }
 }
