@@ -75,8 +75,11 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
 /// Outcome, and the numbers that matter.
 fn verdict(kind: &str, announced: &Announcement) -> String {
     let report = &*announced.report;
-    let mut text = format!("## {kind}: {}\n\n", outcome(report));
-    text.push_str(&action(report));
+    let [measure, reason] = action(report);
+    let mut text = format!("# {measure}\n\n## {kind}: {}\n\n", outcome(report));
+    if !reason.is_empty() {
+        text.push_str(&format!("{reason}.\n\n"));
+    }
     text.push_str(&format!("Impact {}. ", escaped(&announced.event_id)));
     text.push_str(&hinges(report));
     text.push_str("\n\n");
@@ -84,11 +87,11 @@ fn verdict(kind: &str, announced: &Announcement) -> String {
     text
 }
 
-/// What has to be done, and which criterion decides.
-fn action(report: &ImpactReport) -> String {
+/// What has to be done, and why, both without a full stop.
+fn action(report: &ImpactReport) -> [String; 2] {
     let words = verdict_in_words(report.action, &report.action_reason);
-    let (action, reason) = words.split_once(':').unwrap_or((&words, ""));
-    format!("**{action}**:{}\n\n", escaped(reason))
+    let (measure, reason) = words.split_once(". ").unwrap_or((&words, ""));
+    [measure, reason].map(|text| escaped(text.trim_end_matches('.')))
 }
 
 /// Which hinges yield, in words.
@@ -251,11 +254,12 @@ mod tests {
 
     /// The heading: what is read first.
     fn heading(text: &str) -> &str {
-        text.lines().next().expect("a line")
+        let mut lines = text.lines();
+        lines.find(|it| it.starts_with("## ")).expect("a heading")
     }
 
     #[test]
-    fn the_outcome_is_the_first_line() {
+    fn the_outcome_is_the_heading_below_the_measure() {
         let drawing = Drawing::new(&Parameters::default());
         let mut announced = announced();
         let text = panel(&drawing, Told::Forecast(&announced));
@@ -291,12 +295,12 @@ mod tests {
         let mut announced = announced();
         let text = |announced: &Announcement| panel(&drawing, Told::Result(announced));
         let unknown = text(&announced);
-        assert!(unknown.contains("**UNKNOWN**"), "{unknown}");
+        assert!(unknown.starts_with("# UNKNOWN\n"), "{unknown}");
         assert!(!unknown.contains("capacity") && !unknown.contains("Crush of"));
         let report = &mut announced.report;
         report.outcome = ImpactReport::FRACTURED;
         report.action = ImpactReport::ACTION_EVACUATE;
-        report.action_reason = "hinge rotation.".to_owned();
+        report.action_reason = "Let nobody in. Cause: hinge rotation.".to_owned();
         report.max_crush = PerMass::first(&[0.62, 0.09, 0.0], 2);
         report.permanent_crush = PerMass::first(&[0.55, 0.01, 0.0], 2);
         report.vehicle_dissipated = PerMass::first(&[150e3, 2e3, 0.0], 2);
@@ -309,7 +313,8 @@ mod tests {
             "## Result: FRACTURED, a hinge or web is fractured"
         );
         for part in [
-            "**EVACUATE**: hinge rotation.",
+            "# EVACUATE: Let nobody in\n\n## Result: FRACTURED,",
+            "\n\nCause: hinge rotation.\n\n",
             "| Crush of spring 1 | 620 mm, permanent 550 mm |",
             "| Crush of spring 2 | 90 mm, permanent 10 mm |",
             "| Energy absorbed by the vehicle | 152.0 kJ |",
