@@ -59,8 +59,8 @@ impl EarlierImpacts {
         max_duration: f64,
     ) -> Result<(Report, Option<State>), SimulationError> {
         let model = Model::new(&properties.before(impact))?;
-        let mut state = self.column.settled(&model);
-        let report = follow_from(&model, &mut state, impact, max_duration, |_| ())?;
+        let rest = self.column.settled(&model);
+        let (report, state) = follow_from(&model, rest, impact, max_duration, |_, _| ())?;
         let rest = rest_after(&report, &model, &state);
         Ok((report, rest))
     }

@@ -45,33 +45,33 @@ pub fn follow(
     properties: &ColumnProperties,
     impact: &Impact,
     max_duration: f64,
-    mut observe: impl FnMut(&Model, &State),
+    observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Model, State), SimulationError> {
     let model = Model::new(properties)?;
-    let mut state = State::at_rest(&model);
-    let observe = |state: &State| observe(&model, state);
-    let report = follow_from(&model, &mut state, impact, max_duration, observe)?;
+    let rest = State::at_rest(&model);
+    let (report, state) = follow_from(&model, rest, impact, max_duration, observe)?;
     Ok((report, model, state))
 }
 
-/// As [`follow`], from a column at rest in this state, which may be damaged, to the state in which the response ends.
+/// As [`follow`], on the column of this model that is at rest in the state `rest`, such as one that an earlier impact has damaged.
 ///
 /// # Errors
-/// As [`simulate`], but for the column.
+/// An impact that is out of range, or a step that does not converge. A collapse is a result.
 pub fn follow_from(
     model: &Model,
-    state: &mut State,
+    rest: State,
     impact: &Impact,
     max_duration: f64,
-    mut observe: impl FnMut(&State),
-) -> Result<Report, SimulationError> {
-    let mut response = Response::begin(model, state, *impact, max_duration)?;
-    observe(state);
+    mut observe: impl FnMut(&Model, &State),
+) -> Result<(Report, State), SimulationError> {
+    let mut state = rest;
+    let mut response = Response::begin(model, &mut state, *impact, max_duration)?;
+    observe(model, &state);
     loop {
-        let progress = response.advance(model, state, u64::MAX)?;
-        observe(state);
+        let progress = response.advance(model, &mut state, u64::MAX)?;
+        observe(model, &state);
         if let Progress::Over(end) = progress {
-            return Ok(response.report(model, state, end));
+            return Ok((response.report(model, &state, end), state));
         }
     }
 }
