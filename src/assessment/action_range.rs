@@ -7,7 +7,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-use super::response::{band_properties, input_of_response, respond_and_rest};
+use super::response::{EarlierImpacts, band_properties, input_of_response, respond_and_rest};
 use super::{Action, Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, assess, in_capitals};
 use crate::column::{ColumnProperties, Impact, Model, Report};
 use crate::parameters::{Parameters, Value};
@@ -121,18 +121,27 @@ impl Assumption {
 
 impl ActionRange {
     /// Computes one response, with its assessment, for each end of the range of each assumption: at most 14. `verdict` is the
-    /// assessment of the response of the undamaged column with these `properties` to this impact.
+    /// assessment of the response of the column with these `properties` to this impact, after the `earlier` ones, if there were any.
+    /// Of a damaged column only the assumptions about this impact are varied: how it would have come to its damage on other
+    /// assumptions is not known.
     #[must_use]
     pub fn of(
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
+        earlier: Option<&EarlierImpacts>,
         verdict: &Assessment,
     ) -> Self {
         let verdict = (verdict.action, verdict.at_least);
         let mut range = Self::begin(verdict);
+        let case = Case {
+            parameters,
+            properties,
+            impact,
+            earlier,
+        };
         // Nothing stops it.
-        range.vary(parameters, properties, impact, &mut || true);
+        range.vary(&case, &mut || true);
         range.summarise(verdict.0);
         range
     }
@@ -144,11 +153,18 @@ impl ActionRange {
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
+        earlier: Option<&EarlierImpacts>,
         verdict: (Action, bool),
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
         let mut range = Self::begin(verdict);
-        if !range.vary(parameters, properties, impact, go_on) {
+        let case = Case {
+            parameters,
+            properties,
+            impact,
+            earlier,
+        };
+        if !range.vary(&case, go_on) {
             return None;
         }
         range.summarise(verdict.0);
@@ -169,23 +185,12 @@ impl ActionRange {
     }
 
     /// Computes the variations; false once `go_on` returns false.
-    fn vary(
-        &mut self,
-        parameters: &Parameters,
-        properties: &ColumnProperties,
-        impact: &Impact,
-        go_on: &mut dyn FnMut() -> bool,
-    ) -> bool {
-        let case = Case {
-            parameters,
-            properties,
-            impact,
-        };
+    fn vary(&mut self, case: &Case<'_>, go_on: &mut dyn FnMut() -> bool) -> bool {
         for (assumption, changed) in case.variations() {
             if !go_on() {
                 return false;
             }
-            match changed.and_then(|changed| changed.judged(assumption, parameters)) {
+            match changed.and_then(|changed| changed.judged(assumption, case)) {
                 Ok(variation) => self.variations.push(variation),
                 Err(reason) => self.not_varied.push((assumption, reason)),
             }
@@ -292,6 +297,7 @@ struct Case<'a> {
     parameters: &'a Parameters,
     properties: &'a ColumnProperties,
     impact: &'a Impact,
+    earlier: Option<&'a EarlierImpacts>,
 }
 
 /// The impact with one assumption changed.
@@ -306,10 +312,13 @@ struct Changed {
 }
 
 impl Changed {
-    fn judged(self, assumption: Assumption, verdict: &Parameters) -> Result<Variation, String> {
+    fn judged(self, assumption: Assumption, case: &Case<'_>) -> Result<Variation, String> {
         let duration = self.parameters.response_duration();
-        let (report, rest) = respond_and_rest(&self.properties, &self.impact, duration)
-            .map_err(|fault| fault.to_string())?;
+        let (report, rest) = match case.earlier {
+            Some(earlier) => earlier.respond_and_rest(&self.properties, &self.impact, duration),
+            None => respond_and_rest(&self.properties, &self.impact, duration),
+        }
+        .map_err(|fault| fault.to_string())?;
         let model =
             Model::new(&self.properties.before(&self.impact)).map_err(|fault| fault.to_string())?;
         let mut input = input_of_response(
@@ -321,9 +330,11 @@ impl Changed {
         )
         .map_err(|fault| fault.to_string())?;
         if self.has_overstrength {
-            input.base = ConnectedBase::of(verdict).ok();
+            input.base = ConnectedBase::of(case.parameters).ok();
             input.base_demand = Some(BaseDemand::with_overstrength(&report));
         }
+        let earlier = case.earlier.and_then(|it| it.base.as_ref());
+        input.base_demand = input.base_demand.map(|demand| demand.after(earlier));
         let assessment = assess(&input);
         Ok(Variation {
             assumption,
@@ -339,10 +350,29 @@ impl Changed {
 
 type Found = (Assumption, Result<Changed, String>);
 
+/// The assumptions on which the damage of earlier impacts depends, too.
+const OF_THE_DAMAGE: [Assumption; 5] = [
+    Assumption::Height,
+    Assumption::Hardening,
+    Assumption::YieldStrength,
+    Assumption::TopSpring,
+    Assumption::BasePlate,
+];
+
+/// Why they are not varied.
+const DAMAGED: &str = "the column was damaged before, and the damage on another assumption is not known";
+
 impl Case<'_> {
     fn variations(&self) -> Vec<Found> {
         let mut all = Vec::new();
         all.extend(self.speeds());
+        if self.earlier.is_some_and(EarlierImpacts::have_damaged) {
+            all.extend(self.fronts());
+            all.extend(self.narrow_object());
+            all.push((Assumption::StrainRate, self.strain_rate()));
+            all.extend(OF_THE_DAMAGE.map(|it| (it, Err(DAMAGED.to_owned()))));
+            return all;
+        }
         all.extend(self.heights());
         all.extend(self.fronts());
         all.extend(self.narrow_object());

@@ -57,7 +57,7 @@ impl ImpactEvaluation {
             };
         let range = assessment
             .as_ref()
-            .map(|it| ActionRange::of(parameters, properties, impact, it));
+            .map(|it| ActionRange::of(parameters, properties, impact, None, it));
         // The same load as in the criteria.
         let carried = match &remaining {
             Some(remaining) => remaining.carried_load,

@@ -74,6 +74,7 @@ pub use remaining::{
     section_dimensions,
 };
 pub use response::{
+    EarlierImpacts,
     HARDENING_BAND, band_properties, input_of_response, observe_and_rest, respond_and_rest,
 };
 pub use rotation_limits::{

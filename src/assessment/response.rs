@@ -1,11 +1,14 @@
-//! The response of an undamaged column to an impact, and what its assessment depends on.
+//! The response of a column to an impact, and what its assessment depends on.
 
-use super::{AssessmentInput, ResidualCapacity};
+use serde::{Deserialize, Serialize};
+
+use super::{AssessmentInput, BaseDemand, ResidualCapacity};
 use crate::column::{
     CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
-    follow, residual_without_bumper,
+    follow, follow_from, residual_without_bumper,
 };
 use crate::parameters::{POISSON_RATIO, Parameters};
+use crate::standing::StandingColumn;
 
 /// The hardening ratios between which real steel lies, for the band that reports show: half of the least and less than the
 /// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
@@ -25,6 +28,42 @@ pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
         softening,
         ..properties.with_hardening(hardening_ratio, POISSON_RATIO)
     })
+}
+
+/// What earlier impacts have left to an impact.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EarlierImpacts {
+    /// The column as the impact finds it, before the bumper of its vehicle.
+    pub column: StandingColumn,
+    /// What they have put into the base; `None` where it is not known.
+    pub base: Option<BaseDemand>,
+}
+
+impl EarlierImpacts {
+    /// Whether they have left damage.
+    #[must_use]
+    pub fn have_damaged(&self) -> bool {
+        self.column.damage.is_some()
+    }
+
+    /// As [`respond_and_rest`], of the column that they have left. Its properties are those with which it is left, but for what its
+    /// equilibrium does not depend on.
+    ///
+    /// # Errors
+    /// As [`respond`](crate::column::respond).
+    pub fn respond_and_rest(
+        &self,
+        properties: &ColumnProperties,
+        impact: &Impact,
+        max_duration: f64,
+    ) -> Result<(Report, Option<State>), SimulationError> {
+        let model = Model::new(&properties.before(impact))?;
+        let rest = self.column.settled(&model);
+        let (report, state) = follow_from(&model, rest, impact, max_duration, |_, _| ())?;
+        let rest = rest_after(&report, &model, &state);
+        Ok((report, rest))
+    }
 }
 
 /// All that the assessment of an undamaged column after its response, and in the equilibrium `rest`, depends on, with its capacities.
@@ -70,7 +109,13 @@ pub fn observe_and_rest(
 ) -> Result<(Report, Option<State>), SimulationError> {
     let properties = properties.before(impact);
     let (report, model, state) = follow(&properties, impact, max_duration, observe)?;
+    let rest = rest_after(&report, &model, &state);
+    Ok((report, rest))
+}
+
+/// The equilibrium in which a column comes to rest after a response that has ended in this state; `None` without one.
+fn rest_after(report: &Report, model: &Model, state: &State) -> Option<State> {
     let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-    let residual = || residual_without_bumper(&model, &state, &model.without_bumper());
-    Ok((report, stands.then(residual).flatten()))
+    let residual = || residual_without_bumper(model, state, &model.without_bumper());
+    stands.then(residual).flatten()
 }

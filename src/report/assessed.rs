@@ -2,12 +2,13 @@
 
 use super::reported_impact::ReportedImpact;
 use crate::assessment::{
-    ActionRange, Assessment, AssessmentInput, ConnectedBase, Criterion, ResidualCapacity, assess,
-    imperfection,
+    ActionRange, Assessment, AssessmentInput, ConnectedBase, Criterion, EarlierImpacts,
+    ResidualCapacity, assess, imperfection,
 };
-use crate::column::{Outcome, PerBar, PushDownPoint, State, push_down};
+use crate::column::{Outcome, PushDownPoint, State, push_down};
 use crate::parameters::BeamMode;
 use crate::second_opinion::{NoSecondOpinion, SecondOpinion};
+use crate::standing::StandingColumn;
 
 /// Residual capacity and assessment after one impact.
 #[derive(Debug, Clone)]
@@ -121,13 +122,16 @@ fn range(impact: &ReportedImpact, verdict: &Assessment) -> Result<ActionRange, &
     let struck = impact
         .struck
         .ok_or("the column was still moving when the impact began")?;
-    if struck.state.plastic != PerBar::default() {
-        return Err("the column was damaged before, and its hardening since then is not known");
-    }
+    // Without the base: the assessment of a report judges the forces of its own impact.
+    let earlier = EarlierImpacts {
+        column: StandingColumn::new(&struck.model, &struck.state),
+        base: None,
+    };
     Ok(ActionRange::of(
         &impact.parameters,
         &impact.model.properties,
         &impact.impact,
+        Some(&earlier).filter(|it| it.have_damaged()),
         verdict,
     ))
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::opinion_state::{KnownBeamDamage, OpinionState};
 use super::striking::{Striking, Travel};
-use crate::assessment::VerdictRange;
+use crate::assessment::{EarlierImpacts, VerdictRange};
 use crate::column::{Impact, Report};
 use crate::time::Nanos;
 
@@ -35,6 +35,9 @@ pub struct JudgedImpact {
     /// Whether its verdict has a range.
     #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
     pub has_range: bool,
+    /// What the impacts before it have left, on which the range depends; `None` where they have left nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub earlier: Option<Arc<EarlierImpacts>>,
     /// The range of the verdict; `None` until it is known.
     pub range: Option<Arc<VerdictRange>>,
     /// Where the second opinion stands.

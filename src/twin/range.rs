@@ -2,8 +2,7 @@
 //! column differs. The twin tells what is to be computed once the forecast is complete, and publishes forecast or report once
 //! more with the result; another thread computes it.
 //!
-//! Only the impact on a column at rest without damage has a range, as everywhere else: how a damaged column has hardened
-//! with another strength is not known. What would be computed for an impact that another one, a reset, a correction of the damage or a
+//! Only the impact on a column at rest has a range; on a damaged one, it varies the assumptions about this impact alone. What would be computed for an impact that another one, a reset, a correction of the damage or a
 //! change of parameters has overtaken is not awaited any more.
 
 use std::sync::Arc;
@@ -15,9 +14,10 @@ use super::judged_impact::JudgedImpact;
 use super::opinion_state::{KnownBeamDamage, OpinionState};
 use super::output::ReportOutput;
 use super::plant::{Condition, Plant};
-use crate::assessment::{Action, ActionRange, VerdictRange};
+use crate::assessment::{Action, ActionRange, EarlierImpacts, VerdictRange};
 use crate::column::{ColumnProperties, Impact};
 use crate::parameters::Parameters;
+use crate::standing::StandingColumn;
 
 /// All on which the range of a verdict depends, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +27,8 @@ pub struct RangeTask {
     parameters: Arc<Parameters>,
     properties: ColumnProperties,
     impact: Impact,
+    /// What the impacts before it have left.
+    earlier: Option<Arc<EarlierImpacts>>,
     /// The action of the verdict, and whether more than that may have to be done.
     verdict: (Action, bool),
 }
@@ -39,10 +41,13 @@ impl RangeTask {
             parameters,
             properties,
             impact,
+            earlier,
             verdict,
             ..
         } = self;
-        let range = ActionRange::of_action(parameters, properties, impact, *verdict, go_on)?;
+        let earlier = earlier.as_deref();
+        let range =
+            ActionRange::of_action(parameters, properties, impact, earlier, *verdict, go_on)?;
         Some(Arc::new(range.ends))
     }
 
@@ -51,6 +56,7 @@ impl RangeTask {
     pub fn has_the_result_of(&self, other: &Self) -> bool {
         self.properties == other.properties
             && self.impact == other.impact
+            && self.earlier == other.earlier
             && self.verdict == other.verdict
             && self.parameters.differs_by_names_only(&other.parameters)
     }
@@ -60,6 +66,7 @@ impl RangeTask {
         parameters: &Arc<Parameters>,
         struck: &ColumnProperties,
         impact: Impact,
+        earlier: Option<&Arc<EarlierImpacts>>,
         assessed: &Assessed,
     ) -> Self {
         let assessment = &assessed.assessment;
@@ -72,6 +79,7 @@ impl RangeTask {
                 ..parameters.column_properties()
             },
             impact,
+            earlier: earlier.cloned(),
             verdict: (assessment.action, assessment.at_least),
         }
     }
@@ -93,6 +101,7 @@ impl Judged {
         beam_before: &KnownBeamDamage,
     ) -> Option<Box<Self>> {
         let has_range = has_range(&response.before);
+        let earlier = response.earlier_impacts().filter(|_| has_range);
         let has_opinion = !matches!(output.opinion, OpinionState::None(_));
         if !(has_range || has_opinion) || output.assessed.is_none() {
             return None;
@@ -120,6 +129,7 @@ impl Judged {
                 error_estimate,
                 step_nanos,
                 has_range,
+                earlier,
                 range,
                 opinion,
                 beam_before: match has_opinion {
@@ -159,9 +169,7 @@ impl Judged {
 
 /// Whether the verdict on an impact on this column has a range.
 fn has_range(before: &Plant) -> bool {
-    before.condition == Condition::Standing
-        && !before.is_damaged()
-        && before.state.impactor.is_none()
+    before.condition == Condition::Standing && before.state.impactor.is_none()
 }
 
 impl ActiveResponse {
@@ -187,8 +195,24 @@ impl ActiveResponse {
             parameters,
             struck,
             striking.impact,
+            self.earlier_impacts().as_ref(),
             assessed,
         ))
+    }
+
+    /// What the impacts before this one have left; `None` where they have left nothing.
+    fn earlier_impacts(&self) -> Option<Arc<EarlierImpacts>> {
+        let base = self.impact.base_before;
+        if base.is_none() && !self.before.is_damaged() {
+            return None;
+        }
+        // As it was when the impact began, which has succeeded.
+        let struck = &self.timeline.plant().model.properties;
+        let (model, state) = self.before.with_hinges_at_impact(struck).ok()?;
+        Some(Arc::new(EarlierImpacts {
+            column: StandingColumn::new(&model, &state),
+            base,
+        }))
     }
 
     /// The forecast with what was computed behind it.

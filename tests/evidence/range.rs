@@ -15,7 +15,8 @@ use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 const SECOND: i64 = 1_000 * MS;
 
-/// The first range is known during the response, the second after it; that of the third impact never is.
+/// The first range is known during the response, the second after it; that of the third impact never is. The fourth impact hits a
+/// column that the third has damaged.
 fn recording(mode: RecordMode) -> Finished {
     let mut twin = RecordedTwin::with_mode(parameters(), mode);
     twin.hit(event("a", twin.now));
@@ -40,6 +41,11 @@ fn recording(mode: RecordMode) -> Finished {
     twin.reset();
     twin.hit(event("c", twin.now));
     twin.until_rest();
+    twin.hit(event("d", twin.now));
+    twin.until_rest();
+    twin.advance(SECOND);
+    twin.know_range();
+    twin.advance(SECOND);
     twin.reset();
     twin.advance(SECOND);
     twin.finish()
@@ -76,6 +82,7 @@ fn they_are_recorded_and_verified_in_both_modes() {
         let mut expected = vec![of("a", true)];
         expected.extend(b);
         expected.push(of("c", false));
+        expected.extend([false, false, true].map(|is_known| of("d", is_known)));
         assert_eq!(known("/impact_report"), expected);
     }
 }

@@ -51,7 +51,7 @@ pub const ROOMS: &[Room] = &[
     room("parameters", "the parameters of a column", &["mechanics", "hexadecimal", "printable", "bounded_file", "sensors"], "the twin, DDS, the command line"),
     room("exact_number", "numbers in JSON to the last bit", &["parameters"], "what they mean"),
     room("standing", "a column at rest with its damage", &["mechanics", "parameters"], "the twin, clocks, estimates"),
-    room("assessment", "action and its criteria", &["mechanics", "parameters"], "the twin, clocks"),
+    room("assessment", "action and its criteria", &["mechanics", "parameters", "standing"], "the twin, clocks"),
     room("second_opinion", "what the fibre beam says beside the two bars", &["mechanics", "beam", "parameters", "assessment"], "the twin, clocks, files"),
     room("messages", "Rust types of the messages", &["mechanics", "ros_interface", "assessment"], "the twin, parameters, DDS"),
     room("results", "results by name", &["mechanics", "parameters", "assessment", "second_opinion"], "the twin, files"),

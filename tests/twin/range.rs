@@ -138,15 +138,60 @@ fn another_impact_or_a_reset_withdraws_what_is_not_known_yet() {
             let task = bench.twin.background_tasks().next().expect("a task");
             way(&mut bench);
             assert!(!bench.twin.awaits(&task));
-            bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
-            assert!(!bench.twin.awaits_range(), "it was damaged or moving");
             let given = bench.handle(Command::VerdictRange(late));
             assert_eq!(given, Ok(Accepted::Unchanged));
+            bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+            if during {
+                assert!(!bench.twin.awaits_range(), "it was moving, or is new");
+            }
             bench.rest();
             assert!(ranged(&bench).is_empty());
             assert_eq!(bench.twin.status(bench.now).range, None);
         }
     }
+}
+
+/// The verdict on a damaged column had no range. What is varied are the assumptions about the second impact, and each variation is what
+/// `~/predict` answers.
+#[test]
+fn it_is_that_of_the_predictions_of_a_damaged_column() {
+    let mut bench = Bench::new(&[]);
+    hit(&mut bench, "a", 5.0);
+    bench.rest();
+    let snapshot = bench.twin.snapshot();
+    let before = snapshot.standing().expect("it stands").expect("at rest");
+    assert!(before.damage.is_some());
+    let (mut ends, mut wide) = (Vec::new(), 0);
+    for velocity in [1.0, 2.0, 3.0, 4.0, 5.0, 6.0] {
+        let mut bench = Bench::new(&[]);
+        hit(&mut bench, "a", 5.0);
+        bench.rest();
+        hit(&mut bench, "b", velocity);
+        bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+        let range = computed(&mut bench);
+        let predicted = [0.9, 1.1].map(|factor| {
+            let mut impact = event("x", 0).impact;
+            impact.velocity = velocity * (1.0 + (factor - 1.0));
+            let prediction = snapshot.predict("", "", &impact, &|| 0);
+            let assessed = prediction.expect("a prediction").assessed;
+            assessed.expect("it is assessed").assessment.action
+        });
+        for action in predicted {
+            assert!((range.least..=range.most).contains(&action), "{range}");
+        }
+        wide += usize::from(range.least < range.most);
+        ends.push((predicted, range.to_string()));
+        bench.rest();
+        let given = bench.handle(Command::VerdictRange(Arc::clone(&range)));
+        assert_eq!(given, Ok(Accepted::Applied));
+        let checkpoint = bench.twin.checkpoint(bench.now).expect("at rest");
+        let text = serde_json::to_string(&checkpoint).expect("JSON");
+        let read: Checkpoint = serde_json::from_str(&text).expect("a checkpoint");
+        let continued = Twin::from_checkpoint(&read, Box::new(|| 0)).expect("a column");
+        let task = continued.range_task_at_rest().expect("it has a range");
+        assert_eq!(task.compute(&mut || true), Some(range));
+    }
+    assert!(wide > 0, "{ends:?}");
 }
 
 #[test]

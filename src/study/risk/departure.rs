@@ -8,8 +8,8 @@ use super::reach::{Course, LEAST_SPEED, Reach};
 use super::scenario::Scenario;
 use crate::column::share_in_plane;
 
-/// The inputs that scatter, in the order of the random numbers of a sample.
-pub const INPUT_NAMES: [&str; 9] = [
+/// The inputs that scatter, in the order of the random numbers of a sample; the orientation only where the scenario has one.
+pub const INPUT_NAMES: [&str; 10] = [
     "vehicle_class",
     "speed",
     "angle",
@@ -19,10 +19,14 @@ pub const INPUT_NAMES: [&str; 9] = [
     "force_factor",
     "yield_strength",
     "top_load",
+    "orientation",
 ];
 
 /// Number of the inputs that scatter.
 pub const INPUTS: usize = INPUT_NAMES.len();
+
+/// The quantile of an orientation that is not drawn.
+const NO_ORIENTATION: f64 = 0.5;
 
 /// Samples of which one has to reach the column.
 const FIRST_SAMPLES: u64 = 10;
@@ -132,8 +136,10 @@ impl DepartureSampler {
         let (course, points) = self.reach.course(&self.scenario, &mut numbers);
         let [class, mass, force, yielding, load, choice] = numbers.take();
         // Drawn last, so that all other numbers are those of the same scenario without it.
-        let orientation = self.scenario.orientation.as_ref();
-        let orientation = orientation.map(|it| it.distribution.quantile(numbers.next()));
+        let orientation = self.scenario.orientation.as_ref().map(|it| {
+            let quantile = numbers.next();
+            (quantile, it.distribution.quantile(quantile))
+        });
         let reached = course.is_some();
         let course = course.unwrap_or(Course {
             speed: 0.5,
@@ -151,11 +157,12 @@ impl DepartureSampler {
             force,
             yielding,
             load,
+            orientation.map_or(NO_ORIENTATION, |(quantile, _)| quantile),
         ];
         let mut departure =
             self.of_quantiles(index, class_at(&self.scenario, class), quantiles, choice);
         departure.points = points;
-        departure.direction = orientation.map(|it| direction(departure.angle, it.to_radians()));
+        departure.direction = orientation.map(|(_, it)| direction(departure.angle, it.to_radians()));
         if reached {
             departure.velocity = departure.speed_at_column();
         }
@@ -170,7 +177,10 @@ impl DepartureSampler {
         quantiles: impl Fn(f64) -> f64,
     ) -> Departure {
         let mut numbers = self.streams.numbers(index);
-        let quantiles = std::array::from_fn(|_| quantiles(numbers.next()));
+        let quantiles = INPUT_NAMES.map(|name| match name {
+            "orientation" => NO_ORIENTATION,
+            _ => quantiles(numbers.next()),
+        });
         let mut departure = self.of_quantiles(index, class, quantiles, numbers.next());
         // In the plane of the two bars, of which another direction takes the component.
         departure.direction = self.scenario.orientation.as_ref().map(|_| 0.0);
@@ -194,6 +204,7 @@ impl DepartureSampler {
             force,
             yielding,
             load,
+            _,
         ] = quantiles;
         let scenario = &self.scenario;
         let vehicle = &scenario.classes[class];

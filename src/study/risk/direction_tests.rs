@@ -105,6 +105,43 @@ fn a_sample_is_the_simulation_of_its_hit() {
     assert!(expected.second_opinion.is_ok());
 }
 
+/// The orientation was not among the inputs of the sensitivity, also where it alone decided.
+#[test]
+fn the_orientation_that_decides_has_all_of_the_variance() {
+    struct AcrossTheWeb;
+    impl LimitState for AcrossTheWeb {
+        fn action(&self, departure: &Departure) -> Option<Action> {
+            let quantile = departure.quantiles[INPUTS - 1];
+            Some(match (0.2..0.8).contains(&quantile) {
+                true => Action::Shore,
+                false => Action::None,
+            })
+        }
+        fn at_speeds<'a>(&'a self, departure: &'a Departure) -> ActionAtSpeed<'a> {
+            Box::new(|_| self.action(departure))
+        }
+    }
+    let shares = |distributions: &[&str]| {
+        let scenario = scenario(distributions);
+        let sampler = DepartureSampler::new(&scenario, 3);
+        let study = RiskStudy::new(&sampler, &AcrossTheWeb);
+        let ran = study.run(&Batch::default(), 0..20_000, |_| {
+            Ok::<_, StudyRunError>(())
+        });
+        let exposure = Exposure::new(&scenario, 1000.0, 1.0);
+        let result = RiskResult::new(&scenario, &ran.unwrap().0, exposure, 0.95);
+        result.sensitivity[2].variance.clone()
+    };
+    let found = shares(&["distance_m=fixed:0", "orientation_deg=uniform:-90:90"]);
+    assert_eq!(found[0].input, "orientation");
+    assert!(found[0].first_order > 0.99, "{found:?}");
+    for other in &found[1..] {
+        assert!(other.first_order < 4.0 * other.error + 1e-3, "{other:?}");
+    }
+    let without = shares(&["distance_m=fixed:0", "orientation_deg=fixed:30"]);
+    assert!(without.iter().all(|it| it.input != "orientation"));
+}
+
 /// Predictions by another model that knows no direction: they are wrong for every oblique hit, and a little in the plane. What is computed
 /// corrects them, so that the intervals hold the truth, which a study that computes everything gives with ten times the samples.
 #[test]

@@ -169,6 +169,10 @@ fn scatters(scenario: &Scenario, name: &str) -> bool {
         "force_factor" => classes
             .iter()
             .any(|class| !class.force_factor.distribution.is_fixed()),
+        "orientation" => scenario
+            .orientation
+            .as_ref()
+            .is_some_and(|it| !it.distribution.is_fixed()),
         "yield_strength" => !scenario.yield_strength_factor.distribution.is_fixed(),
         _ => !scenario.top_load_factor.distribution.is_fixed(),
     }

@@ -42,15 +42,16 @@ impl Twin {
     /// All on which the range of the verdict on the last impact depends, whether it is known or not; `None` where it has none.
     #[must_use]
     pub fn range_task_at_rest(&self) -> Option<RangeTask> {
+        let judged = &self.judged.as_ref()?.impact;
+        if !judged.has_range {
+            return None;
+        }
         Some(RangeTask::new(
             self.journal.responses,
             self.parameters.current(),
             &self.at_rest.model.properties,
-            self.judged
-                .as_ref()
-                .filter(|it| it.impact.has_range)?
-                .impact
-                .impact,
+            judged.impact,
+            judged.earlier.as_ref(),
             self.assessed.as_ref()?,
         ))
     }
