@@ -119,7 +119,20 @@ fn headline(assessment: &Assessment) -> String {
 fn cause(assessment: &Assessment) -> String {
     match assessment.action {
         Action::None => "No limit of the checks that decide is exceeded.".to_owned(),
-        _ => format!("Cause: {}.", assessment.cause),
+        action => {
+            let others = assessment.criteria.iter().filter(|it| {
+                let is_as_severe = it.decides && it.exceeded == Some(true) && it.action == action;
+                is_as_severe && it.name != assessment.deciding_criterion
+            });
+            // Two criteria may have one cause, such as a resistance about either axis.
+            let mut causes: Vec<_> = others.map(|it| it.cause).collect();
+            causes.dedup();
+            let also = match &causes[..] {
+                [] => String::new(),
+                _ => format!(" Also: {}.", causes.join("; ")),
+            };
+            format!("Cause: {}.{also}", assessment.cause)
+        }
     }
 }
 

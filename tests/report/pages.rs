@@ -81,6 +81,17 @@ fn the_first_page_names_the_model_that_decides() {
     }
 }
 
+/// The bow decided, and nothing on the first lines told that the anchors require the same action.
+#[test]
+fn every_cause_of_the_action_is_on_the_first_lines() {
+    let folder = TempDir::new().unwrap();
+    let options = format!("--config {}", config("heb220_s355.yaml"));
+    let (_, html) = simulated(folder.path(), "car", &options);
+    let first = text_of(sheets(&html)[0]);
+    let causes = "Cause: the column stays bent further than the buckling curves allow for. Also: the anchors of the base may be broken.";
+    assert!(first.contains(causes), "{first}");
+}
+
 /// May people stay, and what must be looked at: both are answered before a page is turned, after the action, its cause and the
 /// number with its limit.
 #[test]
