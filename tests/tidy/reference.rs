@@ -400,7 +400,9 @@ const LIMITS: [(&str, &[Number]); 5] = [
 ];
 
 const LIMITS_HEAD: &str = "\
-# Limits and prior
+# Limits of the program, and prior distributions
+
+These are the limits of the program. [The range of validity](start/engineer.md#range-of-validity) has the limits of the model.
 
 This page is generated from the constants of the source; do not edit it.
 An input beyond a limit is rejected, with the limit in the error; a longer output is shortened.
