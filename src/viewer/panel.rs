@@ -313,8 +313,8 @@ mod tests {
             "## Result: FRACTURED, a hinge or web is fractured"
         );
         for part in [
-            "# EVACUATE: Let nobody in\n\n## Result: FRACTURED,",
-            "\n\nCause: hinge rotation.\n\n",
+            "# EVACUATE\\: Let nobody in\n\n## Result: FRACTURED,",
+            "\n\nCause\\: hinge rotation.\n\n",
             "| Crush of spring 1 | 620 mm, permanent 550 mm |",
             "| Crush of spring 2 | 90 mm, permanent 10 mm |",
             "| Energy absorbed by the vehicle | 152.0 kJ |",
