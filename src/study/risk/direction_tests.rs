@@ -26,9 +26,15 @@ fn every_sample_has_the_direction_of_its_scenario() {
         let (without, with) = (plain.departure(index), turned.departure(index));
         assert_eq!(without.direction, None);
         let direction = with.direction.unwrap();
+        let of_the_plane = INPUTS - 1;
+        assert_eq!(
+            with.quantiles[..of_the_plane],
+            without.quantiles[..of_the_plane]
+        );
         assert_eq!(
             Departure {
                 direction: None,
+                quantiles: without.quantiles,
                 ..with
             },
             without
