@@ -9,16 +9,14 @@ use column_twin::assessment::{
     AssessmentInput, ImpactEvaluation, ResidualCapacity, imperfection, observe_and_rest,
     respond_and_rest,
 };
-use column_twin::column::{
-    ForceSpectrum, Impact, Model, PushDownPoint, SimulationError, State, push_down,
-};
+use column_twin::column::{ForceSpectrum, Impact, Model, PushDownPoint, State, push_down};
 use column_twin::parameters::{
     CatalogueVehicle, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
     Value,
 };
 use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
 use column_twin::second_opinion::SecondOpinion;
-use column_twin::study::{BatchEnd, StudyColumn, StudyError};
+use column_twin::study::{BatchEnd, StudyColumn, StudyError, VerdictModel};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use serde::{Deserialize, Serialize};
@@ -29,7 +27,7 @@ use crate::checks::Checks;
 use crate::fault;
 use crate::risk::{Request, risk};
 use crate::sensors;
-use crate::study::{self, GivenAxis};
+use crate::study::{self, MapRequest, model_named};
 use crate::values::{Doubles, doubles, object, value};
 
 /// The velocities below and at a critical one \[m/s\].
@@ -319,28 +317,17 @@ impl Column {
     fn map<'py>(
         &self,
         py: Python<'py>,
-        vehicle: Option<&str>,
-        axes: [GivenAxis; 2],
-        compared: Option<GivenAxis>,
+        request: MapRequest,
         shard: Option<[u64; 2]>,
-        threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         self.expect_undamaged("map")?;
-        let parameters = self.parameters();
-        study::map(py, parameters, vehicle, axes, compared, shard, threads)
+        study::map(py, self.parameters(), request, shard)
     }
 
     /// The boundaries of the actions on a map as JSON; see `_map.py`.
-    fn refine(
-        &self,
-        py: Python<'_>,
-        vehicle: Option<&str>,
-        axes: [GivenAxis; 2],
-        compared: Option<GivenAxis>,
-        threads: Option<NonZeroUsize>,
-    ) -> PyResult<String> {
+    fn refine(&self, py: Python<'_>, request: MapRequest) -> PyResult<String> {
         self.expect_undamaged("refined_map")?;
-        study::refine(py, self.parameters(), vehicle, axes, compared, threads)
+        study::refine(py, self.parameters(), request)
     }
 
     /// What the sensors read in an impact, as a table in CSV.
@@ -399,9 +386,9 @@ impl Column {
         Ok((brackets.collect(), found.responses))
     }
 
-    /// One impact with its history: names and values of its columns, and the outcome as JSON, with what the fibre beam says where it
-    /// is asked. Without a direction \[rad\] the impact has that of the parameters.
-    #[pyo3(signature = (vehicle, mass, velocity, direction=None, asks_beam=false))]
+    /// One impact with its history: names and values of its columns, and the outcome as JSON, with what the fibre beam says where the
+    /// model of this name needs it. Without a direction \[rad\] the impact has that of the parameters.
+    #[pyo3(signature = (vehicle, mass, velocity, direction=None, model="bars"))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
@@ -409,15 +396,18 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
         direction: Option<f64>,
-        asks_beam: bool,
+        model: &str,
     ) -> PyResult<(Vec<String>, Vec<Bound<'py, PyByteArray>>, String)> {
         self.expect_undamaged("simulate")?;
         if let Some(there) = self.towards(direction)? {
-            return there.simulate(py, vehicle, mass, velocity, None, asks_beam);
+            return there.simulate(py, vehicle, mass, velocity, None, model);
         }
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.simulate(py, vehicle, mass, velocity, None, asks_beam);
+            return there.simulate(py, vehicle, mass, velocity, None, model);
         }
+        let model = model_named(model)?;
+        let switched_off = model.check_on(self.parameters());
+        switched_off.map_err(|reason| fault::input(reason.to_string()))?;
         let impact = self.impact(py, vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
         // The whole speed: of an oblique hit, `impact` has the component in the plane of the two bars.
@@ -425,8 +415,7 @@ impl Column {
         let stated = self.with_impact(vehicle, mass, whole);
         let stated = stated.unwrap_or_else(|_| self.parameters().clone());
         let this = self.clone();
-        let history = abandonable(py, move || this.history(&stated, &impact, &name, asks_beam))?
-            .map_err(|fault| fault::of_simulation(&fault))?;
+        let history = abandonable(py, move || this.history(&stated, &impact, &name, model))??;
         let columns = history.columns.iter().map(|it| doubles(py, it));
         Ok((
             history.names,
@@ -637,8 +626,8 @@ impl Column {
         stated: &Parameters,
         impact: &Impact,
         vehicle_name: &str,
-        asks_beam: bool,
-    ) -> Result<History, SimulationError> {
+        model: VerdictModel,
+    ) -> PyResult<History> {
         let parameters = self.parameters();
         let properties = parameters.column_properties();
         let masses = impact.vehicle.map_or(0, |it| it.masses().len());
@@ -661,14 +650,23 @@ impl Column {
                     }
                 });
             },
-        )?;
+        )
+        .map_err(|fault| fault::of_simulation(&fault))?;
         let solve_time = start.elapsed();
-        let mut evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)?;
-        let beam = asks_beam.then(|| {
+        let mut evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)
+            .map_err(|fault| fault::of_simulation(&fault))?;
+        let mut beam = None;
+        if model != VerdictModel::Bars {
             let start = Instant::now();
             let opinion = SecondOpinion::on(stated, &mut evaluation);
-            BeamAnswer::of(&opinion, start.elapsed())
-        });
+            beam = Some(BeamAnswer::of(&opinion, start.elapsed()));
+            if model == VerdictModel::Beam {
+                let opinion = opinion.map_err(|reason| fault::simulation(reason.to_string()))?;
+                evaluation.assessment = opinion.assessment;
+                // Its variations are those of the two bars.
+                evaluation.range = None;
+            }
+        }
         let mut fields =
             ImpactFields::of(&evaluation, vehicle_name, solve_time).with_spectrum(&spectrum);
         if let Some(beam) = beam {

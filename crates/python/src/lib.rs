@@ -6,6 +6,7 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - batch.rs: Many impacts at once, in rows of bytes that numpy reads as a structured array
+// - beam_columns.rs: What the fibre beam says of the cells of a map, as columns for Python
 // - capacity.rs: The capacity of a column for Python
 // - checks.rs: Checks of impacts by the one table of parameters, as on the command line
 // - column.rs: A column for Python
@@ -16,6 +17,7 @@
 // - values.rs: Values from Python to Rust and back
 
 mod batch;
+mod beam_columns;
 mod capacity;
 mod checks;
 mod column;

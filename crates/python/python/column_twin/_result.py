@@ -140,7 +140,7 @@ class Result:
 
     @property
     def beam(self) -> dict[str, Any] | None:
-        """The result of the fibre beam, the object `beam` of `column-twin simulate --json` in SI units; None without `model="beam"`.
+        """The result of the fibre beam, the object `beam` of `column-twin simulate --json` in SI units; None with `model="bars"`.
 
         Raises:
             SimulationError: the beam has no result, with the reason.
