@@ -3,7 +3,7 @@
 use super::{AssessmentInput, ResidualCapacity};
 use crate::column::{
     CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
-    follow, residual_without_bumper,
+    follow_from, residual_without_bumper,
 };
 use crate::parameters::{POISSON_RATIO, Parameters};
 
@@ -68,9 +68,25 @@ pub fn observe_and_rest(
     max_duration: f64,
     observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Option<State>), SimulationError> {
-    let properties = properties.before(impact);
-    let (report, model, state) = follow(&properties, impact, max_duration, observe)?;
+    let model = Model::new(&properties.before(impact))?;
+    let rest = State::at_rest(&model);
+    observe_from(&model, rest, impact, max_duration, observe)
+}
+
+/// As [`observe_and_rest`], of the column of this model, which stands before the bumper of the vehicle and is at rest in the state
+/// `before`.
+///
+/// # Errors
+/// An impact that is out of range, or a step that does not converge.
+pub fn observe_from(
+    model: &Model,
+    before: State,
+    impact: &Impact,
+    max_duration: f64,
+    observe: impl FnMut(&Model, &State),
+) -> Result<(Report, Option<State>), SimulationError> {
+    let (report, state) = follow_from(model, before, impact, max_duration, observe)?;
     let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-    let residual = || residual_without_bumper(&model, &state, &model.without_bumper());
+    let residual = || residual_without_bumper(model, &state, &model.without_bumper());
     Ok((report, stands.then(residual).flatten()))
 }

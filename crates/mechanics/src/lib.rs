@@ -190,7 +190,7 @@ pub use sample::{
 };
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use section_backbone::SectionBackbone;
-pub use simulation::{follow, respond, simulate};
+pub use simulation::{follow, follow_from, respond, simulate};
 pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD};

@@ -45,17 +45,33 @@ pub fn follow(
     properties: &ColumnProperties,
     impact: &Impact,
     max_duration: f64,
-    mut observe: impl FnMut(&Model, &State),
+    observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Model, State), SimulationError> {
     let model = Model::new(properties)?;
-    let mut state = State::at_rest(&model);
-    let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
-    observe(&model, &state);
+    let rest = State::at_rest(&model);
+    let (report, state) = follow_from(&model, rest, impact, max_duration, observe)?;
+    Ok((report, model, state))
+}
+
+/// As [`follow`], on the column of this model that is at rest in the state `rest`, such as one that an earlier impact has damaged.
+///
+/// # Errors
+/// An impact that is out of range, or a step that does not converge. A collapse is a result.
+pub fn follow_from(
+    model: &Model,
+    rest: State,
+    impact: &Impact,
+    max_duration: f64,
+    mut observe: impl FnMut(&Model, &State),
+) -> Result<(Report, State), SimulationError> {
+    let mut state = rest;
+    let mut response = Response::begin(model, &mut state, *impact, max_duration)?;
+    observe(model, &state);
     loop {
-        let progress = response.advance(&model, &mut state, u64::MAX)?;
-        observe(&model, &state);
+        let progress = response.advance(model, &mut state, u64::MAX)?;
+        observe(model, &state);
         if let Progress::Over(end) = progress {
-            return Ok((response.report(&model, &state, end), model, state));
+            return Ok((response.report(model, &state, end), state));
         }
     }
 }

@@ -11,6 +11,7 @@
 // - checks.rs: Checks of impacts by the one table of parameters, as on the command line
 // - column.rs: A column for Python
 // - fault.rs: Faults as Python exceptions, with the texts that the command line prints
+// - history.rs: One impact with its history for Python
 // - risk.rs: Risk studies for Python
 // - sensors.rs: What the sensors of a column read, and what struck it by their readings
 // - study.rs: Damage maps and critical velocities for Python
@@ -22,6 +23,7 @@ mod capacity;
 mod checks;
 mod column;
 mod fault;
+mod history;
 mod risk;
 mod sensors;
 mod study;

@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use column_twin::column::is_direction;
-use column_twin::parameters::{CatalogueVehicle, Parameters};
+use column_twin::parameters::CatalogueVehicle;
 use column_twin::study::{
     AxisValue, AxisValues, BatchEnd, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
-    VerdictModel,
+    StudyColumn, VerdictModel,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -123,16 +123,25 @@ pub struct MapRequest {
 }
 
 impl MapRequest {
-    /// The map, and the number of threads that compute it.
-    fn planned(self, parameters: &Parameters) -> PyResult<(DamageMap, Option<NonZeroUsize>)> {
+    /// The map of a column, which is damaged or not, and the number of threads that compute it.
+    fn planned(
+        self,
+        column: &StudyColumn,
+        is_damaged: bool,
+    ) -> PyResult<(DamageMap, Option<NonZeroUsize>)> {
         let model = model_named(&self.model)?;
         let [first, second] = self.axes;
         let axes = [first.axis()?, second.axis()?];
         let compared = self.compared.map(GivenAxis::axis).transpose()?;
         let vehicle = self.vehicle.as_deref();
-        let map = match &compared {
-            Some(compared) => DamageMap::comparing(parameters, vehicle, compared, axes),
-            None => DamageMap::new(parameters, vehicle, axes),
+        let parameters = column.parameters();
+        let map = match (&compared, is_damaged) {
+            (Some(compared), true) => {
+                Err(MapError::DamagedColumnVaries(compared.quantity().name()))
+            }
+            (Some(compared), false) => DamageMap::comparing(parameters, vehicle, compared, axes),
+            (None, true) => DamageMap::of_damaged(column, vehicle, axes),
+            (None, false) => DamageMap::new(parameters, vehicle, axes),
         };
         let map = map.and_then(|map| map.judged_by(model));
         Ok((map.map_err(|reason| rejected(&reason))?, self.threads))
@@ -153,11 +162,11 @@ fn implausible(map: &DamageMap) -> Option<String> {
 /// bytes, why some could not be computed, and what the fibre beam says of them.
 pub fn map<'py>(
     py: Python<'py>,
-    parameters: &Parameters,
+    (column, is_damaged): (&StudyColumn, bool),
     request: MapRequest,
     shard: Option<[u64; 2]>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (map, threads) = request.planned(parameters)?;
+    let (map, threads) = request.planned(column, is_damaged)?;
     if let Some(text) = implausible(&map) {
         fault::warn(py, &format!("mass: the smallest one is the mass of {text}"))?;
     }
@@ -213,8 +222,12 @@ pub fn map<'py>(
 }
 
 /// The boundaries of the actions and limits on a map, with its axes and labels, as JSON.
-pub fn refine(py: Python<'_>, parameters: &Parameters, request: MapRequest) -> PyResult<String> {
-    let (map, threads) = request.planned(parameters)?;
+pub fn refine(
+    py: Python<'_>,
+    (column, is_damaged): (&StudyColumn, bool),
+    request: MapRequest,
+) -> PyResult<String> {
+    let (map, threads) = request.planned(column, is_damaged)?;
     let batch = batch(py, threads, map.len())?;
     let (map, batch) = (Arc::new(map), Arc::new(batch));
     // A row takes many responses, and is not interrupted: the call does not wait for its end.

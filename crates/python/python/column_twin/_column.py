@@ -168,7 +168,10 @@ class Column:
 
         self._native.evaluate(_name(vehicle), mass, velocity)
         if self.is_damaged:
-            raise ParameterError("report: expected an undamaged column, found one that an impact has damaged")
+            raise ParameterError(
+                "report: expected an undamaged column, found one that an impact has damaged; simulate has its numbers, and a node that "
+                "records writes the report of a second impact"
+            )
         report(self, path, vehicle, mass, velocity, details)
 
     @classmethod
@@ -311,14 +314,16 @@ class Column:
         """The column as an impact leaves it, at rest once the vehicle is gone, to be hit again.
 
         >>> first = column.simulate("mid_car", velocity=12.0)
-        >>> column.after(first).evaluate("mid_car", velocity=8.0)
+        >>> second = column.after(first).simulate("mid_car", velocity=8.0)
 
-        A damaged column has `evaluate`, `evaluate_batch`, `critical_velocities`, `capacity` and `after`; the damage is pickled
-        with it. Its hinges stay at the height at which the first vehicle struck.
+        A damaged column has `simulate`, `evaluate`, `evaluate_batch`, `map`, `refined_map`, `critical_velocities`, `capacity` without
+        arguments and `after`; everything else raises a ParameterError that says what to do instead. The damage is pickled with it.
+        Its hinges stay at the height at which the first vehicle struck.
 
         Args:
             impact: a result of `simulate` of this column. Without one the keywords describe the impact, as in
-                `simulate`.
+                `simulate`. Damage by the fibre beam alone, such as that of a vehicle that travels across the plane of the two bars,
+                is kept where the result has it (`model="both"`).
 
         Raises:
             ParameterError: an impact that is not accepted, or one of another column.
@@ -330,7 +335,10 @@ class Column:
             if impact._struck != self._native.to_json():
                 raise ParameterError("after: expected a result of this column, found one of another; compute it for this column")
             vehicle, mass, velocity = impact._impact
-        left = self._native.after(vehicle, mass, velocity, None if impact is None else impact._direction)
+        direction = None if impact is None else impact._direction
+        beam = None if impact is None else impact.report.get("beam")
+        by_beam = isinstance(beam, dict) and beam["outcome"] != "elastic"
+        left = self._native.after(vehicle, mass, velocity, direction, by_beam)
         if left is None:
             raise SimulationError("the column does not stand after this impact: it has collapsed or is fractured")
         return self._of(left)
@@ -344,10 +352,14 @@ class Column:
         direction: float | None = None,
         model: Model = "bars",
     ) -> Result:
-        """One impact on the undamaged column with histories and report.
+        """One impact with histories and report.
 
-        The response itself takes milliseconds. The report takes three more responses, which tell the error of the step and the
-        influence of hardening, and two push-downs.
+        The response itself takes milliseconds. The report takes more responses, which tell the error of the step and the range of
+        the verdict, and their push-downs.
+
+        A column that an impact has damaged, see `after`, is hit once more, as by a node: displacements and plastic rotations count
+        from the undamaged column, the largest reactions of the base are those of all impacts, and the verdict has no range. The
+        beam first computes the earlier impacts again.
 
         With `model="both"` the fibre beam computes the impact, too, as `column-twin simulate` does: `Result.beam` has its numbers,
         and the action is the more severe one of both models where its verdict counts. With `model="beam"`, action and criteria are
@@ -465,6 +477,9 @@ class Column:
 
         Other Python threads run meanwhile, and Ctrl-C interrupts the map.
 
+        On a column that an impact has damaged every cell is one more impact; mass, velocity, vehicle and direction can vary, and the
+        two bars judge.
+
         Args:
             axes: axes in the notation of the command line, such as `velocity=1:25:100`.
             vehicle: the vehicle of all cells; a list of names is an axis.
@@ -479,7 +494,8 @@ class Column:
             ranges: axes by keywords; two underscores are a dot.
 
         Raises:
-            ParameterError: axes, values or a number of cells that are not accepted.
+            ParameterError: axes, values or a number of cells that are not accepted; of a damaged column, an axis of the column, a
+                comparison, or a model other than `bars`.
 
         Warns:
             IncompleteWarning: cells that cannot be computed. They are masked, and `failures` says why.
@@ -652,7 +668,7 @@ class Column:
                 doubt and a share of the others.
 
         Raises:
-            ParameterError: a scenario, law or number that is not accepted.
+            ParameterError: a scenario, law or number that is not accepted, or a damaged column.
         """
         for name, number in (("vehicles_per_day", vehicles_per_day), ("years", years)):
             if not (np.isfinite(number) and number > 0.0):

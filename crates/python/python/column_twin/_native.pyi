@@ -25,7 +25,12 @@ class Column:
     @property
     def is_damaged(self) -> bool: ...
     def after(
-        self, vehicle: str | None, mass: float | None, velocity: float | None, direction: float | None = None
+        self,
+        vehicle: str | None,
+        mass: float | None,
+        velocity: float | None,
+        direction: float | None = None,
+        by_beam: bool = False,
     ) -> Column | None: ...
     def describe(self) -> list[tuple[str, Any, str, str]]: ...
     def get(self, name: str) -> Any: ...
