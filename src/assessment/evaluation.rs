@@ -1,15 +1,16 @@
-//! One impact on the undamaged column with all that an engineer needs to judge it.
+//! One impact with all that an engineer needs to judge it.
 
 use super::action_range::ActionRange;
-use super::response::input_of_response;
-use super::{Assessment, ResidualCapacity, assess};
+use super::response::{EarlierImpacts, input_of_response};
+use super::{Assessment, AssessmentInput, BaseDemand, ResidualCapacity, assess};
 use crate::column::{
     self, CapacityError, ColumnProperties, Impact, Model, Report, SimulationError, State,
-    carried_load, plastic_plateau, respond, with_half_the_step,
+    carried_load, follow_from, plastic_plateau, with_half_the_step,
 };
 use crate::parameters::{NoShear, Parameters};
+use crate::standing::StandingColumn;
 
-/// What an impact on the undamaged column leads to.
+/// What an impact leads to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactEvaluation {
     /// The response.
@@ -35,7 +36,8 @@ pub struct ImpactEvaluation {
 }
 
 impl ImpactEvaluation {
-    /// Completes the evaluation of a response that was computed with [`respond_and_rest`](super::respond_and_rest).
+    /// Completes the evaluation of a response of the undamaged column that was computed with
+    /// [`respond_and_rest`](super::respond_and_rest).
     ///
     /// More responses are computed, one with half the step and those of [`ActionRange::of`], with the push-downs of the column
     /// that each of them leaves.
@@ -46,64 +48,97 @@ impl ImpactEvaluation {
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
-        (report, rest): (Report, Option<State>),
+        ended: (Report, Option<State>),
     ) -> Result<Self, SimulationError> {
-        let before = &properties.before(impact);
-        let model = Model::new(before)?;
-        let (remaining, assessment, capacity_fault) =
-            match judged(parameters, &model, impact, &report, rest.as_ref()) {
-                Ok((remaining, assessment)) => (Some(remaining), Some(assessment), None),
-                Err(fault) => (None, None, Some(fault)),
+        let model = Model::new(&properties.before(impact))?;
+        let undamaged = State::at_rest(&model);
+        let (mut evaluation, _) = Self::of_one(parameters, &model, undamaged, None, impact, ended);
+        let verdict = evaluation.assessment.as_ref();
+        evaluation.range =
+            verdict.map(|it| ActionRange::of(parameters, properties, impact, None, it));
+        Ok(evaluation)
+    }
+
+    /// Completes the evaluation of a response of a column that earlier impacts have damaged, which was computed with
+    /// [`observe_from`](super::observe_from) from its equilibrium `before`. `base_before` is what they have put into the base. Also all
+    /// on which its verdict depends; `None` without the capacities.
+    ///
+    /// More responses are computed, as by [`ImpactEvaluation::complete`].
+    #[must_use]
+    pub fn of_damaged(
+        parameters: &Parameters,
+        model: &Model,
+        before: State,
+        base_before: Option<&BaseDemand>,
+        impact: &Impact,
+        ended: (Report, Option<State>),
+    ) -> (Self, Option<AssessmentInput>) {
+        let (mut evaluation, input) =
+            Self::of_one(parameters, model, before, base_before, impact, ended);
+        let earlier = EarlierImpacts {
+            column: StandingColumn::new(model, &before),
+            base: base_before.copied(),
+        };
+        let (verdict, properties) = (evaluation.assessment.as_ref(), &model.properties);
+        evaluation.range = verdict
+            .map(|it| ActionRange::of(parameters, properties, impact, Some(&earlier), it));
+        (evaluation, input)
+    }
+
+    /// Without the range.
+    fn of_one(
+        parameters: &Parameters,
+        model: &Model,
+        before: State,
+        base_before: Option<&BaseDemand>,
+        impact: &Impact,
+        (report, rest): (Report, Option<State>),
+    ) -> (Self, Option<AssessmentInput>) {
+        let (input, capacity_fault) =
+            match input_of_response(parameters, model, impact, &report, rest.as_ref()) {
+                Ok(input) => (Some(input), None),
+                Err(fault) => (None, Some(fault)),
             };
-        let range = assessment
-            .as_ref()
-            .map(|it| ActionRange::of(parameters, properties, impact, None, it));
+        let input = input.map(|it| AssessmentInput {
+            base_demand: it.base_demand.map(|demand| demand.after(base_before)),
+            ..it
+        });
+        let remaining = input.as_ref().map(|it| it.remaining);
         // The same load as in the criteria.
         let carried = match &remaining {
             Some(remaining) => remaining.carried_load,
-            None => carried_load(&model, &State::at_rest(&model)),
+            None => carried_load(model, &State::at_rest(model)),
         };
         let duration = parameters.response_duration();
-        Ok(Self {
+        let evaluation = Self {
             no_shear: parameters.shear().err(),
             report,
             remaining,
             capacity_fault,
-            assessment,
+            assessment: input.as_ref().map(assess),
             step: 1e-9 * model.properties.step_nanos as f64,
-            error_estimate: error_estimate(&model.properties, impact, duration, &report),
-            range,
-            plateau: plastic_plateau(&model, carried),
+            error_estimate: error_estimate(&model.properties, before, impact, duration, &report),
+            range: None,
+            plateau: plastic_plateau(model, carried),
             front_force: impact.vehicle.and_then(|vehicle| {
                 let envelope = vehicle.springs().first()?.envelope;
                 let forces = envelope.points().iter().map(|point| point[1]);
                 Some(forces.fold(0.0, f64::max))
             }),
-        })
+        };
+        (evaluation, input)
     }
-}
-
-/// The capacities and the assessment of the undamaged column with this `model`, which stood before the bumper of the vehicle, after
-/// its response and in the equilibrium `rest`, see [`respond_and_rest`](super::respond_and_rest).
-fn judged(
-    parameters: &Parameters,
-    model: &Model,
-    impact: &Impact,
-    report: &Report,
-    rest: Option<&State>,
-) -> Result<(ResidualCapacity, Assessment), CapacityError> {
-    let input = input_of_response(parameters, model, impact, report, rest)?;
-    Ok((input.remaining, assess(&input)))
 }
 
 /// The error of the peak `v1`, estimated from a run with half the step; `None` if that has another outcome.
 fn error_estimate(
     properties: &ColumnProperties,
+    before: State,
     impact: &Impact,
     duration: f64,
     report: &Report,
 ) -> Option<f64> {
-    let halved = with_half_the_step(properties)?;
-    let finer = respond(&halved, impact, duration).ok()?;
+    let halved = Model::new(&with_half_the_step(properties)?).ok()?;
+    let (finer, _) = follow_from(&halved, before, impact, duration, |_, _| ()).ok()?;
     column::error_estimate(report, &finer)
 }

@@ -24,7 +24,7 @@
 // - criterion.rs: What a criterion says, and what has to be done if it is exceeded
 // - definition.rs: What a criterion consists of, without values
 // - effective.rs: The value that takes the place of a parameter whose 0 stands for what follows from others
-// - evaluation.rs: One impact on the undamaged column with all that an engineer needs to judge it
+// - evaluation.rs: One impact with all that an engineer needs to judge it
 // - input.rs: What an assessment judges, as plain data
 // - prepared.rs: The assessment of many impacts on one column: what does not depend on the impact is computed once, and only
 //   the criteria that decide are evaluated, without their texts
@@ -74,8 +74,8 @@ pub use remaining::{
     section_dimensions,
 };
 pub use response::{
-    EarlierImpacts,
-    HARDENING_BAND, band_properties, input_of_response, observe_and_rest, respond_and_rest,
+    EarlierImpacts, HARDENING_BAND, band_properties, input_of_response, observe_and_rest,
+    observe_from, respond_and_rest,
 };
 pub use rotation_limits::{
     CLASS_3_ROTATION, HingeSlenderness, RotationLimits, ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE,

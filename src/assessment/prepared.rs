@@ -36,6 +36,8 @@ pub struct PreparedAssessment {
     /// Whether the steel of the column has the largest strength that it may have, so that the forces into the base contain its
     /// overstrength.
     has_overstrength: bool,
+    /// What earlier impacts have put into the base.
+    base_before: Option<BaseDemand>,
 }
 
 /// The part of an [`Assessment`](super::Assessment) that a study needs.
@@ -98,6 +100,7 @@ impl PreparedAssessment {
             imperfection,
             undamaged: OnceLock::new(),
             has_overstrength: false,
+            base_before: None,
         })
     }
 
@@ -108,6 +111,21 @@ impl PreparedAssessment {
         self.input.base = ConnectedBase::of(nominal).ok();
         self.has_overstrength = true;
         self
+    }
+
+    /// The same after impacts that have put this into the base.
+    #[must_use]
+    pub fn with_base_before(self, base_before: Option<BaseDemand>) -> Self {
+        Self {
+            base_before,
+            ..self
+        }
+    }
+
+    /// What earlier impacts have put into the base.
+    #[must_use]
+    pub fn base_before(&self) -> Option<&BaseDemand> {
+        self.base_before.as_ref()
     }
 
     /// Whether the base is checked.
@@ -124,11 +142,14 @@ impl PreparedAssessment {
         Some(base.utilisation(&self.demand(response)))
     }
 
-    fn demand(&self, response: &AssessedResponse) -> BaseDemand {
-        BaseDemand {
+    /// What the base has had to bear after this response.
+    #[must_use]
+    pub fn demand(&self, response: &AssessedResponse) -> BaseDemand {
+        let demand = BaseDemand {
             report: response.base,
             has_flowed: response.outcome != Outcome::Elastic && !self.has_overstrength,
-        }
+        };
+        demand.after(self.base_before.as_ref())
     }
 
     /// The capacity of the undamaged column, computed when it is needed for the first time.

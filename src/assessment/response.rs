@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{AssessmentInput, BaseDemand, ResidualCapacity};
 use crate::column::{
     CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
-    follow, follow_from, residual_without_bumper,
+    follow_from, residual_without_bumper,
 };
 use crate::parameters::{POISSON_RATIO, Parameters};
 use crate::standing::StandingColumn;
@@ -59,10 +59,8 @@ impl EarlierImpacts {
         max_duration: f64,
     ) -> Result<(Report, Option<State>), SimulationError> {
         let model = Model::new(&properties.before(impact))?;
-        let rest = self.column.settled(&model);
-        let (report, state) = follow_from(&model, rest, impact, max_duration, |_, _| ())?;
-        let rest = rest_after(&report, &model, &state);
-        Ok((report, rest))
+        let before = self.column.settled(&model);
+        observe_from(&model, before, impact, max_duration, |_, _| ())
     }
 }
 
@@ -107,15 +105,25 @@ pub fn observe_and_rest(
     max_duration: f64,
     observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Option<State>), SimulationError> {
-    let properties = properties.before(impact);
-    let (report, model, state) = follow(&properties, impact, max_duration, observe)?;
-    let rest = rest_after(&report, &model, &state);
-    Ok((report, rest))
+    let model = Model::new(&properties.before(impact))?;
+    let rest = State::at_rest(&model);
+    observe_from(&model, rest, impact, max_duration, observe)
 }
 
-/// The equilibrium in which a column comes to rest after a response that has ended in this state; `None` without one.
-fn rest_after(report: &Report, model: &Model, state: &State) -> Option<State> {
+/// As [`observe_and_rest`], of the column of this model, which stands before the bumper of the vehicle and is at rest in the state
+/// `before`.
+///
+/// # Errors
+/// An impact that is out of range, or a step that does not converge.
+pub fn observe_from(
+    model: &Model,
+    before: State,
+    impact: &Impact,
+    max_duration: f64,
+    observe: impl FnMut(&Model, &State),
+) -> Result<(Report, Option<State>), SimulationError> {
+    let (report, state) = follow_from(model, before, impact, max_duration, observe)?;
     let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-    let residual = || residual_without_bumper(model, state, &model.without_bumper());
-    stands.then(residual).flatten()
+    let residual = || residual_without_bumper(model, &state, &model.without_bumper());
+    Ok((report, stands.then(residual).flatten()))
 }

@@ -30,6 +30,35 @@ pub struct BeamAnswer {
     pub damage: Option<Arc<Damage>>,
 }
 
+/// A hit that a column has had, with all that the beam needs to compute it again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EarlierHit {
+    /// Lengths of the column below and above the impact point \[m\].
+    pub lengths: [f64; 2],
+    /// With the whole speed of the vehicle.
+    pub impact: Impact,
+    /// Direction in which the vehicle travelled \[rad\].
+    pub direction: f64,
+}
+
+/// The damage that these hits have left in the beam of the column of the parameters, the first one first; `None` without a hit.
+///
+/// # Errors
+/// Why there is no second opinion on one of them, or that the column does not stand after it by the beam.
+pub fn beam_damage_after(
+    parameters: &Parameters,
+    hits: &[EarlierHit],
+) -> Result<Option<Arc<Damage>>, NoSecondOpinion> {
+    let mut damage = None;
+    for hit in hits {
+        let task = BeamTask::new(parameters, hit.lengths, hit.impact, hit.direction, damage)?;
+        let left = task.compute()?.damage;
+        damage = Some(left.ok_or(NoSecondOpinion::Collapsed)?);
+    }
+    Ok(damage)
+}
+
 impl BeamTask {
     /// The hit of the parameters on the undamaged column.
     ///

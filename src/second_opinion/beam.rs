@@ -36,6 +36,9 @@ pub enum NoSecondOpinion {
         /// `A` \[m²\].
         section: f64,
     },
+    /// The column does not stand after an earlier impact.
+    #[error("no second opinion: by the fibre beam the column has collapsed already")]
+    Collapsed,
     /// The beam does not take the column or the impact, or was not solved.
     #[error(transparent)]
     Beam(#[from] BeamError),

@@ -30,7 +30,7 @@ mod criteria;
 mod joint;
 mod opinion;
 
-pub use answer::{BeamAnswer, BeamTask};
+pub use answer::{BeamAnswer, BeamTask, EarlierHit, beam_damage_after};
 pub use beam::{NoSecondOpinion, beam_column};
 pub use column_beam::{
     BeamColumn, BeamError, BeamModel, BeamOutcome, Damage as BeamDamage, Hit, Outcome as BeamEnd,

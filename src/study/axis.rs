@@ -100,7 +100,7 @@ const SECTIONS: &str = "names of sections, such as HEB200,HEB220,HEB240";
 const VEHICLES: &str = "names of vehicles, such as mid_car,lorry_8t";
 
 /// The parameter that [`MapQuantity::Direction`] gives in degrees.
-const DIRECTION: &str = "impact.direction";
+pub(super) const DIRECTION: &str = "impact.direction";
 
 impl MapQuantity {
     /// The quantity of this name: `mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or a parameter by its name.
@@ -177,10 +177,11 @@ impl MapQuantity {
     /// Whether another value makes another column; mass, velocity, vehicle and direction belong to the impact.
     #[must_use]
     pub fn is_of_the_column(&self) -> bool {
-        !matches!(
-            self,
-            Self::Mass | Self::Velocity | Self::Vehicle | Self::Direction
-        )
+        match self {
+            Self::Mass | Self::Velocity | Self::Vehicle | Self::Direction => false,
+            Self::Height | Self::Section => true,
+            Self::Parameter(parameter) => parameter.name != DIRECTION,
+        }
     }
 
     /// Whether both determine the same parameter.

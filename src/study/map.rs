@@ -46,6 +46,8 @@ pub struct DamageMap {
     model: VerdictModel,
     /// What each variant has that its parameters do not say; empty where that is nothing.
     assumed: Vec<Assumed>,
+    /// The column that earlier impacts have damaged; `None`: every cell is an impact on an undamaged one.
+    damaged: Option<Box<StudyColumn>>,
     /// The columns that were needed last.
     kept: Mutex<VecDeque<(ColumnKey, KeptColumn)>>,
 }
@@ -147,12 +149,27 @@ pub enum MapError {
         "two of the compared columns are called {0}; give each one a name of its own (column_id)"
     )]
     SameLabel(String),
+    /// The damage belongs to the column as it is.
+    #[error(
+        "{0} cannot vary, because an impact has damaged the column, and its damage belongs to the column as it is; vary mass, velocity, \
+         vehicle or direction, or map the undamaged column"
+    )]
+    DamagedColumnVaries(&'static str),
+    /// The fibre beam judges no map of a damaged column.
+    #[error(
+        "the map of a damaged column is judged by the two bars alone; omit the model {}, or compute its impacts one by one",
+        .0.name()
+    )]
+    DamagedByBeam(VerdictModel),
     /// A model that the parameters of a column switch off.
     #[error(transparent)]
     BeamSwitchedOff(#[from] BeamSwitchedOff),
     /// The parameters.
     #[error("{}", .0.in_one_line())]
     Parameters(#[from] ParameterFaults),
+    /// A damaged column that cannot be prepared.
+    #[error(transparent)]
+    Column(#[from] StudyError),
 }
 
 impl DamageMap {
@@ -231,15 +248,49 @@ impl DamageMap {
             columns,
             model: VerdictModel::Bars,
             assumed: Vec::new(),
+            damaged: None,
             kept: Mutex::default(),
         })
+    }
+
+    /// The map of a column that earlier impacts have damaged: every cell is one more impact on it, at the height of its hinges.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and an axis that belongs to the column.
+    pub fn of_damaged(
+        column: &StudyColumn,
+        vehicle: Option<&str>,
+        axes: [MapAxis; 2],
+    ) -> Result<Self, MapError> {
+        let of_the_column = axes.iter().map(MapAxis::quantity);
+        if let Some(varied) = of_the_column
+            .into_iter()
+            .find(MapQuantity::is_of_the_column)
+        {
+            return Err(MapError::DamagedColumnVaries(varied.name()));
+        }
+        let map = Self::new(column.parameters(), vehicle, axes)?;
+        let damaged = column.with_impact_of(&map.variants[0].parameters)?;
+        Ok(Self {
+            damaged: Some(Box::new(damaged)),
+            ..map
+        })
+    }
+
+    /// Whether earlier impacts have damaged the column.
+    #[must_use]
+    pub fn is_of_damaged(&self) -> bool {
+        self.damaged.is_some()
     }
 
     /// The same map, judged by another model than the two bars.
     ///
     /// # Errors
-    /// The model needs the fibre beam, and a column switches it off.
+    /// The model needs the fibre beam, and a column switches it off, or is damaged.
     pub fn judged_by(self, model: VerdictModel) -> Result<Self, MapError> {
+        if self.is_of_damaged() && model != VerdictModel::Bars {
+            return Err(MapError::DamagedByBeam(model));
+        }
         for variant in &self.variants {
             model.check_on(&variant.parameters)?;
         }
@@ -260,6 +311,7 @@ impl DamageMap {
             columns: self.columns.clone(),
             model: self.model,
             assumed,
+            damaged: None,
             kept: Mutex::default(),
         }
     }
@@ -455,6 +507,11 @@ impl DamageMap {
                 (MapQuantity::Direction, AxisValue::Number(degrees)) => {
                     direction = degrees.to_radians();
                 }
+                (MapQuantity::Parameter(it), AxisValue::Number(radians))
+                    if it.name == axis::DIRECTION =>
+                {
+                    direction = radians;
+                }
                 _ => {}
             }
         }
@@ -471,6 +528,9 @@ impl DamageMap {
         variant: usize,
         values: [AxisValue<'_>; 2],
     ) -> Result<StudyColumn, String> {
+        if let Some(damaged) = &self.damaged {
+            return Ok(StudyColumn::clone(damaged));
+        }
         let base = &self.variants[variant].parameters;
         let axes = [&self.rows, &self.columns].into_iter().zip(values);
         let changes: Vec<_> = axes
@@ -566,6 +626,7 @@ fn precedence(quantity: MapQuantity) -> u8 {
         MapQuantity::Velocity => 3,
         MapQuantity::Mass => 2,
         MapQuantity::Vehicle | MapQuantity::Direction => 1,
+        MapQuantity::Parameter(it) if it.name == axis::DIRECTION => 1,
         _ => 0,
     }
 }

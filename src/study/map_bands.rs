@@ -123,7 +123,7 @@ impl MapBands {
 impl DamageMap {
     /// The bands of the boundaries that [`refine`](Self::refine) has found, in at most nine rows, to 1 %: for each assumption of the
     /// range of a verdict and each end of its range, every boundary is searched around its place. What an axis varies is not
-    /// changed, because the map shows it.
+    /// changed, because the map shows it, and nothing of a column that was damaged before.
     ///
     /// That takes about 5 responses for each boundary, each row and each of at most 14 changes.
     ///
@@ -137,7 +137,9 @@ impl DamageMap {
         let (mut variants, mut all_assumed) = (Vec::new(), Vec::new());
         // The variant of this map and the assumption of each variant of the changed one.
         let mut origins = Vec::new();
-        for (variant, it) in self.variants().iter().enumerate() {
+        // The damage of a column belongs to the column as it is.
+        let changeable = self.variants().iter().filter(|_| !self.is_of_damaged());
+        for (variant, it) in changeable.enumerate() {
             for changed in changes(&it.parameters, [self.rows(), self.columns()]) {
                 let Changed {
                     assumption,

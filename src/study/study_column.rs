@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde::Serialize;
 
 use crate::assessment::{
-    Action, AssessedResponse, ConnectedBase, PreparedAssessment, largest_plastic_rotation,
+    Action, AssessedResponse, AssessmentInput, BaseDemand, ConnectedBase, ImpactEvaluation,
+    PreparedAssessment, largest_plastic_rotation, observe_from,
 };
 use crate::column::{
     CapacityError, ColumnProperties, End, HINGES, Impact, ImpactSpecification, Model, Outcome,
@@ -263,7 +264,8 @@ impl StudyColumn {
             true => carried,
             false => residual_state(&model, &carried).ok_or(StudyError::NoEquilibrium)?,
         };
-        let mut column = Self::at_rest(&self.parameters, model, rest)?;
+        let column = Self::at_rest(&self.parameters, model, rest)?;
+        let mut column = column.with_base_before(self.base_before().copied());
         if let Assumed::LargestStrength(nominal) = &self.assumed {
             column.assessment = column.assessment.with_overstrength(nominal);
         }
@@ -362,7 +364,53 @@ impl StudyColumn {
             let carried = carried_over(&struck.model, &rest, &self.model);
             rest = residual_state(&self.model, &carried).ok_or(StudyError::NoEquilibrium)?;
         }
-        Self::at_rest(&self.parameters, self.model, rest).map(Some)
+        let base = self.assessment.demand(&Ended::from(&response).response);
+        let left = Self::at_rest(&self.parameters, self.model, rest);
+        left.map(|it| Some(it.with_base_before(Some(base))))
+    }
+
+    /// The same after impacts that have put this into the base.
+    #[must_use]
+    pub fn with_base_before(self, base_before: Option<BaseDemand>) -> Self {
+        Self {
+            assessment: self.assessment.with_base_before(base_before),
+            ..self
+        }
+    }
+
+    /// This column as it is, with parameters that differ in impact and vehicle alone.
+    ///
+    /// # Errors
+    /// As [`at_rest`](Self::at_rest).
+    pub fn with_impact_of(&self, parameters: &Parameters) -> Result<Self, StudyError> {
+        let column = Self::at_rest(parameters, self.model, self.rest);
+        column.map(|it| it.with_base_before(self.base_before().copied()))
+    }
+
+    /// What earlier impacts have put into the base.
+    #[must_use]
+    pub fn base_before(&self) -> Option<&BaseDemand> {
+        self.assessment.base_before()
+    }
+
+    /// One impact on the column as it is, evaluated as in a node, and all on which the verdict depends; `None` without the capacities.
+    /// `observe` sees the state at the event and after every step. Only [`ImpactEvaluation::complete`] has a range.
+    ///
+    /// # Errors
+    /// An impact that is out of range, or a step that does not converge. A collapse is a result.
+    pub fn follow(
+        &self,
+        impact: &Impact,
+        observe: impl FnMut(&Model, &State),
+    ) -> Result<(ImpactEvaluation, Option<AssessmentInput>), StudyError> {
+        let before = self.before(impact)?;
+        let Self { model, rest, .. } = before.as_deref().unwrap_or(self);
+        let (parameters, base) = (&self.parameters, self.base_before());
+        let duration = parameters.response_duration();
+        let ended = observe_from(model, *rest, impact, duration, observe)?;
+        Ok(ImpactEvaluation::of_damaged(
+            parameters, model, *rest, base, impact, ended,
+        ))
     }
 
     /// The column at rest, as each impact finds it.

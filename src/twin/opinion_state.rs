@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::plant::Plant;
-use crate::second_opinion::{BeamAnswer, BeamDamage};
+use crate::second_opinion::{BeamAnswer, BeamDamage, NoSecondOpinion};
 
 /// Why an impact on a moving column has no second opinion.
 pub(super) const MOVING: &str =
@@ -109,9 +109,7 @@ impl KnownBeamDamage {
     pub(super) fn after(answer: &BeamAnswer) -> Self {
         match &answer.damage {
             Some(damage) => Self::Damaged(Arc::clone(damage)),
-            None => Self::Unknown(
-                "no second opinion: by the fibre beam the column has collapsed already".into(),
-            ),
+            None => Self::Unknown(NoSecondOpinion::Collapsed.to_string().into()),
         }
     }
 }

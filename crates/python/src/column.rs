@@ -2,22 +2,17 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::Instant;
+use std::sync::{Arc, OnceLock};
 
 use column_twin::assessment::{
-    AssessmentInput, ImpactEvaluation, ResidualCapacity, imperfection, observe_and_rest,
-    respond_and_rest,
+    AssessmentInput, BaseDemand, ResidualCapacity, imperfection, respond_and_rest,
 };
-use column_twin::column::{
-    ForceSpectrum, Impact, Model, PushDownPoint, SimulationError, State, push_down,
-};
+use column_twin::column::{Impact, Model, PushDownPoint, State, push_down};
 use column_twin::parameters::{
     CatalogueVehicle, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
     Value,
 };
-use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
-use column_twin::second_opinion::SecondOpinion;
+use column_twin::second_opinion::{BeamDamage, EarlierHit, NoSecondOpinion};
 use column_twin::study::{BatchEnd, StudyColumn, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -27,9 +22,10 @@ use crate::batch::{NUMBERS, ROW_BYTES, Row, abandonable, batch, interruptible};
 use crate::capacity::{Curve, capacity_json, curve};
 use crate::checks::Checks;
 use crate::fault;
+use crate::history::Simulated;
 use crate::risk::{Request, risk};
 use crate::sensors;
-use crate::study::{self, GivenAxis};
+use crate::study::{self, MapRequest, model_named};
 use crate::values::{Doubles, doubles, object, value};
 
 /// The velocities below and at a critical one \[m/s\].
@@ -51,8 +47,15 @@ type NamedColumns = Vec<(String, Column)>;
 #[pyclass(frozen, module = "column_twin._native")]
 #[derive(Clone)]
 pub struct Column {
-    study: Arc<StudyColumn>,
+    pub study: Arc<StudyColumn>,
+    /// The impacts that have damaged it, for the fibre beam.
+    pub hits: Arc<[EarlierHit]>,
+    /// The damage that they leave in the beam, once an impact has needed it.
+    pub beam_damage: Arc<OnceLock<KnownDamage>>,
 }
+
+/// The damage of the fibre beam, or why there is none.
+pub type KnownDamage = Result<Option<Arc<BeamDamage>>, NoSecondOpinion>;
 
 /// A column as it is written for other processes.
 #[derive(Serialize, Deserialize)]
@@ -60,6 +63,10 @@ struct Written {
     parameters: Parameters,
     /// The damaged column at rest; `None` for an undamaged one.
     rest: Option<State>,
+    /// What has damaged it has put this into the base.
+    base: Option<BaseDemand>,
+    /// What has damaged it.
+    hits: Vec<EarlierHit>,
 }
 
 #[pymethods]
@@ -105,10 +112,11 @@ impl Column {
         let Some(rest) = written.rest else {
             return Ok(column);
         };
+        // The hinges of a damaged column are where its last vehicle has struck, which is in the parameters.
         let damaged = StudyColumn::at_rest(&written.parameters, *column.study.model(), rest);
-        damaged
-            .map(Self::from)
-            .map_err(|fault| fault::study(&fault))
+        let damaged = damaged.map_err(|fault| fault::study(&fault))?;
+        let damaged = damaged.with_base_before(written.base);
+        Ok(Self::after_hits(damaged, written.hits))
     }
 
     /// All parameters and the damage as JSON, which reads back to the last bit.
@@ -116,6 +124,12 @@ impl Column {
         let written = Written {
             parameters: self.parameters().clone(),
             rest: self.is_damaged().then(|| *self.study.rest()),
+            base: self
+                .study
+                .base_before()
+                .copied()
+                .filter(|_| self.is_damaged()),
+            hits: self.hits.to_vec(),
         };
         serde_json::to_string(&written).map_err(|fault| fault::input(fault.to_string()))
     }
@@ -127,7 +141,10 @@ impl Column {
 
     /// The column with other values, and warnings about them.
     fn with_changes(&self, changes: Changes<'_>) -> PyResult<(Self, Vec<String>)> {
-        self.expect_undamaged("with_changes")?;
+        self.expect_undamaged(
+            "with_changes",
+            "change the column before its first impact, and compute the impacts again",
+        )?;
         let changes: PyResult<Vec<_>> = changes
             .into_iter()
             .map(|(name, given)| {
@@ -143,12 +160,14 @@ impl Column {
 
     /// Whether an earlier impact has damaged the column.
     #[getter]
-    fn is_damaged(&self) -> bool {
-        self.study.is_damaged()
+    pub fn is_damaged(&self) -> bool {
+        // By the beam alone, where the two bars see no damage.
+        self.study.is_damaged() || !self.hits.is_empty()
     }
 
     /// The column that an impact leaves; `None` if it carries nothing. Without a direction \[rad\] it has that of the parameters.
-    #[pyo3(signature = (vehicle, mass, velocity, direction=None))]
+    /// Whether the fibre beam has found damage is asked where the two bars find none.
+    #[pyo3(signature = (vehicle, mass, velocity, direction=None, by_beam=false))]
     fn after(
         &self,
         py: Python<'_>,
@@ -156,18 +175,25 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
         direction: Option<f64>,
+        by_beam: bool,
     ) -> PyResult<Option<Self>> {
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.after(py, vehicle, mass, velocity, direction);
+            return there.after(py, vehicle, mass, velocity, direction, by_beam);
         }
         let impact = match self.towards(direction)? {
             Some(there) => there.impact(py, vehicle, mass, velocity)?,
             None => self.impact(py, vehicle, mass, velocity)?,
         };
+        let hit = self.whole_hit(vehicle, mass, velocity, direction)?;
         let this = self.clone();
         let left = abandonable(py, move || this.study.after(&impact))?;
         let left = left.map_err(|fault| fault::study(&fault))?;
-        Ok(left.map(Self::from))
+        Ok(left.map(
+            |left| match left.is_damaged() || by_beam || !self.hits.is_empty() {
+                true => Self::after_hits(left, self.hits.iter().cloned().chain([hit]).collect()),
+                false => Self::from(left),
+            },
+        ))
     }
 
     /// Name, value, unit and meaning of every parameter.
@@ -319,28 +345,15 @@ impl Column {
     fn map<'py>(
         &self,
         py: Python<'py>,
-        vehicle: Option<&str>,
-        axes: [GivenAxis; 2],
-        compared: Option<GivenAxis>,
+        request: MapRequest,
         shard: Option<[u64; 2]>,
-        threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        self.expect_undamaged("map")?;
-        let parameters = self.parameters();
-        study::map(py, parameters, vehicle, axes, compared, shard, threads)
+        study::map(py, (&self.study, self.is_damaged()), request, shard)
     }
 
     /// The boundaries of the actions on a map as JSON; see `_map.py`.
-    fn refine(
-        &self,
-        py: Python<'_>,
-        vehicle: Option<&str>,
-        axes: [GivenAxis; 2],
-        compared: Option<GivenAxis>,
-        threads: Option<NonZeroUsize>,
-    ) -> PyResult<String> {
-        self.expect_undamaged("refined_map")?;
-        study::refine(py, self.parameters(), vehicle, axes, compared, threads)
+    fn refine(&self, py: Python<'_>, request: MapRequest) -> PyResult<String> {
+        study::refine(py, (&self.study, self.is_damaged()), request)
     }
 
     /// What the sensors read in an impact, as a table in CSV.
@@ -352,7 +365,10 @@ impl Column {
         velocity: Option<f64>,
         seed: u64,
     ) -> PyResult<String> {
-        self.expect_undamaged("sensor_readings")?;
+        self.expect_undamaged(
+            "sensor_readings",
+            "sensors are simulated on the undamaged column",
+        )?;
         if let Some(there) = self.struck_by(vehicle)? {
             return there.sensor_readings(py, vehicle, mass, velocity, seed);
         }
@@ -362,13 +378,16 @@ impl Column {
 
     /// What struck the column by a table of readings, as JSON; `None` without an impact.
     fn estimate(&self, py: Python<'_>, table: String, seed: u64) -> PyResult<Option<String>> {
-        self.expect_undamaged("estimate")?;
+        self.expect_undamaged(
+            "estimate",
+            "the column is estimated as undamaged; a node estimates impacts on a damaged one",
+        )?;
         sensors::estimate(py, self.parameters(), table, seed)
     }
 
     /// A risk study as JSON; see `_risk.py`.
     fn risk(&self, py: Python<'_>, request: Request) -> PyResult<String> {
-        self.expect_undamaged("risk")?;
+        self.expect_undamaged("risk", "draw the impacts, and give them to evaluate_batch")?;
         risk(py, self.parameters(), &request)
     }
 
@@ -399,9 +418,9 @@ impl Column {
         Ok((brackets.collect(), found.responses))
     }
 
-    /// One impact with its history: names and values of its columns, and the outcome as JSON, with what the fibre beam says where it
-    /// is asked. Without a direction \[rad\] the impact has that of the parameters.
-    #[pyo3(signature = (vehicle, mass, velocity, direction=None, asks_beam=false))]
+    /// One impact with its history: names and values of its columns, and the outcome as JSON, with what the fibre beam says where the
+    /// model of this name needs it. Without a direction \[rad\] the impact has that of the parameters.
+    #[pyo3(signature = (vehicle, mass, velocity, direction=None, model="bars"))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
@@ -409,24 +428,31 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
         direction: Option<f64>,
-        asks_beam: bool,
+        model: &str,
     ) -> PyResult<(Vec<String>, Vec<Bound<'py, PyByteArray>>, String)> {
-        self.expect_undamaged("simulate")?;
         if let Some(there) = self.towards(direction)? {
-            return there.simulate(py, vehicle, mass, velocity, None, asks_beam);
+            return there.simulate(py, vehicle, mass, velocity, None, model);
         }
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.simulate(py, vehicle, mass, velocity, None, asks_beam);
+            return there.simulate(py, vehicle, mass, velocity, None, model);
         }
+        let model = model_named(model)?;
+        let switched_off = model.check_on(self.parameters());
+        switched_off.map_err(|reason| fault::input(reason.to_string()))?;
         let impact = self.impact(py, vehicle, mass, velocity)?;
         let name = self.vehicle_name(vehicle);
         // The whole speed: of an oblique hit, `impact` has the component in the plane of the two bars.
         let whole = velocity.unwrap_or(self.parameters().settings().impact.velocity);
         let stated = self.with_impact(vehicle, mass, whole);
-        let stated = stated.unwrap_or_else(|_| self.parameters().clone());
-        let this = self.clone();
-        let history = abandonable(py, move || this.history(&stated, &impact, &name, asks_beam))?
-            .map_err(|fault| fault::of_simulation(&fault))?;
+        let simulated = Simulated {
+            column: self.clone(),
+            stated: stated.unwrap_or_else(|_| self.parameters().clone()),
+            impact,
+            hit: self.whole_hit(vehicle, mass, velocity, None)?,
+            vehicle_name: name,
+            model,
+        };
+        let history = abandonable(py, move || simulated.history())??;
         let columns = history.columns.iter().map(|it| doubles(py, it));
         Ok((
             history.names,
@@ -461,7 +487,10 @@ impl Column {
         mass: Option<f64>,
         velocity: Option<f64>,
     ) -> PyResult<(String, Curve<'py>)> {
-        self.expect_undamaged("capacity after an impact")?;
+        self.expect_undamaged(
+            "capacity after an impact",
+            "ask column.after(...).capacity()",
+        )?;
         if let Some(there) = self.struck_by(vehicle)? {
             return there.capacity_after(py, vehicle, mass, velocity);
         }
@@ -485,16 +514,6 @@ impl Column {
     }
 }
 
-/// One impact with its history.
-struct History {
-    /// Names of the columns.
-    names: Vec<String>,
-    /// Values of the columns, one per step.
-    columns: Vec<Vec<f64>>,
-    /// The outcome as JSON.
-    outcome: String,
-}
-
 /// Why a batch ended early.
 enum BatchFault {
     /// The impact of this element is not accepted.
@@ -515,9 +534,7 @@ const LONG_RESPONSE: f64 = 10.0;
 
 impl From<StudyColumn> for Column {
     fn from(study: StudyColumn) -> Self {
-        Self {
-            study: Arc::new(study),
-        }
+        Self::after_hits(study, Vec::new())
     }
 }
 
@@ -527,13 +544,21 @@ impl Column {
         Ok(Self::from(study))
     }
 
-    /// What only an undamaged column has.
-    fn expect_undamaged(&self, call: &str) -> PyResult<()> {
+    /// The column that these impacts have damaged.
+    fn after_hits(study: StudyColumn, hits: Vec<EarlierHit>) -> Self {
+        Self {
+            study: Arc::new(study),
+            hits: hits.into(),
+            beam_damage: Arc::default(),
+        }
+    }
+
+    /// What only an undamaged column has, and what to do instead.
+    fn expect_undamaged(&self, call: &str, instead: &str) -> PyResult<()> {
         match self.is_damaged() {
             false => Ok(()),
             true => Err(fault::input(format!(
-                "{call}: expected an undamaged column, found one that an impact has damaged; a damaged column has evaluate, \
-                 evaluate_batch, critical_velocities, capacity without arguments, and after"
+                "{call}: expected an undamaged column, found one that an impact has damaged; {instead}"
             ))),
         }
     }
@@ -542,10 +567,13 @@ impl Column {
     fn struck_by(&self, vehicle: Option<&str>) -> PyResult<Option<Self>> {
         let struck = self.study.struck_by(vehicle);
         let struck = struck.map_err(|fault| fault::study(&fault))?;
-        Ok(struck.map(|study| Self { study }))
+        Ok(struck.map(|study| Self {
+            study,
+            ..self.clone()
+        }))
     }
 
-    /// The undamaged column whose impacts have this direction of travel \[rad\]; `None` without one.
+    /// The column whose impacts have this direction of travel \[rad\], with its damage; `None` without one.
     fn towards(&self, direction: Option<f64>) -> PyResult<Option<Self>> {
         let Some(direction) = direction else {
             return Ok(None);
@@ -553,7 +581,34 @@ impl Column {
         let changes = [("impact.direction", Value::from(direction))];
         let turned = self.parameters().with_changes(changes);
         let turned = turned.map_err(|faults| fault::parameters(&faults))?;
-        Self::of(&turned).map(Some)
+        let study = match self.is_damaged() {
+            true => self.study.with_impact_of(&turned),
+            false => StudyColumn::undamaged(&turned),
+        };
+        Ok(Some(Self {
+            study: Arc::new(study.map_err(|fault| fault::study(&fault))?),
+            ..self.clone()
+        }))
+    }
+
+    /// An impact with the whole speed of the vehicle, where it strikes this column. Without a direction \[rad\] it has that of the
+    /// parameters.
+    fn whole_hit(
+        &self,
+        vehicle: Option<&str>,
+        mass: Option<f64>,
+        velocity: Option<f64>,
+        direction: Option<f64>,
+    ) -> PyResult<EarlierHit> {
+        let velocity = velocity.unwrap_or(self.parameters().settings().impact.velocity);
+        let impacts = self.study.impacts_of(vehicle);
+        let impact = impacts.and_then(|it| it.in_direction(0.0).impact(mass, velocity));
+        let properties = &self.study.model().properties;
+        Ok(EarlierHit {
+            lengths: [properties.length_below, properties.length_above],
+            impact: impact.map_err(|fault| fault::study(&fault))?,
+            direction: direction.unwrap_or(self.parameters().direction()),
+        })
     }
 
     fn parameters(&self) -> &Parameters {
@@ -629,56 +684,6 @@ impl Column {
                 None => column_twin::parameters::RIGID.to_owned(),
             },
         }
-    }
-
-    /// `stated` are the parameters with the impact.
-    fn history(
-        &self,
-        stated: &Parameters,
-        impact: &Impact,
-        vehicle_name: &str,
-        asks_beam: bool,
-    ) -> Result<History, SimulationError> {
-        let parameters = self.parameters();
-        let properties = parameters.column_properties();
-        let masses = impact.vehicle.map_or(0, |it| it.masses().len());
-        let table = HistoryColumns::new(masses);
-        let names = table.names();
-        let mut columns = vec![Vec::new(); names.len()];
-        let mut spectrum = ForceSpectrum::default();
-        let start = Instant::now();
-        let ended = observe_and_rest(
-            &properties,
-            impact,
-            parameters.response_duration(),
-            |model, state| {
-                let mut column = columns.iter_mut();
-                let sample = state.sample(model);
-                spectrum.push(sample.time, sample.impulse);
-                table.values(&sample, |value| {
-                    if let Some(column) = column.next() {
-                        column.push(value);
-                    }
-                });
-            },
-        )?;
-        let solve_time = start.elapsed();
-        let mut evaluation = ImpactEvaluation::complete(stated, &properties, impact, ended)?;
-        let beam = asks_beam.then(|| {
-            let start = Instant::now();
-            let opinion = SecondOpinion::on(stated, &mut evaluation);
-            BeamAnswer::of(&opinion, start.elapsed())
-        });
-        let mut fields =
-            ImpactFields::of(&evaluation, vehicle_name, solve_time).with_spectrum(&spectrum);
-        if let Some(beam) = beam {
-            fields = fields.with_beam(beam);
-        }
-        Ok(History {
-            outcome: serde_json::to_string(&fields).expect("numbers and words"),
-            names,
-            columns,
-        })
     }
 
     fn push_down(&self, model: &Model, state: Option<&State>) -> PyResult<Vec<PushDownPoint>> {

@@ -6,20 +6,24 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - batch.rs: Many impacts at once, in rows of bytes that numpy reads as a structured array
+// - beam_columns.rs: What the fibre beam says of the cells of a map, as columns for Python
 // - capacity.rs: The capacity of a column for Python
 // - checks.rs: Checks of impacts by the one table of parameters, as on the command line
 // - column.rs: A column for Python
 // - fault.rs: Faults as Python exceptions, with the texts that the command line prints
+// - history.rs: One impact with its history for Python
 // - risk.rs: Risk studies for Python
 // - sensors.rs: What the sensors of a column read, and what struck it by their readings
 // - study.rs: Damage maps and critical velocities for Python
 // - values.rs: Values from Python to Rust and back
 
 mod batch;
+mod beam_columns;
 mod capacity;
 mod checks;
 mod column;
 mod fault;
+mod history;
 mod risk;
 mod sensors;
 mod study;

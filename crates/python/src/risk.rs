@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::batch::{batch, interruptible};
 use crate::fault;
+use crate::study::model_named;
 
 /// What a risk study is about, as `Column.risk` describes it.
 #[derive(FromPyObject)]
@@ -30,6 +31,8 @@ pub struct Request {
     samples: u64,
     seed: u64,
     confidence: f64,
+    /// Name of the model that judges.
+    model: String,
     /// Whether the response of every sample is computed.
     exact: bool,
     threads: Option<NonZeroUsize>,
@@ -37,6 +40,7 @@ pub struct Request {
 
 /// The result of the study as JSON.
 pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyResult<String> {
+    let model = model_named(&request.model)?;
     let mut scenario = match &request.scenarios {
         None => Scenario::shipped(&request.scenario),
         Some((place, text)) => Scenario::from_json(place, text, &request.scenario),
@@ -48,7 +52,8 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
             .map_err(|reason| fault::input(reason.to_string()))?;
     }
     let scenario = scenario.for_column(parameters);
-    let column = RiskColumn::new(parameters, &scenario).map_err(|reason| {
+    let column = RiskColumn::new(parameters, &scenario).and_then(|it| it.judged_by(model));
+    let column = column.map_err(|reason| {
         fault::input(format!("this column and scenario make no study: {reason}"))
     })?;
     let sampler = DepartureSampler::new(&scenario, request.seed);
@@ -74,6 +79,7 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
         )));
     }
     let exposure = Exposure::new(&scenario, request.vehicles_per_day, request.years);
-    let result = RiskResult::new(&scenario, &tally, exposure, request.confidence);
+    let result = RiskResult::new(&scenario, &tally, exposure, request.confidence)
+        .judged_by(model, &scenario);
     serde_json::to_string(&result).map_err(|reason| fault::simulation(reason.to_string()))
 }

@@ -3,16 +3,22 @@
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-use column_twin::parameters::{CatalogueVehicle, Parameters};
+use column_twin::column::is_direction;
+use column_twin::parameters::CatalogueVehicle;
 use column_twin::study::{
     AxisValue, AxisValues, BatchEnd, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
+    StudyColumn, VerdictModel,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use rayon::ThreadPoolBuildError;
 
 use crate::batch::{CELL_BYTES, Codes, NUMBERS, Row, abandonable, batch, interruptible};
+use crate::beam_columns::BeamColumns;
 use crate::fault;
+
+/// The parameter of the direction of travel \[rad\].
+const DIRECTION: &str = "impact.direction";
 
 /// An axis as Python gives it: in the notation of the command line, or as a name with its values.
 #[derive(FromPyObject)]
@@ -30,7 +36,13 @@ pub enum GivenAxis {
 impl GivenAxis {
     pub fn axis(self) -> PyResult<MapAxis> {
         let quantity = |name: &str| {
-            MapQuantity::named(name).map_err(|problem| fault::input(format!("{name}: {problem}")))
+            // Python gives it in rad everywhere, the notation of the command line in degrees.
+            let native = if name == MapQuantity::Direction.name() {
+                DIRECTION
+            } else {
+                name
+            };
+            MapQuantity::named(native).map_err(|problem| fault::input(format!("{name}: {problem}")))
         };
         let axis = match self {
             Self::Text(text) => MapAxis::parse(&text),
@@ -40,16 +52,49 @@ impl GivenAxis {
             }
             Self::Names(name, names) => MapAxis::of(quantity(&name)?, AxisValues::Names(names)),
         };
-        axis.map_err(|fault| fault::input(fault.to_string()))
+        let axis = axis.map_err(|fault| fault::input(fault.to_string()))?;
+        if is_direction_in_rad(axis.quantity())
+            && let Some(beyond) = axis
+                .ends()
+                .and_then(|ends| ends.into_iter().find(|it| !is_direction(*it)))
+        {
+            return Err(fault::input(format!(
+                "direction: {beyond} is out of range; expected angles above -pi and at most pi, in rad, such as np.radians({beyond})"
+            )));
+        }
+        Ok(axis)
     }
+}
+
+fn is_direction_in_rad(quantity: MapQuantity) -> bool {
+    matches!(quantity, MapQuantity::Parameter(it) if it.name == DIRECTION)
+}
+
+/// Name and title of what varies: a direction is one in rad, too.
+fn names(quantity: MapQuantity) -> [&'static str; 2] {
+    let named = match is_direction_in_rad(quantity) {
+        true => MapQuantity::Direction,
+        false => quantity,
+    };
+    [named.name(), named.title()]
+}
+
+/// The model of this name, by which impacts are judged.
+pub fn model_named(name: &str) -> PyResult<VerdictModel> {
+    VerdictModel::named(name).ok_or_else(|| {
+        fault::input(format!(
+            "model: expected 'bars', 'beam' or 'both', found '{name}'"
+        ))
+    })
 }
 
 /// An axis for Python: name, title, unit, and its numbers or names.
 fn described<'py>(py: Python<'py>, axis: &MapAxis) -> PyResult<Bound<'py, PyDict>> {
     let quantity = axis.quantity();
     let all = PyDict::new(py);
-    all.set_item("name", quantity.name())?;
-    all.set_item("title", quantity.title())?;
+    let [name, title] = names(quantity);
+    all.set_item("name", name)?;
+    all.set_item("title", title)?;
     all.set_item("unit", quantity.unit())?;
     let values = (0..axis.len()).map(|index| axis.value(index));
     if quantity.is_named() {
@@ -65,21 +110,42 @@ fn described<'py>(py: Python<'py>, axis: &MapAxis) -> PyResult<Bound<'py, PyDict
     Ok(all)
 }
 
-/// The map of these axes.
-fn planned(
-    parameters: &Parameters,
-    vehicle: Option<&str>,
+/// A map as Python asks for it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct MapRequest {
+    vehicle: Option<String>,
     axes: [GivenAxis; 2],
     compared: Option<GivenAxis>,
-) -> PyResult<DamageMap> {
-    let [first, second] = axes;
-    let axes = [first.axis()?, second.axis()?];
-    let compared = compared.map(GivenAxis::axis).transpose()?;
-    let map = match &compared {
-        Some(compared) => DamageMap::comparing(parameters, vehicle, compared, axes),
-        None => DamageMap::new(parameters, vehicle, axes),
-    };
-    map.map_err(|reason| rejected(&reason))
+    /// Name of the model that judges.
+    model: String,
+    threads: Option<NonZeroUsize>,
+}
+
+impl MapRequest {
+    /// The map of a column, which is damaged or not, and the number of threads that compute it.
+    fn planned(
+        self,
+        column: &StudyColumn,
+        is_damaged: bool,
+    ) -> PyResult<(DamageMap, Option<NonZeroUsize>)> {
+        let model = model_named(&self.model)?;
+        let [first, second] = self.axes;
+        let axes = [first.axis()?, second.axis()?];
+        let compared = self.compared.map(GivenAxis::axis).transpose()?;
+        let vehicle = self.vehicle.as_deref();
+        let parameters = column.parameters();
+        let map = match (&compared, is_damaged) {
+            (Some(compared), true) => {
+                Err(MapError::DamagedColumnVaries(compared.quantity().name()))
+            }
+            (Some(compared), false) => DamageMap::comparing(parameters, vehicle, compared, axes),
+            (None, true) => DamageMap::of_damaged(column, vehicle, axes),
+            (None, false) => DamageMap::new(parameters, vehicle, axes),
+        };
+        let map = map.and_then(|map| map.judged_by(model));
+        Ok((map.map_err(|reason| rejected(&reason))?, self.threads))
+    }
 }
 
 /// Why nobody can have meant the smallest mass of a map of one vehicle.
@@ -93,17 +159,14 @@ fn implausible(map: &DamageMap) -> Option<String> {
 }
 
 /// Computes a map, or the part `shard` (a number, from 1, and the number of parts): its axes and labels, its cells as rows of
-/// bytes, and why some could not be computed.
+/// bytes, why some could not be computed, and what the fibre beam says of them.
 pub fn map<'py>(
     py: Python<'py>,
-    parameters: &Parameters,
-    vehicle: Option<&str>,
-    axes: [GivenAxis; 2],
-    compared: Option<GivenAxis>,
+    (column, is_damaged): (&StudyColumn, bool),
+    request: MapRequest,
     shard: Option<[u64; 2]>,
-    threads: Option<NonZeroUsize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let map = planned(parameters, vehicle, axes, compared)?;
+    let (map, threads) = request.planned(column, is_damaged)?;
     if let Some(text) = implausible(&map) {
         fault::warn(py, &format!("mass: the smallest one is the mass of {text}"))?;
     }
@@ -112,11 +175,13 @@ pub fn map<'py>(
     let batch = batch(py, threads, count)?;
     let mut bytes = Vec::new();
     let mut failed = Vec::new();
+    let mut beam = BeamColumns::of(&map);
     let first = cells.start;
     let computed = interruptible(py, &batch, |batch| {
         bytes.reserve_exact(CELL_BYTES * count as usize);
         map.compute(batch, cells, |cells| {
             for cell in cells {
+                beam.push(&map, &cell);
                 let row = match cell.result {
                     // Mass and velocity are those of the axes.
                     Ok(evaluation) => Row::of([f64::NAN; 2], &evaluation),
@@ -150,6 +215,8 @@ pub fn map<'py>(
     }
     result.set_item("failures", failures)?;
     result.set_item("first", first)?;
+    result.set_item("model", map.model().name())?;
+    result.set_item("beam", beam.into_py(py)?)?;
     result.set_item("cells", PyByteArray::new(py, &bytes))?;
     Ok(result)
 }
@@ -157,13 +224,10 @@ pub fn map<'py>(
 /// The boundaries of the actions and limits on a map, with its axes and labels, as JSON.
 pub fn refine(
     py: Python<'_>,
-    parameters: &Parameters,
-    vehicle: Option<&str>,
-    axes: [GivenAxis; 2],
-    compared: Option<GivenAxis>,
-    threads: Option<NonZeroUsize>,
+    (column, is_damaged): (&StudyColumn, bool),
+    request: MapRequest,
 ) -> PyResult<String> {
-    let map = planned(parameters, vehicle, axes, compared)?;
+    let (map, threads) = request.planned(column, is_damaged)?;
     let batch = batch(py, threads, map.len())?;
     let (map, batch) = (Arc::new(map), Arc::new(batch));
     // A row takes many responses, and is not interrupted: the call does not wait for its end.
@@ -172,10 +236,14 @@ pub fn refine(
         .inspect_err(|_| batch.interrupt())?
         .map_err(|reason| fault::input(reason.to_string()))?;
     let labels: Vec<&str> = map.variants().iter().map(|it| it.label.as_str()).collect();
-    let (rows, columns) = (map.rows().quantity(), map.columns().quantity());
+    let axis = |axis: &MapAxis| {
+        let [name, _] = names(axis.quantity());
+        serde_json::json!({"name": name, "unit": axis.quantity().unit(), "values": numbers(axis)})
+    };
     let all = serde_json::json!({
-        "rows": {"name": rows.name(), "unit": rows.unit(), "values": numbers(map.rows())},
-        "columns": {"name": columns.name(), "unit": columns.unit(), "values": numbers(map.columns())},
+        "rows": axis(map.rows()),
+        "columns": axis(map.columns()),
+        "model": map.model().name(),
         "labels": labels,
         "refined": refined,
     });

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import csv
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from column_twin import Action, Column, IncompleteWarning, Map, ParameterError, ParameterWarning, Range
+
+Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 def test_every_cell_equals_a_evaluation_bit_for_bit(steel: Column) -> None:
@@ -157,3 +163,90 @@ def test_the_colours_are_those_of_the_program_and_keep_their_order_in_grey() -> 
         sum(weight * int(COLOURS[it][at : at + 2], 16) for weight, at in ((0.299, 1), (0.587, 3), (0.114, 5))) for it in Action
     ]
     assert all(darker < lighter - 10 for lighter, darker in zip(light, light[1:], strict=False))
+
+
+@pytest.mark.parametrize("model", ["bars", "beam", "both"])
+def test_a_map_over_directions_is_that_of_the_command_line(
+    root: Path, steel: Column, program: Program, tmp_path: Path, model: Any
+) -> None:
+    degrees, speeds = [0.0, 20.0, 90.0], [4.0, 8.0, 12.0]
+    path = tmp_path / "map.csv"
+    values = [",".join(map(str, it)) for it in (degrees, speeds)]
+    config = ("--config", str(root / "config/heb220_s355.yaml"), "--vehicle", "mid_car")
+    ran = program("map", *config, "--direction", values[0], "--velocity", values[1], "--model", model, "--csv", str(path))
+    assert ran.returncode == 0, ran.stderr
+    with path.open() as file:
+        expected = list(csv.DictReader(file))
+    damage = steel.map(direction=np.radians(degrees), velocity=speeds, vehicle="mid_car", model=model)
+    assert (damage.rows.name, damage.rows.unit, damage.model) == ("direction", "rad", model)
+    assert damage.cells.shape == (3, 3) and len(expected) == 9
+    for row, cell in zip(expected, damage.cells.reshape(-1)):
+        assert Action(cell["action"]).name.lower() == row["action"]
+        assert cell["max_v1"] == float(row["max_v1_m"])
+        assert cell["reserve"] == float(row["reserve"])
+    names = [name for name in expected[0] if name.startswith("beam_") or name == "ratio_to_two_bars"]
+    assert list(damage.beam) == [*names, *(["no_second_opinion"] if names else [])]
+    for name in names:
+        for row, found in zip(expected, damage.beam[name].reshape(-1)):
+            there = row[name] if isinstance(found, str) else float(row[name] or "nan")
+            assert found == there or (np.isnan(found) and np.isnan(there)), name
+    assert bool(names) == (model != "bars")
+    # As the command line writes it: degrees, and the axis says so.
+    text = steel.map(f"direction={values[0]}", velocity=speeds, vehicle="mid_car", model=model)
+    assert (text.rows.name, text.rows.unit) == ("direction", "degrees")
+    assert np.array_equal(text["max_v1"], damage["max_v1"])
+
+
+def test_the_parts_of_a_map_by_both_models_are_the_whole_map(steel: Column) -> None:
+    axes: Any = {"direction": [0.0, 0.5], "velocity": [4.0, 8.0], "vehicle": "mid_car", "model": "both"}
+    whole = steel.map(**axes)
+    parts = [steel.map(**axes, shard=(number, 3)) for number in (2, 3, 1)]
+    assert np.isnan(parts[2].beam["beam_max_sideways_m"]).sum() == 3
+    merged = Map.merged(parts)
+    assert merged.cells.tobytes() == whole.cells.tobytes() and merged.beam_units == whole.beam_units
+    assert list(merged.beam) == list(whole.beam) and merged.model == "both"
+    for name, values in whole.beam.items():
+        assert np.array_equal(merged.beam[name], values, equal_nan=values.dtype == float), name
+    with pytest.raises(ParameterError, match="one by the model 'both' and one by 'bars'"):
+        Map.merged([parts[2], *(steel.map(**{**axes, "model": "bars"}, shard=(number, 3)) for number in (2, 3))])
+    table = pytest.importorskip("pandas") and whole.to_pandas()
+    assert table["beam_max_sideways_m"].tolist() == whole.beam["beam_max_sideways_m"].reshape(-1).tolist()
+    pytest.importorskip("xarray")
+    data = whole.to_xarray()
+    assert data.attrs["model"] == "both" and data.direction.attrs["units"] == "rad"
+    assert data.beam_max_sideways_m.attrs["units"] == "m"
+    assert float(data.beam_max_sideways_m.sel(direction=0.5, velocity=8.0)) > 0.0
+    assert steel.map(mass=[1500, 1800], velocity=[4.0, 8.0]).to_xarray().attrs["model"] == "bars"
+
+
+def test_models_and_directions_that_are_not_accepted(steel: Column) -> None:
+    axes: Any = {"velocity": [4.0, 8.0], "vehicle": "mid_car"}
+    # 90 degrees are no 90 rad.
+    with pytest.raises(ParameterError, match=r"direction: 90 is out of range; expected angles .* in rad, such as np.radians\(90\)"):
+        steel.map(**axes, direction=[0.0, 90.0])
+    with pytest.raises(ParameterError, match="200 degrees is not a direction"):
+        steel.map("direction=0,200", **axes)
+    with pytest.raises(ParameterError, match="both axes determine the same parameter"):
+        steel.map("direction=0:90:2", direction=[0.0, 1.0])
+    with pytest.raises(ParameterError, match="model: expected 'bars', 'beam' or 'both', found 'shell'"):
+        steel.map(**axes, direction=[0.0, 1.0], model="shell")  # type: ignore[arg-type]
+    off = steel.with_changes(beam__mode="off")
+    with pytest.raises(ParameterError, match="beam.mode: off switches off"):
+        off.map(**axes, direction=[0.0, 1.0], model="beam")
+    with pytest.raises(ParameterError, match="beam.mode: off switches off"):
+        off.risk("courtyard", 100, samples=10, model="both")
+    with pytest.raises(ParameterError, match="model: expected 'bars'"):
+        steel.risk("courtyard", 100, samples=10, model="shell")  # type: ignore[arg-type]
+
+
+def test_boundaries_by_both_models_lie_between_cells(steel: Column) -> None:
+    axes: Any = {"direction": np.radians([0.0, 30.0]), "velocity": Range(2, 14, points=5), "vehicle": "mid_car"}
+    refined = steel.refined_map(**axes, model="both")
+    assert refined.report["model"] == "both"
+    assert (refined.report["rows"]["name"], refined.report["rows"]["unit"]) == ("direction", "rad")
+    rows, speeds = refined.boundary(Action.RESTRICT)
+    assert rows.size > 0
+    for direction, speed in zip(rows, speeds):
+        around = [0.98 * float(speed), 1.02 * float(speed)]
+        hits = [steel.simulate("mid_car", velocity=it, direction=direction, model="both").action for it in around]
+        assert hits[0] is not None and hits[1] is not None and hits[0] < Action.RESTRICT <= hits[1]

@@ -64,7 +64,7 @@ def test_the_beam_is_that_of_the_command_line(root: Path, steel: Column, program
     ran = program("simulate", "--config", config, *hit, "--json")
     assert ran.returncode == 0, ran.stderr
     expected = json.loads(ran.stdout)
-    result = steel.simulate("mid_car", velocity=9.0, direction=np.radians(degrees), model="beam")
+    result = steel.simulate("mid_car", velocity=9.0, direction=np.radians(degrees), model="both")
     found = dict(result.report)
     del expected["solve_time_s"], found["solve_time_s"]
     del expected["beam"]["solve_time_s"], found["beam"]["solve_time_s"]
@@ -78,13 +78,27 @@ def test_the_beam_is_that_of_the_command_line(root: Path, steel: Column, program
     assert left[0].capacity().force == left[1].capacity().force
 
 
+def test_the_beam_alone_has_its_own_verdict(steel: Column) -> None:
+    hit = {"vehicle": "mid_car", "velocity": 9.0, "direction": np.radians(90.0)}
+    bars, beam, both = (steel.simulate(**hit, model=it) for it in ("bars", "beam", "both"))
+    # By the two bars, which are plane, a vehicle that travels across them does nothing.
+    assert bars.action is Action.NONE and beam.action is both.action is not Action.NONE
+    assert beam.report["range"] is None and beam.max_v1 == bars.max_v1
+    damage = steel.map(velocity=[8.0, 9.0], direction=[0.0, np.radians(90.0)], vehicle="mid_car", model="beam")
+    assert damage["action"][1, 1] == beam.action
+
+
 def test_where_the_beam_says_nothing_it_says_why(paper: Column) -> None:
-    result = paper.simulate(mass=1500.0, velocity=5.0, model="beam")
+    result = paper.simulate(mass=1500.0, velocity=5.0, model="both")
     with pytest.raises(SimulationError, match="no second opinion: the plates of the section"):
         _ = result.beam
+    with pytest.raises(SimulationError, match="no second opinion: the plates of the section"):
+        paper.simulate(mass=1500.0, velocity=5.0, model="beam")
+    with pytest.raises(ParameterError, match="the model both needs the fibre beam, which beam.mode: off switches off"):
+        paper.with_changes(beam__mode="off").simulate(mass=1500.0, velocity=5.0, model="both")
     for keywords in ({"direction": 3.2}, {"direction": -np.pi}, {"direction": float("nan")}, {"model": "shell"}):
         with pytest.raises(ParameterError, match="expected"):
-            paper.simulate(mass=1500.0, velocity=5.0, **keywords)  # type: ignore[arg-type]
+            paper.simulate(mass=1500.0, velocity=5.0, **keywords)
 
 
 def test_capacity_is_that_of_the_command_line(root: Path, paper: Column, program: Program) -> None:

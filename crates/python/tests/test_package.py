@@ -162,7 +162,7 @@ def test_the_keywords_are_those_of_the_parameters() -> None:
     names = {name.replace(".", "__") for name in Column().parameters}
     assert set(ParameterKeywords.__annotations__) == names
     numbers = {name.replace(".", "__") for name, value in Column().parameters.items() if type(value) in (int, float)}
-    assert set(AxisKeywords.__annotations__) == numbers | {"mass", "velocity", "height", "section"}
+    assert set(AxisKeywords.__annotations__) == numbers | {"mass", "velocity", "height", "section", "direction"}
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,6 +23,20 @@ def test_a_study_is_that_of_the_command_line(root: Path, steel: Column, program:
     expected = json.loads(ran.stdout)
     risk = steel.risk("parking_garage", 2000, distance=0.5, samples=2000, seed=3, years=50.0)
     assert set(risk.report) <= set(expected)
+    for name, value in risk.report.items():
+        assert value == expected[name], name
+
+
+@pytest.mark.parametrize("model", ["beam", "both"])
+def test_a_study_by_the_beam_is_that_of_the_command_line(root: Path, steel: Column, program: Program, model: Any) -> None:
+    any_way = "orientation_deg=uniform:-90:90"
+    options = {"scenario": "courtyard", "vehicles-per-day": 50, "samples": 40, "seed": 3, "distribution": any_way, "model": model}
+    arguments = [part for name, value in options.items() for part in (f"--{name}", str(value))]
+    ran = program("risk", "--config", str(root / "config/heb220_s355.yaml"), "--json", *arguments)
+    assert ran.returncode == 0, ran.stderr
+    expected = json.loads(ran.stdout)
+    risk = steel.risk("courtyard", 50, samples=40, seed=3, distributions=[any_way], model=model)
+    assert risk.model == expected["model"] == model
     for name, value in risk.report.items():
         assert value == expected[name], name
 

@@ -35,6 +35,10 @@ Setting = Union[Value, npt.NDArray[Any], np.generic, "os.PathLike[str]"]
 """What a parameter may be set to: a value, or what numpy or pathlib make of one."""
 
 
+Model = Literal["bars", "beam", "both"]
+"""By which model an impact is judged: the two bars, the fibre beam alone, or the more severe verdict of both."""
+
+
 def _plain(value: Any) -> Any:
     """A value of numpy or a path as the plain value that it holds."""
     if isinstance(value, (np.ndarray, np.generic)):
@@ -64,6 +68,13 @@ def _threads(threads: int | None) -> int | None:
     if threads is not None and threads < 1:
         raise ParameterError(f"threads: expected at least 1, found {threads}")
     return threads
+
+
+def _map_request(
+    vehicle: str | None, axes: list[NativeAxis], compared: NativeAxis | None, threads: int | None, model: str
+) -> dict[str, Any]:
+    """A map for the native part."""
+    return {"vehicle": vehicle, "axes": axes, "compared": compared, "model": str(model), "threads": _threads(threads)}
 
 
 def _compared_name(compare: str | Mapping[str, AxisValues] | None) -> str | None:
@@ -157,7 +168,10 @@ class Column:
 
         self._native.evaluate(_name(vehicle), mass, velocity)
         if self.is_damaged:
-            raise ParameterError("report: expected an undamaged column, found one that an impact has damaged")
+            raise ParameterError(
+                "report: expected an undamaged column, found one that an impact has damaged; simulate has its numbers, and a node that "
+                "records writes the report of a second impact"
+            )
         report(self, path, vehicle, mass, velocity, details)
 
     @classmethod
@@ -300,14 +314,16 @@ class Column:
         """The column as an impact leaves it, at rest once the vehicle is gone, to be hit again.
 
         >>> first = column.simulate("mid_car", velocity=12.0)
-        >>> column.after(first).evaluate("mid_car", velocity=8.0)
+        >>> second = column.after(first).simulate("mid_car", velocity=8.0)
 
-        A damaged column has `evaluate`, `evaluate_batch`, `critical_velocities`, `capacity` and `after`; the damage is pickled
-        with it. Its hinges stay at the height at which the first vehicle struck.
+        A damaged column has `simulate`, `evaluate`, `evaluate_batch`, `map`, `refined_map`, `critical_velocities`, `capacity` without
+        arguments and `after`; everything else raises a ParameterError that says what to do instead. The damage is pickled with it.
+        Its hinges stay at the height at which the first vehicle struck.
 
         Args:
             impact: a result of `simulate` of this column. Without one the keywords describe the impact, as in
-                `simulate`.
+                `simulate`. Damage by the fibre beam alone, such as that of a vehicle that travels across the plane of the two bars,
+                is kept where the result has it (`model="both"`).
 
         Raises:
             ParameterError: an impact that is not accepted, or one of another column.
@@ -319,7 +335,10 @@ class Column:
             if impact._struck != self._native.to_json():
                 raise ParameterError("after: expected a result of this column, found one of another; compute it for this column")
             vehicle, mass, velocity = impact._impact
-        left = self._native.after(vehicle, mass, velocity, None if impact is None else impact._direction)
+        direction = None if impact is None else impact._direction
+        beam = None if impact is None else impact.report.get("beam")
+        by_beam = isinstance(beam, dict) and beam["outcome"] != "elastic"
+        left = self._native.after(vehicle, mass, velocity, direction, by_beam)
         if left is None:
             raise SimulationError("the column does not stand after this impact: it has collapsed or is fractured")
         return self._of(left)
@@ -331,19 +350,24 @@ class Column:
         mass: float | None = None,
         velocity: float | None = None,
         direction: float | None = None,
-        model: Literal["bars", "beam"] = "bars",
+        model: Model = "bars",
     ) -> Result:
-        """One impact on the undamaged column with histories and report.
+        """One impact with histories and report.
 
-        The response itself takes milliseconds. The report takes three more responses, which tell the error of the step and the
-        influence of hardening, and two push-downs.
+        The response itself takes milliseconds. The report takes more responses, which tell the error of the step and the range of
+        the verdict, and their push-downs.
 
-        With `model="beam"` the fibre beam computes the impact, too, as `column-twin simulate` does: `Result.beam` has its numbers,
-        and the action is the more severe one of both models where its verdict counts. Histories and displacements are still by the
-        two bars. It takes tens of milliseconds more.
+        A column that an impact has damaged, see `after`, is hit once more, as by a node: displacements and plastic rotations count
+        from the undamaged column, the largest reactions of the base are those of all impacts, and the range of the verdict varies this impact alone. The
+        beam first computes the earlier impacts again.
+
+        With `model="both"` the fibre beam computes the impact, too, as `column-twin simulate` does: `Result.beam` has its numbers,
+        and the action is the more severe one of both models where its verdict counts. With `model="beam"`, action and criteria are
+        those of the beam alone, without a range. Histories and displacements are still by the two bars. The beam takes tens of
+        milliseconds more.
 
         >>> column.simulate("mid_car", velocity=10.0)
-        >>> column.simulate("mid_car", velocity=10.0, direction=np.radians(10), model="beam").beam["max_sideways_m"]
+        >>> column.simulate("mid_car", velocity=10.0, direction=np.radians(10), model="both").beam["max_sideways_m"]
 
         Args:
             vehicle: `rigid`, or a name of `vehicles()`; default: the parameter `vehicle.name`.
@@ -351,7 +375,7 @@ class Column:
             velocity: speed towards the column [m/s]; default: the parameter `impact.velocity`.
             direction: direction of travel [rad], above -pi to pi; 0 bends the column about its strong axis, and of any other one the
                 two bars take the component in their plane; default: the parameter `impact.direction`.
-            model: `bars`, the two bars, or `beam`, both models.
+            model: by which model the impact is judged: `bars`, the two bars, `beam`, the fibre beam, or `both`.
 
         Raises:
             ParameterError: an impact that is not accepted.
@@ -360,13 +384,11 @@ class Column:
         Warns:
             ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
-        if model not in ("bars", "beam"):
-            raise ParameterError(f"model: expected 'bars' or 'beam', found {model!r}")
         if direction is not None:
             direction = float(direction)
             if not -np.pi < direction <= np.pi:
                 raise ParameterError(f"direction {direction}: expected an angle above -pi and at most pi, in rad")
-        names, columns, report = self._native.simulate(_name(vehicle), mass, velocity, direction, model == "beam")
+        names, columns, report = self._native.simulate(_name(vehicle), mass, velocity, direction, str(model))
         history = {name: np.frombuffer(it, dtype=np.float64) for name, it in zip(names, columns)}
         fields = json.loads(report)
         if velocity is None:
@@ -438,20 +460,25 @@ class Column:
         compare: str | Mapping[str, AxisValues] | None = None,
         shard: tuple[int, int] | None = None,
         threads: int | None = None,
+        model: Model = "bars",
         changes: Mapping[str, AxisValues] | None = None,
         **ranges: Unpack[AxisKeywords],
     ) -> Map:
         """A damage map over two quantities, on all processors.
 
-        An axis is `mass`, `velocity`, `height`, `section`, `vehicle`, or any parameter that is a number (`top__load`). Its values
-        are a `Range`, a list or an array of numbers, or a list of names of a catalogue; or it is a text in the notation of
-        `column-twin map`.
+        An axis is `mass`, `velocity`, `height`, `section`, `vehicle`, `direction` [rad], or any parameter that is a number
+        (`top__load`). Its values are a `Range`, a list or an array of numbers, or a list of names of a catalogue; or it is a text in
+        the notation of `column-twin map`, in which a direction is in degrees.
 
         >>> column.map(mass=Range(2000, 12000, points=50), velocity=Range(1, 25, points=50), vehicle="lorry_8t")
         >>> column.map("section=HEB 200,HEB 240,HEB 300", velocity=np.linspace(1.0, 20.0, 50), vehicle="van")
         >>> column.map(velocity=Range(1, 25, points=50), top__load=[2e5, 5e5], compare={"section": ["HEB 220", "HEB 300"]})
+        >>> column.map(direction=np.radians([0.0, 45.0, 90.0]), velocity=[4.0, 8.0], vehicle="mid_car", model="both")
 
         Other Python threads run meanwhile, and Ctrl-C interrupts the map.
+
+        On a column that an impact has damaged every cell is one more impact; mass, velocity, vehicle and direction can vary, and the
+        two bars judge.
 
         Args:
             axes: axes in the notation of the command line, such as `velocity=1:25:100`.
@@ -460,11 +487,15 @@ class Column:
             shard: part of the map that is computed, (number from 1, number of parts), for several machines; all others are
                 masked. `Map.merged` puts the parts together.
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
+            model: by which model an impact is judged: `bars`, the two bars; `beam`, the fibre beam alone; `both`, the more severe
+                verdict of both where that of the beam counts, as in a node. The beam takes tens of milliseconds for each cell, and
+                `Map.beam` has what it says.
             changes: axes by the names of parameters, with dots.
             ranges: axes by keywords; two underscores are a dot.
 
         Raises:
-            ParameterError: axes, values or a number of cells that are not accepted.
+            ParameterError: axes, values or a number of cells that are not accepted; of a damaged column, an axis of the column, a
+                comparison, or a model other than `bars`.
 
         Warns:
             IncompleteWarning: cells that cannot be computed. They are masked, and `failures` says why.
@@ -474,7 +505,7 @@ class Column:
             number, parts = shard
             if not 1 <= number <= parts:
                 raise ParameterError(f"shard: expected a number from 1 to the number of parts, found {shard}")
-        computed = self._native.map(vehicle, given, compared, shard, _threads(threads))
+        computed = self._native.map(_map_request(vehicle, given, compared, threads, model), shard)
         damage = Map._of(computed, _compared_name(compare))
         if damage.failures:
             place, reason = next(iter(damage.failures.items()))
@@ -491,6 +522,7 @@ class Column:
         vehicle: str | None = None,
         compare: str | Mapping[str, AxisValues] | None = None,
         threads: int | None = None,
+        model: Model = "bars",
         changes: Mapping[str, AxisValues] | None = None,
         **ranges: Unpack[AxisKeywords],
     ) -> RefinedMap:
@@ -499,7 +531,7 @@ class Column:
         Arguments and errors are those of `map`.
         """
         vehicle, given, compared = self._planned(axes, vehicle, compare, changes, ranges)
-        return RefinedMap._of(json.loads(self._native.refine(vehicle, given, compared, _threads(threads))))
+        return RefinedMap._of(json.loads(self._native.refine(_map_request(vehicle, given, compared, threads, model))))
 
     @staticmethod
     def _planned(
@@ -609,28 +641,34 @@ class Column:
         confidence: float = 0.95,
         exact: bool = False,
         threads: int | None = None,
+        model: Model = "bars",
     ) -> Risk:
         """How often vehicles that leave the road damage the column, by Monte Carlo, as `column-twin risk` computes it.
 
         The same seed gives the same result on any number of threads. Other Python threads run meanwhile, and Ctrl-C interrupts.
 
         >>> column.risk("parking_garage", vehicles_per_day=2000, distance=0.5, samples=20_000)
+        >>> any_way = ["orientation_deg=uniform:-90:90"]
+        >>> column.risk("courtyard", vehicles_per_day=50, distributions=any_way, model="both", samples=50)
 
         Args:
             scenario: `motorway`, `urban`, `courtyard`, `parking_garage`, or one of `scenarios`.
             vehicles_per_day: vehicles that pass the column [1/d].
             years: period for which the probabilities hold [a].
             distance: distance of the column from the edge of the road [m]; default: the distance of the scenario.
-            distributions: other distributions of inputs, such as `speed_km_h=lognormal:12:5`.
+            distributions: other distributions of inputs, such as `speed_km_h=lognormal:12:5`, or `orientation_deg=uniform:-90:90` for
+                columns whose webs stand in any direction to the road.
             scenarios: file of scenarios of your own, as config/risk.json.
             samples: vehicles that are drawn.
             seed: seed of the random numbers.
             confidence: level of the intervals.
             exact: compute the response of every sample, and predict none from critical speeds.
             threads: number of threads; default: as many as there are processors.
+            model: by which model a sample is judged, as in `map`. The two bars predict most samples, and the beam computes those in
+                doubt and a share of the others.
 
         Raises:
-            ParameterError: a scenario, law or number that is not accepted.
+            ParameterError: a scenario, law or number that is not accepted, or a damaged column.
         """
         for name, number in (("vehicles_per_day", vehicles_per_day), ("years", years)):
             if not (np.isfinite(number) and number > 0.0):
@@ -657,6 +695,7 @@ class Column:
                 "samples": int(samples),
                 "seed": seed,
                 "confidence": float(confidence),
+                "model": str(model),
                 "exact": exact,
                 "threads": _threads(threads),
             }

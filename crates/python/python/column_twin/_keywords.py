@@ -369,6 +369,8 @@ class AxisKeywords(TypedDict, total=False):
     """speed of the vehicle [m/s]"""
     height: AxisNumbers
     """height of the impact point above the base [m]; the height of the column remains"""
+    direction: AxisNumbers
+    """direction of travel of the vehicle [rad], above -pi to pi; 0 bends the column about its strong axis. A text is in degrees, as on the command line"""
     section: AxisNames
     """sections of the catalogue"""
     publish_rate: AxisNumbers

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -37,11 +37,11 @@ class MapAxis:
     """What varies along an axis of a map, and its values."""
 
     name: str
-    """`mass`, `velocity`, `height`, `section`, `vehicle`, or the name of a parameter."""
+    """`mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or the name of a parameter."""
     title: str
     """The same in words."""
     unit: str
-    """SI unit; empty where there is none."""
+    """SI unit, `degrees` where a direction was given in the notation of the command line; empty where there is none."""
     values: npt.NDArray[Any]
     """Numbers, or names of a catalogue."""
 
@@ -73,6 +73,14 @@ class Map:
     """The quantity whose values `labels` are; None where nothing is compared."""
     part: tuple[int, int] | None = None
     """The numbers of the cells that were computed, from the first to the one behind the last; None for a whole map."""
+    model: str = "bars"
+    """By which model the impacts are judged: `bars`, `beam` or `both`."""
+    beam: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
+    """What the fibre beam says, by the names of the columns of `column-twin map`, such as `beam_max_sideways_m`, in arrays of the
+    shape of `cells`: numbers in SI units, NaN where there is none, and words, None where there is none. `no_second_opinion` says why
+    the beam has no answer. Empty for `bars`."""
+    beam_units: dict[str, str] = field(default_factory=dict)
+    """The unit of each entry of `beam`; empty where there is none."""
 
     @classmethod
     def _of(cls, computed: dict[str, Any], compared: str | None) -> Map:
@@ -87,7 +95,12 @@ class Map:
         failures = {first + index: text for index, text in computed["failures"].items()}
         end = first + table.size
         part = None if table.size == int(np.prod(shape)) else (first, end)
-        return cls._of_cells((axes[0], axes[1]), labels, compared, table, failures, part)
+        beam = {
+            name: np.frombuffer(values, dtype=np.float64) if isinstance(values, bytearray) else np.array(values, dtype=object)
+            for name, _, _, values in computed["beam"]
+        }
+        damage = cls._of_cells((axes[0], axes[1]), labels, compared, table, failures, part, beam)
+        return replace(damage, model=computed["model"], beam_units={name: unit for name, unit, _, _ in computed["beam"]})
 
     @classmethod
     def _of_cells(
@@ -98,15 +111,20 @@ class Map:
         table: npt.NDArray[np.void],
         failures: dict[int, str],
         part: tuple[int, int] | None,
+        beam: dict[str, npt.NDArray[Any]],
     ) -> Map:
-        """A map of the cells of `part`, with the failures by the numbers of their cells."""
+        """A map of the cells of `part` and what the beam says of them, with the failures by the numbers of their cells."""
         shape = (*([len(labels)] if compared is not None else []), len(axes[0]), len(axes[1]))
-        cells = table
-        if part is not None:
-            cells = np.empty(int(np.prod(shape)), dtype=CELL)
-            cells[:] = np.array(_NOT_COMPUTED, dtype=CELL)
-            cells[slice(*part)] = table
-        cells = cells.reshape(shape)
+        count = int(np.prod(shape))
+
+        def whole(values: npt.NDArray[Any], missing: Any) -> npt.NDArray[Any]:
+            if part is None:
+                return values.reshape(shape)
+            cells = np.full(count, missing, dtype=values.dtype)
+            cells[slice(*part)] = values
+            return cells.reshape(shape)
+
+        cells = whole(table, np.array(_NOT_COMPUTED, dtype=CELL))
         if failures or part is not None:
             out = np.full(cells.size, part is not None)
             if part is not None:
@@ -117,7 +135,8 @@ class Map:
                 mask[name] = out.reshape(shape)
             cells = np.ma.MaskedArray(cells, mask=mask)
         places = {tuple(int(it) for it in np.unravel_index(index, shape)): text for index, text in failures.items()}
-        return cls(axes[0], axes[1], labels, cells, places, compared, part)
+        of_beam = {name: whole(it, None if it.dtype == object else np.nan) for name, it in beam.items()}
+        return cls(axes[0], axes[1], labels, cells, places, compared, part, beam=of_beam)
 
     @classmethod
     def merged(cls, parts: Sequence[Map]) -> Map:
@@ -133,22 +152,30 @@ class Map:
         reached = 0
         failures: dict[int, str] = {}
         tables = []
+        of_beam: dict[str, list[npt.NDArray[Any]]] = {name: [] for name in one.beam}
         for it in ordered:
             same = it.labels == one.labels and it.compared == one.compared and all(
-                mine.name == its.name and np.array_equal(mine.values, its.values)
+                (mine.name, mine.unit) == (its.name, its.unit) and np.array_equal(mine.values, its.values)
                 for mine, its in ((one.rows, it.rows), (one.columns, it.columns))
             )
             if not same:
                 raise ParameterError("merged: expected parts of one map, found parts with different axes")
+            if it.model != one.model:
+                raise ParameterError(f"merged: expected parts of one map, found one by the model {one.model!r} and one by {it.model!r}")
             first, end = it.part or (0, it.cells.size)
             if first != reached:
                 raise ParameterError(f"merged: expected a part that begins with cell {reached}, found one that begins with {first}")
             reached = end
             tables.append(it._data.reshape(-1)[first:end])
+            for name, parts_of_beam in of_beam.items():
+                parts_of_beam.append(it.beam[name].reshape(-1)[first:end])
             failures |= {int(np.ravel_multi_index(place, it.cells.shape)): text for place, text in it.failures.items()}
         if reached != one.cells.size:
             raise ParameterError(f"merged: the cells from {reached} to {one.cells.size - 1} are missing")
-        return cls._of_cells((one.rows, one.columns), one.labels, one.compared, np.concatenate(tables), failures, None)
+        beam = {name: np.concatenate(them) for name, them in of_beam.items()}
+        axes = (one.rows, one.columns)
+        damage = cls._of_cells(axes, one.labels, one.compared, np.concatenate(tables), failures, None, beam)
+        return replace(damage, model=one.model, beam_units=one.beam_units)
 
     @property
     def _data(self) -> npt.NDArray[np.void]:
@@ -160,7 +187,7 @@ class Map:
         return self.cells[field]
 
     def to_pandas(self) -> pd.DataFrame:
-        """A table with one row per cell: label, both axes, then the fields, with codes as words. Needs pandas."""
+        """A table with one row per cell: label, both axes, then the fields, with codes as words, and what the beam says. Needs pandas."""
         import pandas as pd
 
         labels, rows, columns = np.meshgrid(
@@ -178,6 +205,8 @@ class Map:
                 table[name] = pd.Categorical.from_codes(codes.tolist(), words, ordered=name == "action")
             else:
                 table[name] = flat[name]
+        for name, values in self.beam.items():
+            table[name] = values.reshape(-1)
         return table
 
     def to_xarray(self) -> xr.Dataset:
@@ -210,7 +239,10 @@ class Map:
             else:
                 notes = {"units": UNITS[name]}
             fields[name] = (names, values, notes)
-        return xr.Dataset(fields, coordinates)
+        for name, values in self.beam.items():
+            notes = {} if values.dtype == object else {"units": self.beam_units[name] or "1"}
+            fields[name] = (names, values, notes)
+        return xr.Dataset(fields, coordinates, {"model": self.model})
 
     def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
         """Action as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib."""

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Any, Final, final
 
-_Axis = str | tuple[str, float, float, int] | tuple[str, list[float]] | tuple[str, list[str]]
-
 VERSION: Final[str]
 VEHICLES_JSON: Final[str]
 ROW_BYTES: Final[int]
@@ -27,7 +25,12 @@ class Column:
     @property
     def is_damaged(self) -> bool: ...
     def after(
-        self, vehicle: str | None, mass: float | None, velocity: float | None, direction: float | None = None
+        self,
+        vehicle: str | None,
+        mass: float | None,
+        velocity: float | None,
+        direction: float | None = None,
+        by_beam: bool = False,
     ) -> Column | None: ...
     def describe(self) -> list[tuple[str, Any, str, str]]: ...
     def get(self, name: str) -> Any: ...
@@ -44,23 +47,14 @@ class Column:
         mass: float | None,
         velocity: float | None,
         direction: float | None = None,
-        asks_beam: bool = False,
+        model: str = "bars",
     ) -> tuple[list[str], list[bytearray], str]: ...
     def capacity(self) -> tuple[str, list[bytearray]]: ...
     def capacity_after(
         self, vehicle: str | None, mass: float | None, velocity: float | None
     ) -> tuple[str, list[bytearray]]: ...
-    def map(
-        self,
-        vehicle: str | None,
-        axes: Sequence[_Axis],
-        compared: _Axis | None,
-        shard: Sequence[int] | None,
-        threads: int | None,
-    ) -> dict[str, Any]: ...
-    def refine(
-        self, vehicle: str | None, axes: Sequence[_Axis], compared: _Axis | None, threads: int | None
-    ) -> str: ...
+    def map(self, request: dict[str, Any], shard: Sequence[int] | None) -> dict[str, Any]: ...
+    def refine(self, request: dict[str, Any]) -> str: ...
     def sensor_readings(
         self, vehicle: str | None, mass: float | None, velocity: float | None, seed: int
     ) -> str: ...

@@ -22,10 +22,10 @@ _Array = npt.NDArray[np.float64]
 
 
 class Result:
-    """The response of the undamaged column to one impact: histories, and the report with capacity, criteria and action.
+    """The response of a column to one impact: histories, and the report with capacity, criteria and action.
 
     Displacements `v` are positive in the direction of travel of the vehicle, `u` positive downwards, and normal forces positive
-    in tension.
+    in tension. All of them count from the undamaged column without load, also where an earlier impact has damaged it.
     """
 
     def __init__(self, title: str, history: Mapping[str, _Array], report: Mapping[str, Any]) -> None:
@@ -140,7 +140,7 @@ class Result:
 
     @property
     def beam(self) -> dict[str, Any] | None:
-        """The result of the fibre beam, the object `beam` of `column-twin simulate --json` in SI units; None without `model="beam"`.
+        """The result of the fibre beam, the object `beam` of `column-twin simulate --json` in SI units; None with `model="bars"`.
 
         Raises:
             SimulationError: the beam has no result, with the reason.

@@ -49,6 +49,11 @@ class Risk:
         return Estimate._of(self._action(action)["given_impact"])
 
     @property
+    def model(self) -> str:
+        """By which model the samples are judged: `bars`, `beam` or `both`."""
+        return str(self.report["model"])
+
+    @property
     def samples(self) -> int:
         """Vehicles that were drawn."""
         return int(self.report["counts"]["samples"])

@@ -1,0 +1,146 @@
+//! One impact with its history for Python.
+
+use std::time::{Duration, Instant};
+
+use column_twin::assessment::{AssessmentInput, ImpactEvaluation, observe_and_rest};
+use column_twin::column::{ForceSpectrum, Impact, Model, State};
+use column_twin::parameters::Parameters;
+use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
+use column_twin::second_opinion::{
+    BeamTask, EarlierHit, NoSecondOpinion, SecondOpinion, beam_damage_after,
+};
+use column_twin::study::VerdictModel;
+use pyo3::prelude::*;
+
+use crate::column::Column;
+use crate::fault;
+
+/// An impact whose history is wanted.
+pub struct Simulated {
+    pub column: Column,
+    /// The parameters with the impact.
+    pub stated: Parameters,
+    /// The component of it in the plane of the two bars.
+    pub impact: Impact,
+    /// All of it, for the beam.
+    pub hit: EarlierHit,
+    pub vehicle_name: String,
+    /// The model that judges.
+    pub model: VerdictModel,
+}
+
+/// One impact with its history.
+pub struct History {
+    /// Names of the columns.
+    pub names: Vec<String>,
+    /// Values of the columns, one per step.
+    pub columns: Vec<Vec<f64>>,
+    /// The outcome as JSON.
+    pub outcome: String,
+}
+
+impl Simulated {
+    /// Computes it.
+    ///
+    /// # Errors
+    /// A response that cannot be computed, or no second opinion where the beam alone judges.
+    pub fn history(&self) -> PyResult<History> {
+        let Self {
+            column,
+            stated,
+            impact,
+            vehicle_name,
+            model,
+            ..
+        } = self;
+        let parameters = column.study.parameters();
+        let properties = parameters.column_properties();
+        let masses = impact.vehicle.map_or(0, |it| it.masses().len());
+        let table = HistoryColumns::new(masses);
+        let names = table.names();
+        let mut columns = vec![Vec::new(); names.len()];
+        let mut spectrum = ForceSpectrum::default();
+        let start = Instant::now();
+        let mut solve_time = Duration::ZERO;
+        let observe = |model: &Model, state: &State| {
+            let mut column = columns.iter_mut();
+            let sample = state.sample(model);
+            spectrum.push(sample.time, sample.impulse);
+            table.values(&sample, |value| {
+                if let Some(column) = column.next() {
+                    column.push(value);
+                }
+            });
+            solve_time = start.elapsed();
+        };
+        let (mut evaluation, input) = match column.is_damaged() {
+            true => column
+                .study
+                .follow(impact, observe)
+                .map_err(|fault| fault::study(&fault))?,
+            false => {
+                let duration = parameters.response_duration();
+                let evaluated =
+                    observe_and_rest(&properties, impact, duration, observe).and_then(|ended| {
+                        ImpactEvaluation::complete(stated, &properties, impact, ended)
+                    });
+                (
+                    evaluated.map_err(|fault| fault::of_simulation(&fault))?,
+                    None,
+                )
+            }
+        };
+        let mut beam = None;
+        if *model != VerdictModel::Bars {
+            let start = Instant::now();
+            let opinion = match column.is_damaged() {
+                true => self.opinion_on_damaged(&mut evaluation, input.as_ref()),
+                false => SecondOpinion::on(stated, &mut evaluation),
+            };
+            beam = Some(BeamAnswer::of(&opinion, start.elapsed()));
+            if *model == VerdictModel::Beam {
+                let opinion = opinion.map_err(|reason| fault::simulation(reason.to_string()))?;
+                evaluation.assessment = opinion.assessment;
+                // Its variations are those of the two bars.
+                evaluation.range = None;
+            }
+        }
+        let mut fields =
+            ImpactFields::of(&evaluation, vehicle_name, solve_time).with_spectrum(&spectrum);
+        if let Some(beam) = beam {
+            fields = fields.with_beam(beam);
+        }
+        Ok(History {
+            outcome: serde_json::to_string(&fields).expect("numbers and words"),
+            names,
+            columns,
+        })
+    }
+
+    /// What the beam says of an impact on the damaged column beside this evaluation by the two bars, whose verdict it becomes where it
+    /// counts and is more severe.
+    fn opinion_on_damaged(
+        &self,
+        evaluation: &mut ImpactEvaluation,
+        input: Option<&AssessmentInput>,
+    ) -> Result<SecondOpinion, NoSecondOpinion> {
+        let Self { column, hit, .. } = self;
+        let parameters = column.study.parameters();
+        let damage = column
+            .beam_damage
+            .get_or_init(|| beam_damage_after(parameters, &column.hits));
+        let task = BeamTask::new(
+            parameters,
+            hit.lengths,
+            hit.impact,
+            hit.direction,
+            damage.clone()?,
+        )?;
+        let answer = task.compute()?;
+        let opinion = SecondOpinion::new(&answer, hit.direction, parameters, &evaluation.report);
+        Ok(match (input, &mut evaluation.assessment) {
+            (Some(input), Some(assessment)) => opinion.weighed(input, assessment, None),
+            _ => opinion,
+        })
+    }
+}
