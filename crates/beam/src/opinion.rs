@@ -10,7 +10,7 @@ use super::mesh;
 use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
 use super::response::{Course, MAX_STEPS, Run};
-use super::statics::{push_down, push_sideways, settle, settle_elastically};
+use super::statics::{load_in_steps, push_down, push_sideways, settle, settle_elastically};
 
 /// Step of a response with a rigid vehicle \[ns\]: a fifth of the period of the contact. Twice as long a step needs more than
 /// twice the iterations.
@@ -522,10 +522,15 @@ impl BeamModel {
                 self.column.heights(self.column.elements, density)
             }
         };
-        let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
+        let mut beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
         let mut solver = Solver::new(&beam);
         let mut state = self.state(&beam, damage, &mut solver)?;
-        let stands = settle(&beam, &mut state, &mut solver) && solver.negative_pivots == 0;
+        let mut stands = settle(&beam, &mut state, &mut solver) && solver.negative_pivots == 0;
+        if !stands {
+            // Near its capacity the column moves far sideways, whither the damage does not lead.
+            state = self.state(&beam, damage, &mut solver)?;
+            stands = load_in_steps(&mut beam, &mut state, &mut solver);
+        }
         stands.then_some(Standing {
             beam,
             state,
@@ -555,7 +560,15 @@ impl BeamModel {
         let Some(mut standing) = self.standing::<D, R, Q>(bows, damage) else {
             return 0.0;
         };
-        push_down(&standing.beam, &standing.state, &mut standing.solver).unwrap_or(0.0)
+        let Standing {
+            beam,
+            state,
+            solver,
+        } = &mut standing;
+        let top = state.moved.len() - 1;
+        let borne = beam.top_load + beam.top_spring * state.moved[top][0];
+        let most = push_down(beam, state, solver);
+        most.unwrap_or(0.0).max(borne)
     }
 }
 
