@@ -113,6 +113,15 @@ pub enum BeamError {
         /// The load \[N\].
         load: f64,
     },
+    /// No equilibrium under the load before the impact when the column can bend about both axes.
+    #[error(
+        "no second opinion: undamaged and bowed about its axes, the column does not bear its load of {load:e} N about its weak axis; \
+         expected a load below its capacity; if the column is held about its weak axis, set beam.bow_axes: strong"
+    )]
+    WeakAxis {
+        /// The load \[N\].
+        load: f64,
+    },
     /// Too many steps.
     #[error(
         "no second opinion: the response did not end within {steps} steps; choose longer steps with beam.dt or fewer elements with beam.elements"
@@ -138,6 +147,20 @@ pub enum BeamError {
         found: usize,
         /// How many the section has.
         expected: usize,
+    },
+    /// A measurement that contradicts the damage.
+    #[error(
+        "no second opinion: at {height} m the fibre beam has {before:.4e} where {measured:.4e} were measured, and no plausible factor on \
+         its plastic deformation makes it meet this in equilibrium; the column has another damage than its impacts explain, and must \
+         be examined"
+    )]
+    Correction {
+        /// What the beam has, a displacement \[m\] or a rotation \[rad\].
+        before: f64,
+        /// What was measured.
+        measured: f64,
+        /// Above the base \[m\].
+        height: f64,
     },
     /// Damage of a column of another length.
     #[error(

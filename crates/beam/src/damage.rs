@@ -144,6 +144,21 @@ impl Damage {
         })
     }
 
+    /// Damage of the same shape, with everything that is plastic so many times as large; its nodes are near their equilibrium only.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        let places = scaled.moved.iter_mut().chain(&mut scaled.rotated);
+        let values = places.flatten().chain(&mut scaled.shear);
+        values
+            .chain(scaled.sliders.iter_mut().flatten())
+            .for_each(|value| *value *= factor);
+        for point in &mut scaled.points {
+            let strains = point.plain.iter_mut().chain(point.web.iter_mut().flatten());
+            strains.for_each(|strain| *strain = (factor * f64::from(*strain)) as f32);
+        }
+        scaled
+    }
+
     /// Puts it into the undamaged state of a beam, which may have other nodes: displacements are interpolated, and the plastic
     /// strains of a new point are the mean over its part of the column, so that plastic rotation and shortening are kept.
     /// `from` is the section in the plane where the beam is in space and the damage is not. Tells whether the nodes

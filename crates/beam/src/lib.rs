@@ -6,11 +6,14 @@
 // - beam.rs: The beam: its nodes, its state, and the forces and stiffness of a trial increment
 // - column.rs: A column as an engineer gives it, and the beam that is built from it
 // - contact.rs: The vehicle: its face, stiff contact springs between the face and the nodes behind it, and what moves the face
+// - correction.rs: Corrects the damage by what was measured on the column at rest: plastic strains and plastic shear angles are
+//   multiplied by one factor, so that the shape remains that of the hits, and the column is brought into its new equilibrium
 // - damage.rs: What an impact leaves in the column: as little as possible, so that a fleet can keep it
 // - element.rs: The deformations of an element between two nodes, which turn and move by any amount
 // - energy.rs: The energy of a beam
 // - history.rs: What instruments on the beam read during an impact and after it: signals whose truth another model knows
 // - mesh.rs: Where the nodes are: close together where the column yields, further apart between
+// - movement.rs: How the column moves during a hit, for those who draw it
 // - newton.rs: Newton's method with a line search for a step in time or an increment of equilibrium
 // - opinion.rs: The second opinion: an impact on a column, computed as a beam
 // - parts.rs: What a beam is made of: elements, their shear, and the springs of its supports
@@ -30,11 +33,13 @@ clippy::needless_range_loop,
 mod beam;
 mod column;
 mod contact;
+mod correction;
 mod damage;
 mod element;
 mod energy;
 mod history;
 mod mesh;
+mod movement;
 mod newton;
 mod opinion;
 mod parts;
@@ -47,7 +52,9 @@ mod tridiagonal;
 mod web;
 
 pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
+pub use correction::Measurement;
 pub use damage::{Damage, DamageError};
 pub use history::{History, Instrument, history};
+pub use movement::Movement;
 pub use opinion::{BeamModel, BeamOutcome, Hit, Outcome, is_in_plane};
 pub use section::{Shape, Steel};

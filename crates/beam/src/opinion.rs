@@ -4,12 +4,13 @@ use column_mechanics::{Impact, Support};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::beam::{Beam, State};
-use super::column::{BeamColumn, BeamError};
+use super::column::{BeamColumn, BeamError, BowAxes};
 use super::damage::Damage;
 use super::mesh;
+use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
 use super::response::{Course, MAX_STEPS, Run};
-use super::statics::{push_down, push_sideways, settle, settle_elastically};
+use super::statics::{load_in_steps, push_down, push_sideways, settle, settle_elastically};
 
 /// Step of a response with a rigid vehicle \[ns\]: a fifth of the period of the contact. Twice as long a step needs more than
 /// twice the iterations.
@@ -50,7 +51,7 @@ pub enum Outcome {
     Elastic,
     /// The column stands, bent by this impact or by an earlier one.
     Plastic,
-    /// The column gives way under its load.
+    /// The column gives way under its load, during the hit or afterwards, about either axis.
     Collapse,
 }
 
@@ -82,7 +83,8 @@ pub struct BeamOutcome {
     pub max_displacement_time_s: f64,
     /// How it ended.
     pub outcome: Outcome,
-    /// Largest axial force that the undamaged column bears, bowed about the strong axis and about the weak axis \[N\].
+    /// Largest axial force that the undamaged column bears, bowed about the strong axis and about the weak axis \[N\]; 0 about an
+    /// axis about which the column has to be held to bear its load.
     pub undamaged_capacity_n: [f64; 2],
     /// The same of the damaged column \[N\]; 0 after a collapse.
     pub residual_capacity_n: [f64; 2],
@@ -135,6 +137,13 @@ struct Remains {
     damage: Damage,
 }
 
+/// A column at rest under its load.
+struct Standing<const D: usize, const R: usize, const Q: usize> {
+    beam: Beam<D, R, Q>,
+    state: State<D, R>,
+    solver: Solver<D, R>,
+}
+
 /// A response that found no end, or none to begin with.
 enum Stopped {
     Unstable,
@@ -146,13 +155,21 @@ impl BeamModel {
     /// Checks a column and pushes it down undamaged.
     ///
     /// # Errors
-    /// Numbers out of range, or a load that the column does not bear.
+    /// Numbers out of range, or a load that the column does not bear, bowed about its axes.
     pub fn new(column: &BeamColumn) -> Result<Self, BeamError> {
         column.check()?;
         let mut model = Self {
             column: *column,
             undamaged: [0.0; 2],
         };
+        if !model.stands_in_plane() {
+            return Err(model.error(&Stopped::Unstable));
+        }
+        if !model.stands_in_space(None) {
+            return Err(BeamError::WeakAxis {
+                load: column.top_load,
+            });
+        }
         model.undamaged = model.capacities(None);
         Ok(model)
     }
@@ -210,16 +227,7 @@ impl BeamModel {
         hit: &Hit,
         damage: Option<&Damage>,
     ) -> Result<(BeamOutcome, Option<Damage>), BeamError> {
-        hit.impact.check()?;
-        let pi = std::f64::consts::PI;
-        if !(hit.direction > -pi && hit.direction <= pi) {
-            return Err(BeamError::Direction {
-                found: hit.direction,
-            });
-        }
-        if let Some(damage) = damage {
-            self.check_damage(damage)?;
-        }
+        self.check_hit(hit, damage)?;
         let step = self.step(hit, Self::is_plane(hit, damage));
         let Passed {
             course,
@@ -227,12 +235,12 @@ impl BeamModel {
             residual,
             elements,
         } = self
-            .pass(hit, damage, self.column.elements, step)
+            .pass(hit, damage, self.column.elements, step, &mut ())
             .map_err(|stopped| self.error(&stopped))?;
         let coarse = ((elements as f64 / COARSER) as usize).max(4);
         let error_estimate = match course.collapsed {
             false => {
-                let coarser = self.pass(hit, damage, coarse, COARSER * step);
+                let coarser = self.pass(hit, damage, coarse, COARSER * step, &mut ());
                 coarser.map_or(f64::NAN, |coarser| {
                     let [fine, other] = [&course, &coarser.course].map(|it| it.largest[0]);
                     // The error falls with the square of the length of an element.
@@ -241,6 +249,9 @@ impl BeamModel {
             }
             true => f64::NAN,
         };
+        // A hit in the plane of the web says nothing of the weak axis.
+        let residual =
+            residual.filter(|it| !course.yielded || self.stands_in_space(Some(&it.damage)));
         let (remains, bow, damage) = match residual {
             Some(it) => (it.displacement, it.bow, Some(it.damage)),
             None => ([f64::NAN; 2], [f64::NAN; 2], None),
@@ -276,6 +287,27 @@ impl BeamModel {
         Ok((outcome, damage))
     }
 
+    /// How the column moves during a hit that [`BeamModel::simulate`] computes, without the error estimate and the push-downs: for
+    /// drawings.
+    ///
+    /// # Errors
+    /// As [`BeamModel::simulate`].
+    pub fn movement(&self, hit: &Hit, damage: Option<&Damage>) -> Result<Movement, BeamError> {
+        self.check_hit(hit, damage)?;
+        let plane = Self::is_plane(hit, damage);
+        let mut recorder = Recorder::new();
+        self.pass(
+            hit,
+            damage,
+            self.column.elements,
+            self.step(hit, plane),
+            &mut recorder,
+        )
+        .map_err(|stopped| self.error(&stopped))?;
+        let heights = self.heights(hit, self.column.elements, plane);
+        Ok(recorder.finish(hit.direction, &heights))
+    }
+
     /// The response alone, without the error estimate and the push-downs: for benchmarks.
     ///
     /// # Errors
@@ -286,10 +318,23 @@ impl BeamModel {
             None,
             self.column.elements,
             self.step(hit, Self::is_plane(hit, None)),
+            &mut (),
         );
         let passed = passed.map_err(|stopped| self.error(&stopped))?;
         let residual = passed.residual.map_or(f64::NAN, |it| it.displacement[0]);
         Ok([passed.course.largest[0], residual, passed.course.time])
+    }
+
+    /// Whether a hit and the damage before it are in range.
+    fn check_hit(&self, hit: &Hit, damage: Option<&Damage>) -> Result<(), BeamError> {
+        hit.impact.check()?;
+        let pi = std::f64::consts::PI;
+        if !(hit.direction > -pi && hit.direction <= pi) {
+            return Err(BeamError::Direction {
+                found: hit.direction,
+            });
+        }
+        damage.map_or(Ok(()), |damage| self.check_damage(damage))
     }
 
     fn error(&self, stopped: &Stopped) -> BeamError {
@@ -331,20 +376,22 @@ impl BeamModel {
         damage: Option<&Damage>,
         elements: usize,
         secs: f64,
+        watch: &mut impl Watch,
     ) -> Result<Passed, Stopped> {
         if Self::is_plane(hit, damage) {
-            self.pass_in::<3, 3, 4>(hit, damage, elements, secs)
+            self.pass_in::<3, 3, 4, _>(hit, damage, elements, secs, watch)
         } else {
-            self.pass_in::<6, 6, 9>(hit, damage, elements, secs)
+            self.pass_in::<6, 6, 9, _>(hit, damage, elements, secs, watch)
         }
     }
 
-    fn pass_in<const D: usize, const R: usize, const Q: usize>(
+    fn pass_in<const D: usize, const R: usize, const Q: usize, W: Watch>(
         &self,
         hit: &Hit,
         damage: Option<&Damage>,
         elements: usize,
         secs: f64,
+        watch: &mut W,
     ) -> Result<Passed, Stopped> {
         let column = &self.column;
         let heights = self.heights(hit, elements, D == 3);
@@ -369,8 +416,9 @@ impl BeamModel {
             }
         };
         let rest = state.moved[node];
+        watch.begin(&undamaged, &state.moved, node);
         let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
-        if !run.follow(secs, &rest) {
+        if !run.follow(secs, &rest, watch) {
             return Err(Stopped::Budget);
         }
         if run.course.stuck {
@@ -388,6 +436,7 @@ impl BeamModel {
                     Support::Free => node,
                     _ => heights.len() - 1,
                 };
+                watch.rest(&run.state.moved);
                 residual = Some(Remains {
                     displacement: run.displacement(&rest),
                     bow: largest_distance(&run.state.moved, &undamaged, &heights[..=last]),
@@ -420,8 +469,12 @@ impl BeamModel {
         Some(state)
     }
 
+    pub(crate) fn column(&self) -> &BeamColumn {
+        &self.column
+    }
+
     /// Whether damage can be that of this column.
-    fn check_damage(&self, damage: &Damage) -> Result<(), BeamError> {
+    pub(crate) fn check_damage(&self, damage: &Damage) -> Result<(), BeamError> {
         let expected: [usize; 2] = self.column.section(damage.is_plane()).fibres();
         let found = damage.fibres();
         if found != expected {
@@ -438,6 +491,53 @@ impl BeamModel {
         Ok(())
     }
 
+    /// Whether the undamaged column bears its load when it can bend in the plane of its web alone.
+    fn stands_in_plane(&self) -> bool {
+        self.standing::<3, 3, 4>(self.column.bows(), None).is_some()
+    }
+
+    /// Whether the column bears its load when it can bend about both axes, bowed towards the side to which it is bent. One that is
+    /// bowed about its strong axis alone is held about the other one.
+    fn stands_in_space(&self, damage: Option<&Damage>) -> bool {
+        let is_held = self.column.bow_axes == BowAxes::Strong;
+        if is_held && damage.is_none_or(Damage::is_plane) {
+            return true;
+        }
+        let sides = damage.map_or([1.0; 2], Damage::sides);
+        let [y, z] = self.column.bows();
+        let bows = [sides[0] * y, sides[1] * z];
+        self.standing::<6, 6, 9>(bows, damage).is_some()
+    }
+
+    /// The column at rest under its load with these bows along y and z \[m\]; `None` where it gives way.
+    fn standing<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        bows: [f64; 2],
+        damage: Option<&Damage>,
+    ) -> Option<Standing<D, R, Q>> {
+        let heights = match damage {
+            Some(damage) => damage.heights().to_vec(),
+            None => {
+                let density = if D == 3 { mesh::FINE } else { mesh::COARSEST };
+                self.column.heights(self.column.elements, density)
+            }
+        };
+        let mut beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
+        let mut solver = Solver::new(&beam);
+        let mut state = self.state(&beam, damage, &mut solver)?;
+        let mut stands = settle(&beam, &mut state, &mut solver) && solver.negative_pivots == 0;
+        if !stands {
+            // Near its capacity the column moves far sideways, whither the damage does not lead.
+            state = self.state(&beam, damage, &mut solver)?;
+            stands = load_in_steps(&mut beam, &mut state, &mut solver);
+        }
+        stands.then_some(Standing {
+            beam,
+            state,
+            solver,
+        })
+    }
+
     /// Push-downs bowed about the strong and about the weak axis, towards the side to which the column is bent.
     fn capacities(&self, damage: Option<&Damage>) -> [f64; 2] {
         let sides = damage.map_or([1.0; 2], Damage::sides);
@@ -451,27 +551,24 @@ impl BeamModel {
         [strong, self.pushed::<6, 6, 9>([0.0, z], damage)]
     }
 
+    /// The largest axial force with these bows; 0 where the column does not bear its load.
     fn pushed<const D: usize, const R: usize, const Q: usize>(
         &self,
         bows: [f64; 2],
         damage: Option<&Damage>,
     ) -> f64 {
-        let heights = match damage {
-            Some(damage) => damage.heights().to_vec(),
-            None => {
-                let density = if D == 3 { mesh::FINE } else { mesh::COARSEST };
-                self.column.heights(self.column.elements, density)
-            }
-        };
-        let beam: Beam<D, R, Q> = self.column.beam(&heights, bows);
-        let mut solver = Solver::new(&beam);
-        let Some(mut state) = self.state(&beam, damage, &mut solver) else {
+        let Some(mut standing) = self.standing::<D, R, Q>(bows, damage) else {
             return 0.0;
         };
-        if !settle(&beam, &mut state, &mut solver) {
-            return 0.0;
-        }
-        push_down(&beam, &state, &mut solver).unwrap_or(0.0)
+        let Standing {
+            beam,
+            state,
+            solver,
+        } = &mut standing;
+        let top = state.moved.len() - 1;
+        let borne = beam.top_load + beam.top_spring * state.moved[top][0];
+        let most = push_down(beam, state, solver);
+        most.unwrap_or(0.0).max(borne)
     }
 }
 

@@ -4,6 +4,7 @@ use column_mechanics::Impact;
 
 use super::beam::{BARS, Beam, Kind, State};
 use super::contact::Striker;
+use super::movement::Watch;
 use super::newton::Solver;
 
 /// Halvings of a step that does not converge.
@@ -189,8 +190,8 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         }
     }
 
-    /// Follows the impact until the column comes back.
-    pub fn follow(&mut self, secs: f64, rest: &[f64; 3]) -> bool {
+    /// Follows the impact until the column comes back, and shows each step to `watch`.
+    pub fn follow(&mut self, secs: f64, rest: &[f64; 3], watch: &mut impl Watch) -> bool {
         let before = self.energy();
         let (mut along_now, mut sideways_now) = (0.0_f64, 0.0_f64);
         while self.course.steps < MAX_STEPS {
@@ -202,10 +203,12 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 self.course.stuck = !self.course.collapsed;
                 break;
             }
-            if along > self.course.largest[0] {
+            let is_peak = along > self.course.largest[0];
+            if is_peak {
                 self.course.largest[0] = along;
                 self.course.time = self.course.secs;
             }
+            watch.step(self.course.secs, &self.state, is_peak);
             if across.abs() > self.course.largest[1].abs() {
                 self.course.largest[1] = across;
             }

@@ -24,7 +24,40 @@ pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
     rest(beam, state, solver, 1.0)
 }
 
-/// The same without any flow: for plastic strains that came from other nodes.
+/// Least and first share of the load by which it grows in steps.
+const LOAD_STEPS: [f64; 2] = [1.0 / 1024.0, 0.5];
+
+/// Most steps in which a load grows.
+const MAX_LOAD_STEPS: usize = 100;
+
+/// Brings a state to rest under a load that grows in steps; whether the column bears all of it.
+pub(crate) fn load_in_steps<const D: usize, const R: usize, const Q: usize>(
+    beam: &mut Beam<D, R, Q>,
+    state: &mut State<D, R>,
+    solver: &mut Solver<D, R>,
+) -> bool {
+    let whole = beam.top_load;
+    let [least, mut step] = LOAD_STEPS;
+    let mut borne = 0.0;
+    for _ in 0..MAX_LOAD_STEPS {
+        let share = f64::min(borne + step, 1.0);
+        beam.top_load = share * whole;
+        let before = state.clone();
+        if settle(beam, state, solver) && solver.negative_pivots == 0 {
+            borne = share;
+        } else {
+            *state = before;
+            step *= 0.5;
+        }
+        if borne == 1.0 || step < least {
+            break;
+        }
+    }
+    beam.top_load = whole;
+    borne == 1.0
+}
+
+/// Brings a state to rest without any flow: for plastic strains that came from other nodes.
 pub(crate) fn settle_elastically<const D: usize, const R: usize, const Q: usize>(
     beam: &Beam<D, R, Q>,
     state: &mut State<D, R>,

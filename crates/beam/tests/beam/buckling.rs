@@ -1,5 +1,6 @@
 //! The capacity of undamaged columns against the buckling curves of EN 1993-1-1.
 
+use crate::found;
 use crate::reference::{column, section};
 use column_beam::{BeamModel, BowAxes};
 use column_mechanics::{BendingAxis, BucklingCurve, Support};
@@ -7,6 +8,7 @@ use column_mechanics::{BendingAxis, BucklingCurve, Support};
 #[test]
 fn capacities_lie_on_the_buckling_curves() {
     let mut wrong = Vec::new();
+    let mut rows = Vec::new();
     let mut extremes = [f64::INFINITY, 0.0_f64];
     for name in [
         "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
@@ -33,7 +35,7 @@ fn capacities_lie_on_the_buckling_curves() {
                 let curve = BucklingCurve::of_rolled(&rolled, 355e6, axis);
                 let expected = curve.reduction((squash / critical).sqrt()) * squash;
                 let ratio = found / expected;
-                println!("{name} {length} m {axis:?} {ratio:.3}");
+                rows.push(format!("{name},{axis:?},{length},{ratio:.4}"));
                 extremes = [extremes[0].min(ratio), extremes[1].max(ratio)];
                 // The target is 1.15; three slender columns about the strong axis miss it, up to 1.156.
                 if !(0.95..=1.157).contains(&ratio) {
@@ -44,4 +46,5 @@ fn capacities_lie_on_the_buckling_curves() {
     }
     println!("extremes {extremes:?}");
     assert!(wrong.is_empty(), "{wrong:#?}");
+    found::keep("buckling", "section,axis,length_m,ratio", &rows);
 }

@@ -2,7 +2,10 @@
 
 mod bits;
 mod buckling;
+mod correction;
 mod cost;
+mod found;
+mod movement;
 mod plane;
 mod reference;
 mod robustness;

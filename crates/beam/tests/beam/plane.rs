@@ -1,5 +1,6 @@
 //! Plane hits against OpenSees (`data/fibre_cases.csv`).
 
+use crate::found;
 use crate::reference;
 use crate::reference::{column, hit, support, vehicle};
 use column_beam::BeamModel;
@@ -17,7 +18,7 @@ fn allowed(name: &str, hardening: f64) -> f64 {
 #[test]
 fn plane_hits_agree_with_opensees() {
     let mut reader = csv::Reader::from_reader(include_str!("../data/fibre_cases.csv").as_bytes());
-    let mut wrong = Vec::new();
+    let (mut wrong, mut rows) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.unwrap();
         let number = |k: usize| record[k].parse::<f64>().ok();
@@ -56,6 +57,18 @@ fn plane_hits_agree_with_opensees() {
             outcome.undamaged_capacity_n[0],
             outcome.residual_capacity_n[0]
         );
+        rows.push(format!(
+            "{},{},{},{:.5},{ratio:.4},{expected:.5},{:.4}",
+            record[0].trim(),
+            if hit.impact.vehicle.is_some() {
+                "soft"
+            } else {
+                "rigid"
+            },
+            &record[14],
+            number(15).unwrap(),
+            remains / expected,
+        ));
         let allowed = allowed(record[0].trim(), hardening);
         if (ratio - 1.0).abs() > allowed || (remains - expected).abs() > allowed * expected + 1e-5 {
             wrong.push(format!(
@@ -67,4 +80,6 @@ fn plane_hits_agree_with_opensees() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let header = "case,vehicle,hardening,peak_m,ratio,residual_m,residual_ratio";
+    found::keep("plane", header, &rows);
 }

@@ -2,7 +2,7 @@
 
 use crate::reference;
 use crate::reference::{column, hit, vehicle};
-use column_beam::{BeamColumn, BeamError, BeamModel, Damage, Outcome, Shape, Torsion};
+use column_beam::{BeamColumn, BeamError, BeamModel, BowAxes, Damage, Outcome, Shape, Torsion};
 use column_mechanics::Support;
 
 /// Random numbers after Steele et al. (SplitMix64).
@@ -113,7 +113,7 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
                     _ => assert!(damage.is_some(), "{number}"),
                 }
             }
-            Err(BeamError::Unstable { .. }) => unstable += 1,
+            Err(BeamError::Unstable { .. } | BeamError::WeakAxis { .. }) => unstable += 1,
             Err(error) => failed.push(format!("{number} {name} {error} {hit:?}")),
         }
     }
@@ -286,13 +286,96 @@ fn bad_input_is_rejected_with_the_reason() {
     assert!(error.to_string().contains("hardening ratio"), "{error}");
     it.steel.hardening_ratio = 1e-3;
     it.top_load = 5e6;
-    let error = BeamModel::new(&it)
-        .unwrap()
-        .simulate(&hit(1500.0, 6.0, None, 0.0), None);
+    let error = BeamModel::new(&it);
     assert!(
         matches!(error, Err(BeamError::Unstable { .. })),
         "{error:?}"
     );
+}
+
+/// A pinned column that is slender about its weak axis, with residual stresses and bow, without a spring at the top.
+fn slender(load: f64) -> BeamColumn {
+    let mut it = column("IPE300", 355e6, 1e-3);
+    (it.base, it.top) = (Support::Pinned, Support::Pinned);
+    it.length_above = 4.0;
+    it.residual_stress = true;
+    it.bow = -1.0;
+    it.top_load = load;
+    it
+}
+
+/// Such a column had the capacity 0, undamaged and after the hit, of which the verdict made something.
+#[test]
+fn a_column_whose_weak_axis_does_not_bear_its_load_has_no_second_opinion() {
+    let [strong, weak] = BeamModel::new(&slender(0.0)).unwrap().undamaged_capacity();
+    assert!(weak < 0.8 * strong, "{strong} {weak}");
+    for share in [0.98, 1.02] {
+        let found = BeamModel::new(&slender(share * weak));
+        assert_eq!(found.is_ok(), share < 1.0, "{share}: {found:?}");
+    }
+    let between = 0.5 * (strong + weak);
+    let reason = BeamModel::new(&slender(between)).unwrap_err();
+    assert!(
+        matches!(reason, BeamError::WeakAxis { load } if load == between),
+        "{reason}"
+    );
+    assert!(reason.to_string().contains("beam.bow_axes: strong"));
+    // Held about its weak axis, as the message says, it has one.
+    let held = BeamColumn {
+        bow_axes: BowAxes::Strong,
+        ..slender(between)
+    };
+    let model = BeamModel::new(&held).unwrap();
+    let (found, damage) = model
+        .simulate(&hit(300.0, 3.0, None, 0.0), None)
+        .expect("a second opinion");
+    assert!(damage.is_some() && found.residual_capacity_n[0] > between);
+}
+
+/// Such a column stood, with the capacity 0.
+#[test]
+fn a_damaged_column_whose_weak_axis_does_not_bear_its_load_does_not_stand() {
+    let undamaged = BeamModel::new(&slender(0.0)).unwrap();
+    let load = 0.97 * undamaged.capacity_bowed(slender(0.0).bows());
+    let model = BeamModel::new(&slender(load)).unwrap();
+    // Held about its weak axis, the same column stands after the same hit.
+    let held = BeamModel::new(&BeamColumn {
+        bow_axes: BowAxes::Strong,
+        ..slender(load)
+    })
+    .unwrap();
+    let mut gives_way_sideways = 0;
+    for speed in [3.0, 6.0, 7.0, 8.0, 9.0] {
+        let hit = hit(1500.0, speed, None, 0.0);
+        let (outcome, damage) = model.simulate(&hit, None).unwrap();
+        let (in_plane, _) = held.simulate(&hit, None).unwrap();
+        println!(
+            "{speed}: {:?} {:?}",
+            outcome.outcome, outcome.residual_capacity_n
+        );
+        println!(
+            "held: {:?} {:?}",
+            in_plane.outcome, in_plane.residual_capacity_n
+        );
+        match damage {
+            Some(damage) => {
+                let left = model.capacity_left(slender(load).bows(), &damage);
+                assert!(left >= load, "{speed}: {left} {load}");
+                let [strong, weak] = outcome.residual_capacity_n;
+                assert!(
+                    strong >= load && weak >= load,
+                    "{speed}: {strong} {weak} {load}"
+                );
+            }
+            None => {
+                assert_eq!(outcome.outcome, Outcome::Collapse);
+                assert_eq!(outcome.residual_capacity_n, [0.0; 2]);
+                assert!(outcome.residual_displacement_m.is_nan());
+                gives_way_sideways += usize::from(in_plane.outcome == Outcome::Plastic);
+            }
+        }
+    }
+    assert!(gives_way_sideways > 0);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Hits and limit loads in which the web yields in shear, against finite elements in plane stress.
 
+use crate::found;
 use crate::reference;
 use crate::reference::{column, hit, section};
 use column_beam::BeamModel;
@@ -40,7 +41,7 @@ fn hits_that_shear_the_web_agree_with_finite_elements() {
     let cases = lines(include_str!(
         "../../../mechanics/tests/data/shear_cases.jsonl"
     ));
-    let mut wrong = Vec::new();
+    let (mut wrong, mut rows) = (Vec::new(), Vec::new());
     const MEANS: [f64; 2] = [0.05, 0.09];
     let mut means = [(0.0, 0), (0.0, 0)];
     for case in &cases {
@@ -84,6 +85,11 @@ fn hits_that_shear_the_web_agree_with_finite_elements() {
             "{id:34} v1 {ratio:.3} res {remains:.3} | {took:.1} ms {}",
             if threshold { "threshold" } else { "" }
         );
+        rows.push(format!(
+            "{id},{},{threshold},{:.5},{ratio:.4},{remains:.4}",
+            if rigid { "rigid" } else { "deformable" },
+            number(case, "max_v1"),
+        ));
         if threshold {
             continue;
         }
@@ -105,6 +111,8 @@ fn hits_that_shear_the_web_agree_with_finite_elements() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let header = "case,vehicle,threshold,peak_m,ratio,residual_ratio";
+    found::keep("shear", header, &rows);
 }
 
 #[test]
@@ -112,7 +120,7 @@ fn limit_loads_agree_with_the_bounds_of_limit_analysis() {
     let cases = lines(include_str!(
         "../../../mechanics/tests/data/limit_loads.jsonl"
     ));
-    let mut wrong = Vec::new();
+    let (mut wrong, mut rows) = (Vec::new(), Vec::new());
     let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
     let mut extreme = [f64::INFINITY, 0.0_f64];
     for case in &cases {
@@ -133,12 +141,12 @@ fn limit_loads_agree_with_the_bounds_of_limit_analysis() {
         let found = model.lateral_resistance(1e-3).unwrap_or(f64::NAN);
         let middle = 0.5 * (number(case, "lower") + number(case, "upper"));
         let ratio = found / middle;
-        println!(
-            "{name:8} La {:.2} n {:.2} bumper {:.1} ratio {ratio:.3}",
+        rows.push(format!(
+            "{name},{},{},{},{ratio:.4}",
             it.length_below,
             number(case, "n"),
             it.bumper_height
-        );
+        ));
         sum += ratio;
         squares += ratio * ratio;
         count += 1.0;
@@ -154,4 +162,6 @@ fn limit_loads_agree_with_the_bounds_of_limit_analysis() {
     );
     assert!((mean - 1.0).abs() <= 0.03, "{mean}");
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let header = "section,length_below_m,axial_ratio,bumper_m,ratio";
+    found::keep("limit_loads", header, &rows);
 }

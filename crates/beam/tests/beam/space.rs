@@ -1,5 +1,6 @@
 //! Plane and oblique hits and push-downs against OpenSees (`data/beam_reference.json`).
 
+use crate::found;
 use crate::reference;
 use crate::reference::{column, hit, support, vehicle};
 use column_beam::{BeamColumn, BeamModel, BowAxes, Hit, Torsion};
@@ -48,7 +49,7 @@ fn described(case: &Value) -> (BeamColumn, Option<Hit>) {
 
 #[test]
 fn plane_hits_at_the_edge_of_yielding_agree_with_opensees() {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut rows) = (Vec::new(), Vec::new());
     for case in cases("plane impact") {
         let (it, hit) = described(&case);
         let model = BeamModel::new(&it).unwrap();
@@ -63,17 +64,25 @@ fn plane_hits_at_the_edge_of_yielding_agree_with_opensees() {
             case["name"].as_str().unwrap(),
             found[2] / number(&r["time_of_max_s"])
         );
+        rows.push(format!(
+            "{},{:.5},{ratio:.4},{:.5},{remains:.4}",
+            case["name"].as_str().unwrap(),
+            number(&r["max_displacement_m"]),
+            number(&r["residual_m"]),
+        ));
         // The target is 1 %; the residual of one case, whose stated tolerance is 8 %, is 1.3 % too large.
         if (ratio - 1.0).abs() > 0.01 || (remains - 1.0).abs() > 0.015 {
             wrong.push(format!("{} {ratio} {remains}", case["name"]));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let header = "case,peak_m,ratio,residual_m,residual_ratio";
+    found::keep("edge", header, &rows);
 }
 
 #[test]
 fn oblique_hits_agree_with_opensees() {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut rows) = (Vec::new(), Vec::new());
     for case in cases("3D impact") {
         let (mut it, hit) = described(&case);
         let hit = hit.unwrap();
@@ -104,6 +113,16 @@ fn oblique_hits_agree_with_opensees() {
                 found.steps,
                 found.energy_error
             );
+            // Across a hit along an axis there is round-off alone.
+            let moves_across = number(&r["max_displacement_across_hit_m"]).abs() > 1e-3;
+            let across = if moves_across { across } else { f64::NAN };
+            rows.push(format!(
+                "{},{torsion:?},{:.5},{along:.4},{:.5},{across:.4},{:.5},{remains:.4}",
+                case["name"].as_str().unwrap(),
+                number(&r["max_displacement_along_hit_m"]),
+                number(&r["max_displacement_across_hit_m"]).abs(),
+                number(&r["residual_along_hit_m"]),
+            ));
             let tolerance = &case["tolerance_relative"];
             // The target is 3 % or the stated tolerance; a known miss is 6.3 % across, with the twist suppressed.
             let known = match case["name"].as_str().unwrap().contains("crush600") {
@@ -114,8 +133,7 @@ fn oblique_hits_agree_with_opensees() {
             if (along - 1.0).abs() > allowed("max_displacement_along_hit_m") {
                 wrong.push(format!("{} {torsion:?} along {along}", case["name"]));
             }
-            let sideways = number(&r["max_displacement_across_hit_m"]).abs();
-            if sideways > 1e-3 && (across - 1.0).abs() > allowed("max_displacement_across_hit_m") {
+            if (across - 1.0).abs() > allowed("max_displacement_across_hit_m") {
                 wrong.push(format!("{} {torsion:?} across {across}", case["name"]));
             }
             if (remains - 1.0).abs() > allowed("residual_along_hit_m") {
@@ -124,11 +142,13 @@ fn oblique_hits_agree_with_opensees() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let header = "case,torsion,along_m,along_ratio,across_m,across_ratio,residual_m,residual_ratio";
+    found::keep("oblique", header, &rows);
 }
 
 #[test]
 fn push_downs_agree_with_opensees() {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut rows) = (Vec::new(), Vec::new());
     for case in cases("push-down (GMNIA)") {
         let (mut it, hit) = described(&case);
         let p = &case["parameters"];
@@ -152,9 +172,28 @@ fn push_downs_agree_with_opensees() {
         };
         let ratio = found / expected;
         println!("{} {ratio:.4} {took:.1} ms", case["name"]);
-        if (ratio - 1.0).abs() > number(&case["tolerance_relative"]["N_u_N"]) {
+        let tolerance = number(&case["tolerance_relative"]["N_u_N"]);
+        rows.push(format!(
+            "{} of {} m {},{},{},{expected:.0},{ratio:.4},{tolerance}",
+            p["section"].as_str().unwrap(),
+            it.length(),
+            match hit {
+                Some(hit) => format!("hit with {} m/s", hit.impact.velocity),
+                None => "undamaged".to_owned(),
+            },
+            match bows {
+                [0.0, 0.0] => "none",
+                [_, 0.0] => "strong",
+                [0.0, _] => "weak",
+                _ => "both",
+            },
+            it.residual_stress,
+        ));
+        if (ratio - 1.0).abs() > tolerance {
             wrong.push(format!("{} {ratio}", case["name"]));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let header = "case,bow,residual_stress,capacity_n,ratio,tolerance";
+    found::keep("push_down", header, &rows);
 }

@@ -358,8 +358,8 @@ class Column:
         the verdict, and their push-downs.
 
         A column that an impact has damaged, see `after`, is hit once more, as by a node: displacements and plastic rotations count
-        from the undamaged column, the largest reactions of the base are those of all impacts, and the range of the verdict varies this impact alone. The
-        beam first computes the earlier impacts again.
+        from the undamaged column, the largest reactions of the base are those of all impacts, and the range of the verdict varies
+        this impact alone. The beam first computes the earlier impacts again.
 
         With `model="both"` the fibre beam computes the impact, too, as `column-twin simulate` does: `Result.beam` has its numbers,
         and the action is the more severe one of both models where its verdict counts. With `model="beam"`, action and criteria are
