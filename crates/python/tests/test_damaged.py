@@ -62,7 +62,7 @@ def test_a_light_second_impact_leaves_what_the_first_one_has_left(root: Path, da
     left = json.loads(program("capacity", "--after-impact", *config).stdout)
     light = damaged.simulate("lorry_8t", velocity=0.3)
     assert light.outcome is Outcome.ELASTIC
-    # The push-down tears a hinge, and multiplies what the way before the bumper and back changes in the equilibrium.
+    # A hinge fractures in the push-down, which multiplies what the way before the bumper and back changes in the equilibrium.
     for name in ("residual_capacity_n", "capacity_ratio", "reserve"):
         assert light.report[name] == pytest.approx(left[name], rel=5e-3), name
     assert light.action is not None and light.action.name.lower() == left["action"]
