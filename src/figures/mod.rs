@@ -1,6 +1,6 @@
 //! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force and its
-//! equivalent static force, the crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered
-//! from the same SVG, as PNG.
+//! equivalent static force, the crush of the vehicle, the path of every hinge in its yield surface, and the same hit by the fibre beam,
+//! each as SVG and, rendered from the same SVG, as PNG.
 //!
 //! The figures of a damage map are drawn in the same way.
 //! [`draw_risk`] draws the figures of a risk study, [`draw_estimate`] those of an estimate from the readings of sensors.
@@ -10,6 +10,8 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - axis.rs: Axes of plots: a range and round numbers marked on it
+// - beam_beside.rs: The two bars and the fibre beam beside one another: their shapes to one scale, and their displacements over
+//   time
 // - chart.rs: Plots on a page: the axes of a plot, and the chart of quantities against time
 // - damage_map.rs: The figures of a damage map: the classes over its plane, and the boundaries of several columns in comparison
 // - deformed_shape.rs: The shape of the column before the impact, at its peak displacement and at rest
@@ -39,6 +41,7 @@
 // - yield_path.rs: The path of a hinge's moment and normal force in its yield surface
 
 mod axis;
+mod beam_beside;
 mod chart;
 mod damage_map;
 mod deformed_shape;
@@ -169,7 +172,8 @@ fn write_all(folder: &Path, drawings: Vec<(String, String)>) -> Result<Vec<PathB
 }
 
 /// Every figure as SVG, by its name. There is no figure `force_crush` of a rigid vehicle, and no figure `contact_force_spectrum`
-/// where nothing has touched the column or [`ResponseHistory::spectrum`] is `None`.
+/// where nothing has touched the column or [`ResponseHistory::spectrum`] is `None`. The figures of the fibre beam are drawn where
+/// [`ResponseHistory::beam`] is known.
 ///
 /// # Errors
 /// The history has no sample, or the plotting library fails.
@@ -215,6 +219,18 @@ pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>,
         ("force_crush", force_crush::force_crush(response)),
     ] {
         figures.extend(figure.map(|svg| (name.to_owned(), svg)));
+    }
+    if let Some(beam) = response.beam {
+        figures.extend([
+            (
+                "second_opinion_shape".to_owned(),
+                beam_beside::shapes(response, beam),
+            ),
+            (
+                "second_opinion_displacement".to_owned(),
+                beam_beside::displacements(response, beam),
+            ),
+        ]);
     }
     for (hinge, name) in HINGE_NAMES.iter().enumerate() {
         let name = format!("mn_path_{name}");

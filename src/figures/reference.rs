@@ -61,6 +61,7 @@ impl Reference {
                 top_is_free: false,
             },
             vehicle: None,
+            beam: None,
         }
     }
 

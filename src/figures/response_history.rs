@@ -1,5 +1,7 @@
 //! The history of a response, from which the figures are drawn.
 
+use column_beam::Movement;
+
 use super::units::Unit;
 use crate::column::{ForceSpectrum, Outcome, Report, Sample, Vehicle, YieldExponents};
 use crate::twin::Lengths;
@@ -25,6 +27,8 @@ pub struct ResponseHistory<'a> {
     pub lengths: Lengths,
     /// The deformable vehicle; `None` for a rigid one.
     pub vehicle: Option<Vehicle>,
+    /// The same hit by the fibre beam, if it was computed.
+    pub beam: Option<&'a Movement>,
 }
 
 impl ResponseHistory<'_> {

@@ -199,6 +199,7 @@ fn draws(samples: &[Sample], report: &Report) {
         },
         resistance_moment: 1.0,
         resistance_axial: 1e9,
+        beam: None,
         ..Reference::ellipse().response()
     };
     for (name, svg) in draw_svg(&response).unwrap() {
@@ -537,5 +538,110 @@ mod estimates {
                 assert!(texts(&tree(&svg)).len() > 5, "{name}");
             }
         }
+    }
+}
+
+mod both_models {
+    use std::path::Path;
+
+    use super::*;
+    use crate::parameters::{Parameters, parse_override};
+    use crate::report::ReportedImpact;
+
+    fn impact(overrides: &[&str]) -> ReportedImpact {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");
+        let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
+        let parameters = Parameters::load(&[file], &overrides).unwrap();
+        ReportedImpact::simulated(&parameters).unwrap()
+    }
+
+    /// In the plane of the two bars, out of it, straight at the weak axis, and a collapse.
+    fn impacts() -> Vec<ReportedImpact> {
+        let lorry = [
+            "vehicle.name:=lorry_8t",
+            "impact.velocity:=9.0",
+            "impact.direction:=0.3",
+        ];
+        vec![
+            impact(&[
+                "vehicle.name:=rigid",
+                "impact.mass:=1500.0",
+                "impact.velocity:=10.0",
+            ]),
+            impact(&lorry),
+            impact(&["impact.velocity:=25.0", "impact.direction:=1.5707963"]),
+            impact(&[
+                "vehicle.name:=lorry_8t",
+                "impact.velocity:=25.0",
+                "top.load:=1.5e6",
+            ]),
+        ]
+    }
+
+    #[test]
+    fn the_figures_of_both_models_can_be_read() {
+        for (number, impact) in impacts().iter().enumerate() {
+            let figures = draw_svg(&impact.history()).unwrap();
+            for name in ["second_opinion_shape", "second_opinion_displacement"] {
+                let svg = svg(&figures, name);
+                assert_texts_are_apart(name, svg, 10);
+                if let Some(kept) = std::env::var_os("COLUMN_TWIN_KEEP_FIGURES") {
+                    let png = RASTER.png(svg).unwrap();
+                    fs::write(Path::new(&kept).join(format!("{name}_{number}.png")), png).unwrap();
+                }
+            }
+        }
+    }
+
+    /// Extent to the right and upwards of the strokes of a colour below the heading, on the canvas.
+    fn extent(tree: &Tree, colour: plotters::style::RGBColor) -> (f64, f64) {
+        let points = stroke_points(tree, colour);
+        let drawn = points.iter().filter(|point| point.1 > 700.0);
+        let drawn: Vec<_> = drawn.map(|it| (f64::from(it.0), f64::from(it.1))).collect();
+        let span = |values: Vec<f64>| {
+            let high = values.iter().copied().fold(f64::MIN, f64::max);
+            high - values.iter().copied().fold(f64::MAX, f64::min)
+        };
+        let right = drawn.iter().map(|it| it.0).collect();
+        (span(right), span(drawn.iter().map(|it| it.1).collect()))
+    }
+
+    #[test]
+    fn shapes_of_both_models_have_the_scale_that_is_named() {
+        let impact = &impacts()[1];
+        let figures = draw_svg(&impact.history()).unwrap();
+        let tree = tree(svg(&figures, "second_opinion_shape"));
+        let texts = texts(&tree);
+        let named = texts.iter().find_map(|(text, _)| {
+            let text = text.strip_prefix("Displacements are drawn ")?;
+            text.split(' ').next()?.parse::<f64>().ok()
+        });
+        let named = named.expect("a magnification");
+        let beam = impact.beam.as_ref().unwrap();
+        let way = |nodes: &[[f64; 2]], k: usize| {
+            let moved = nodes.iter().map(|it| it[k]);
+            let (low, high) = moved.fold((0.0_f64, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
+            high - low
+        };
+        for (colour, displaced) in [
+            (page::colour::IMPACTOR, way(&beam.peak, 0)),
+            (page::colour::IMPACT_POINT, impact.report.max_v1),
+            (
+                page::colour::TOP,
+                way(&beam.peak, 1).max(way(beam.remains.as_ref().unwrap(), 1)),
+            ),
+        ] {
+            let (right, up) = extent(&tree, colour);
+            let found = (right / displaced) / (up / 4.0);
+            assert!((found / named - 1.0).abs() < 0.02, "{found} for {named}");
+        }
+    }
+
+    #[test]
+    fn there_are_no_figures_of_a_beam_that_was_not_asked() {
+        let impact = impact(&["beam.mode:=off"]);
+        let figures = draw_svg(&impact.history()).unwrap();
+        let named = |(name, _): &(String, String)| name.starts_with("second_opinion");
+        assert!(!figures.iter().any(named));
     }
 }

@@ -54,7 +54,7 @@ pub(super) fn annex(
             (plateau(impact, assessed))
             @if let Ok(assessed) = assessed { (checks::others(assessed)) }
             (capacity(assessed, &mut figures))
-            @if let Ok(assessed) = assessed { (second_opinion_section::markup(impact, assessed)) }
+            @if let Ok(assessed) = assessed { (second_opinion_section::markup(impact, assessed, &mut figures)) }
             h3 { "Response" }
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
             (hinges(impact))
@@ -79,14 +79,15 @@ const FORCE_SPECTRUM: &str = "Equivalent static force of the contact, by the per
                               of this size would bend an undamped elastic member as far.";
 
 /// The figures of the section, numbered in the order in which they appear.
-struct Figures {
+pub(super) struct Figures {
     drawings: Vec<(String, String)>,
     impact_number: Option<usize>,
     count: usize,
 }
 
 impl Figures {
-    fn markup(&mut self, name: &str, caption: &str) -> Markup {
+    /// The figure of this name with its caption; nothing where it was not drawn.
+    pub(super) fn markup(&mut self, name: &str, caption: &str) -> Markup {
         let Some((_, svg)) = self.drawings.iter().find(|(drawn, _)| drawn == name) else {
             return html! {};
         };

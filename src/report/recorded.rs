@@ -18,6 +18,7 @@ use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
 use crate::parameters::Parameters;
 use crate::recording::{self, EventSummary, Reader, RecordingError, SealFinding};
+use crate::second_opinion::Movement;
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
 use crate::twin::{
@@ -538,6 +539,9 @@ impl Gathered {
     }
 }
 
+/// Relative difference of two peaks of the beam that are the same, of which one is that of a thinned course.
+const SAME_PEAK: f64 = 1e-3;
+
 /// Name of the vehicle that hits: the event's, or that of the parameters.
 fn vehicle_of<'n>(command: &'n ImpactCommand, parameters: &'n Parameters) -> &'n str {
     match command.vehicle.as_str() {
@@ -552,6 +556,7 @@ impl Finished {
         let mut reported = self.recomputed().or_else(|| self.published())?;
         let assessed = self.output.assessed.as_ref();
         reported.second_opinion = assessed.and_then(|it| it.second_opinion.clone());
+        reported.beam = self.movement(&reported);
         reported.event = Some((self.output.event_id.to_string(), self.output.stamp));
         if let Some(later) = &self.superseded_by {
             reported.remarks.push(format!(
@@ -585,6 +590,18 @@ impl Finished {
         .ok()?;
         // Otherwise the beginning was not that of the recorded response.
         (reported.report == self.output.report).then_some(reported)
+    }
+
+    /// How the beam moved by the recorded second opinion.
+    fn movement(&self, reported: &ReportedImpact) -> Option<Movement> {
+        let opinion = reported.second_opinion.as_ref()?;
+        let before = self.announced.as_ref()?.before.as_ref()?;
+        let movement = before.movement(&reported.model.properties, &self.output.striking)?;
+        let before_it = movement.points.first().map_or(0.0, |point| point[1]);
+        let found = movement.largest()[1] - before_it;
+        let expected = opinion.beam.max_displacement_m;
+        // Otherwise the damage before it was not that of the recorded hit.
+        ((found - expected).abs() <= SAME_PEAK * expected).then_some(movement)
     }
 
     fn published(&self) -> Option<ReportedImpact> {
@@ -638,6 +655,7 @@ impl Finished {
             settled: after.filter(|_| output.report.residual_v1.is_some()),
             struck: None,
             second_opinion: None,
+            beam: None,
             remarks: vec![format!(
                 "{why} The histories have the values that were published, at most {rate} per second, which are too few for the \
                  contact force spectrum; the error of the time step was not estimated."

@@ -10,7 +10,7 @@ use crate::column::{
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
-use crate::second_opinion::SecondOpinion;
+use crate::second_opinion::{BeamTask, Movement, SecondOpinion};
 use crate::time::Nanos;
 use crate::twin::Lengths;
 
@@ -41,6 +41,8 @@ pub struct ReportedImpact {
     pub struck: Option<Struck>,
     /// The second opinion on an impact that was recorded; that of a simulated one is computed for the report.
     pub second_opinion: Option<Arc<SecondOpinion>>,
+    /// How the fibre beam moves during it, if that is known.
+    pub beam: Option<Movement>,
     /// What a reader has to know about the origin of these data.
     pub remarks: Vec<String>,
 }
@@ -62,12 +64,17 @@ impl ReportedImpact {
             response,
         };
         let vehicle = &parameters.settings().vehicle.name;
-        Ok(Self::computed(
+        let computed = Self::computed(
             Arc::new(parameters.clone()),
             vehicle,
             (impact, parameters.direction()),
             &struck,
-        )?)
+        )?;
+        let beam = BeamTask::of_parameters(parameters).and_then(|task| task.movement());
+        Ok(Self {
+            beam: beam.ok(),
+            ..computed
+        })
     }
 
     /// An impact of the vehicle of this name, which travels in this direction \[rad\], computed from its beginning.
@@ -105,6 +112,7 @@ impl ReportedImpact {
             settled,
             struck: Some(*struck),
             second_opinion: None,
+            beam: None,
             remarks: Vec::new(),
         })
     }
@@ -133,6 +141,7 @@ impl ReportedImpact {
             resistance_axial: properties.resistance_axial,
             lengths: Lengths::from(properties),
             vehicle: self.impact.vehicle,
+            beam: self.beam.as_ref(),
         }
     }
 

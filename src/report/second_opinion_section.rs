@@ -4,14 +4,19 @@ use maud::{Markup, html};
 
 use super::assessed::Assessed;
 use super::facts::fact;
+use super::impact_section::Figures;
 use super::reported_impact::ReportedImpact;
 use super::words::short;
 use crate::column::Outcome;
 use crate::figures::units::significant;
-use crate::second_opinion::{BAND, SecondOpinion};
+use crate::second_opinion::{BAND, SecondOpinion, is_out_of_plane};
 
 /// What the fibre beam says beside the two bars; nothing where it was not asked.
-pub(super) fn markup(impact: &ReportedImpact, assessed: &Assessed) -> Markup {
+pub(super) fn markup(
+    impact: &ReportedImpact,
+    assessed: &Assessed,
+    figures: &mut Figures,
+) -> Markup {
     html! {
         @match &assessed.second_opinion {
             None => {}
@@ -23,9 +28,48 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Assessed) -> Markup {
                 h3 { "Second opinion" }
                 p { (agreement(opinion)) }
                 (comparison(impact, opinion))
+                @match &impact.beam {
+                    Some(_) => {
+                        (figures.markup("second_opinion_shape", &shapes(opinion)))
+                        (figures.markup("second_opinion_displacement", &displacements(opinion)))
+                    }
+                    None => { p.note { "The movement of the beam is not drawn: the damage before this hit is not known." } }
+                }
                 (of_the_beam(opinion))
             }
         }
+    }
+}
+
+/// What the figure of the shapes shows.
+fn shapes(opinion: &SecondOpinion) -> String {
+    let across = match is_out_of_plane(opinion.direction) {
+        true => {
+            " Right: the displacement of the beam across the hit, which the two bars do not see."
+        }
+        false => "",
+    };
+    format!(
+        "Shape of the column at the peak and at rest after the hit by the two bars and by the fibre beam, to one scale.{across} {}",
+        in_brief(opinion)
+    )
+}
+
+/// What the figure of the displacements shows.
+fn displacements(opinion: &SecondOpinion) -> String {
+    format!(
+        "Displacement of the impact point over time, from the touch on, by the two bars and by the fibre beam, whose response ends \
+         soon after its peak. {}",
+        in_brief(opinion)
+    )
+}
+
+/// Whether both models agree, in one sentence.
+fn in_brief(opinion: &SecondOpinion) -> &'static str {
+    match (opinion.agrees(), opinion.ratio_to_two_bars) {
+        (true, _) => "Both models agree on the peak, on what remains and on how the response ends.",
+        (false, Some(_)) => "The two models part.",
+        (false, None) => "The two bars do not see this hit.",
     }
 }
 
@@ -34,11 +78,7 @@ fn agreement(opinion: &SecondOpinion) -> String {
     let mut text = "The same hit was computed with a fibre beam in space, which bends about both axes, shears, twists and yields along \
                     its whole length. "
         .to_owned();
-    text += match (opinion.agrees(), opinion.ratio_to_two_bars) {
-        (true, _) => "Both models agree on the peak, on what remains and on how the response ends.",
-        (false, Some(_)) => "The two models part.",
-        (false, None) => "The two bars do not see this hit.",
-    };
+    text += in_brief(opinion);
     if !opinion.counts.is_empty() {
         text += &format!(
             " The verdict of the beam counts, because {}; {}.",
@@ -63,6 +103,7 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
         false => String::new(),
     };
     let residual = report.residual_v1.unwrap_or(f64::NAN);
+    let touch = report.first_contact_time.unwrap_or(0.0);
     // From the undamaged column, as the two bars count.
     let [peak, remains] = opinion.from_undamaged();
     let rows = [
@@ -73,8 +114,8 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
             opinion.ratio_to_two_bars.map_or(String::new(), ratio),
         ),
         (
-            "time of the peak",
-            format!("{} ms", significant(1e3 * report.max_v1_time, 3)),
+            "time of the peak, from the touch",
+            format!("{} ms", significant(1e3 * (report.max_v1_time - touch), 3)),
             format!("{} ms", significant(1e3 * beam.max_displacement_time_s, 3)),
             String::new(),
         ),

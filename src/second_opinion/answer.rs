@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use column_beam::{BeamColumn, BeamModel, BeamOutcome, BowAxes, Damage, Hit, Outcome as BeamEnd};
+use column_beam::{
+    BeamColumn, BeamModel, BeamOutcome, BowAxes, Damage, Hit, Measurement, Movement,
+    Outcome as BeamEnd,
+};
 use serde::{Deserialize, Serialize};
 
 use super::beam::{NoSecondOpinion, beam_column};
@@ -14,7 +17,16 @@ use crate::parameters::{BeamMode, Parameters};
 pub struct BeamTask {
     column: BeamColumn,
     hit: Hit,
-    before: Option<Arc<Damage>>,
+    before: Option<BeamDamageBefore>,
+}
+
+/// The damage of earlier hits, as the beam knows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamDamageBefore {
+    /// What the hits have left.
+    pub damage: Arc<Damage>,
+    /// What was measured afterwards on the column at rest, by which the damage is to be corrected.
+    pub measured: Option<Measurement>,
 }
 
 /// What the beam has computed of a hit.
@@ -81,7 +93,7 @@ impl BeamTask {
         [length_below, length_above]: [f64; 2],
         impact: Impact,
         direction: f64,
-        before: Option<Arc<Damage>>,
+        before: Option<BeamDamageBefore>,
     ) -> Result<Self, NoSecondOpinion> {
         if parameters.settings().beam.mode == BeamMode::Off {
             return Err(NoSecondOpinion::SwitchedOff);
@@ -104,17 +116,35 @@ impl BeamTask {
         self.hit.direction
     }
 
+    /// How the column moves, for drawings; it computes the response alone.
+    ///
+    /// # Errors
+    /// Why there is no second opinion.
+    pub fn movement(&self) -> Result<Movement, NoSecondOpinion> {
+        let model = BeamModel::new(&self.column)?;
+        let before = self.damage_before(&model)?;
+        Ok(model.movement(&self.hit, before.as_deref())?)
+    }
+
+    /// The damage of earlier hits, corrected by what was measured.
+    fn damage_before(&self, model: &BeamModel) -> Result<Option<Arc<Damage>>, NoSecondOpinion> {
+        let Some(BeamDamageBefore { damage, measured }) = &self.before else {
+            return Ok(None);
+        };
+        Ok(Some(match measured {
+            Some(measured) => Arc::new(model.corrected(damage, measured)?),
+            None => Arc::clone(damage),
+        }))
+    }
+
     /// Computes it.
     ///
     /// # Errors
     /// Why there is no second opinion.
     pub fn compute(&self) -> Result<BeamAnswer, NoSecondOpinion> {
-        let Self {
-            column,
-            hit,
-            before,
-        } = self;
+        let Self { column, hit, .. } = self;
         let model = BeamModel::new(column)?;
+        let before = self.damage_before(&model)?;
         let (beam, damage) = model.simulate(hit, before.as_deref())?;
         let capacity = match column.bow_axes {
             BowAxes::Strong => [beam.undamaged_capacity_n[0], beam.residual_capacity_n[0]],

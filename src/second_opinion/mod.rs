@@ -30,10 +30,11 @@ mod criteria;
 mod joint;
 mod opinion;
 
-pub use answer::{BeamAnswer, BeamTask, EarlierHit, beam_damage_after};
+pub use answer::{BeamAnswer, BeamDamageBefore, BeamTask, EarlierHit, beam_damage_after};
 pub use beam::{NoSecondOpinion, beam_column};
 pub use column_beam::{
-    BeamColumn, BeamError, BeamModel, BeamOutcome, Damage as BeamDamage, Hit, Outcome as BeamEnd,
+    BeamColumn, BeamError, BeamModel, BeamOutcome, Damage as BeamDamage, Hit,
+    Measurement as BeamMeasurement, Movement, Outcome as BeamEnd,
 };
 pub use joint::{JointVerdict, JudgeError};
 pub use opinion::{BAND, Evaluated, SecondOpinion, WhyItCounts, evaluate, is_out_of_plane};

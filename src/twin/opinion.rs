@@ -14,7 +14,7 @@ use super::plant::Plant;
 use super::striking::Striking;
 use crate::column::{ColumnProperties, Impact, Report};
 use crate::parameters::Parameters;
-use crate::second_opinion::{BeamTask, NoSecondOpinion, SecondOpinion};
+use crate::second_opinion::{BeamTask, Movement, NoSecondOpinion, SecondOpinion};
 
 /// A hit that is to be computed with the beam, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,12 @@ impl OpinionTask {
             Ok(answer) => BeamResult::Answer(Box::new(answer)),
             Err(reason) => BeamResult::None(reason.to_string().into()),
         })
+    }
+
+    /// How the column moves, for drawings; `None` where there is no second opinion.
+    #[must_use]
+    pub fn movement(&self) -> Option<Movement> {
+        self.task.movement().ok()
     }
 
     /// Whether the result is that of another task.

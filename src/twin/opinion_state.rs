@@ -4,8 +4,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::damage_correction::{CORRECTION_FACTORS, ResidualMeasurement};
 use super::plant::Plant;
-use crate::second_opinion::{BeamAnswer, BeamDamage, NoSecondOpinion};
+use crate::second_opinion::{
+    BeamAnswer, BeamDamage, BeamDamageBefore, BeamMeasurement, NoSecondOpinion,
+};
+use crate::sensors::Quantity;
 
 /// Why an impact on a moving column has no second opinion.
 pub(super) const MOVING: &str =
@@ -32,6 +36,8 @@ pub enum KnownBeamDamage {
     Undamaged,
     /// What the impacts so far have left.
     Damaged(Arc<BeamDamage>),
+    /// The same, and what was measured afterwards on the column at rest, by which the damage is corrected before the next hit.
+    Corrected(Arc<BeamDamage>, ResidualMeasurement),
     /// The column has, or may have, a damage that the beam has not computed, for this reason, in words.
     Unknown(Arc<str>),
 }
@@ -65,10 +71,26 @@ impl KnownBeamDamage {
 
     /// # Errors
     /// Why the damage is not known.
-    pub(super) fn before(&self) -> Result<Option<Arc<BeamDamage>>, Arc<str>> {
+    pub(super) fn before(&self) -> Result<Option<BeamDamageBefore>, Arc<str>> {
+        let known = |damage: &Arc<BeamDamage>, measured| {
+            Ok(Some(BeamDamageBefore {
+                damage: Arc::clone(damage),
+                measured,
+            }))
+        };
         match self {
             Self::Undamaged => Ok(None),
-            Self::Damaged(damage) => Ok(Some(Arc::clone(damage))),
+            Self::Damaged(damage) => known(damage, None),
+            Self::Corrected(damage, measured) => {
+                let measured = BeamMeasurement {
+                    is_rotation: measured.quantity == Quantity::Rotation,
+                    height: measured.height,
+                    value: measured.value,
+                    deviation: measured.deviation,
+                    factors: CORRECTION_FACTORS,
+                };
+                known(damage, Some(measured))
+            }
             Self::Unknown(reason) => Err(Arc::clone(reason)),
         }
     }
@@ -88,13 +110,28 @@ impl KnownBeamDamage {
     /// After an impact on which there is no second opinion, for this reason, and that has left this column.
     pub(super) fn without_opinion(&self, left: &Plant, reason: &str) -> Self {
         match (left.is_damaged(), self) {
-            (true, Self::Undamaged | Self::Damaged(_)) => Self::Unknown(
+            (true, Self::Undamaged | Self::Damaged(_) | Self::Corrected(..)) => Self::Unknown(
                 format!(
                     "no second opinion: the fibre beam did not compute an earlier impact ({reason})"
                 )
                 .into(),
             ),
             (true, Self::Unknown(_)) | (false, _) => self.clone(),
+        }
+    }
+
+    /// After a measurement on the column at rest that has corrected the damage of the two bars. Of several the last one counts: each
+    /// is met by one factor on the whole damage.
+    pub(super) fn corrected_by(&self, measured: &ResidualMeasurement) -> Self {
+        match self {
+            Self::Damaged(damage) | Self::Corrected(damage, _) => {
+                Self::Corrected(Arc::clone(damage), measured.clone())
+            }
+            Self::Undamaged => Self::Unknown(
+                "no second opinion: a measurement has corrected the damage, and the fibre beam has none that could be corrected"
+                    .into(),
+            ),
+            Self::Unknown(_) => self.clone(),
         }
     }
 

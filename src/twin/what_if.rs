@@ -19,7 +19,7 @@ use crate::parameters::{
     split_crush,
 };
 use crate::printable::is_printable;
-use crate::second_opinion::{SecondOpinion, is_out_of_plane};
+use crate::second_opinion::{Movement, SecondOpinion, is_out_of_plane};
 use crate::standing::StandingColumn;
 use crate::standing::{is_same_height, with_impact_height};
 use crate::time::seconds;
@@ -232,6 +232,13 @@ impl ColumnSnapshot {
         }
         let properties = &struck.model.properties;
         OpinionTask::new(0, &self.parameters, properties, striking, &self.beam)
+    }
+
+    /// How the fibre beam moves during this impact, for drawings; `None` where there is no second opinion.
+    #[must_use]
+    pub fn movement(&self, struck: &ColumnProperties, striking: &Striking) -> Option<Movement> {
+        let task = OpinionTask::new(0, &self.parameters, struck, striking, &self.beam);
+        task.ok()?.movement()
     }
 
     /// The column with an impact on its way, for a caller who follows the response in every step. An empty `vehicle` means

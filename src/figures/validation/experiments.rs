@@ -360,6 +360,15 @@ fn evidence(falling: &[(String, Vec<f64>)], post: f64) -> String {
             does_not: "shear, connections, local buckling, fracture",
         },
         Evidence {
+            what: "second opinion, oblique hits in OpenSees",
+            area: "the fibre beam in space against another program",
+            evidence: "computed",
+            confidence: "high for the code; same assumptions on sections and material",
+            ratio: super::beam::oblique_ratio(),
+            shows: "bending about both axes with twist, large rotations",
+            does_not: "restrained warping, local buckling, fracture, a struck column",
+        },
+        Evidence {
             what: "reference responses, analytic solutions",
             area: "solution of the model's equations",
             evidence: "computed",
@@ -437,7 +446,7 @@ No published test covers the mechanisms that decide most strikes on steel column
 | A column under 20 to 60 % of its squash load, struck: load, shortening, displacement over time | the yield surface, the load's work, collapse | all falling weights here have no axial load |
 | The axial resistance of a column after a strike, pressed to failure | the residual capacity | people decide by it whether to evacuate |
 | Force and crush of cars, lorries and forklifts against a rigid post of a column's width | the crush curves of the catalogue, `vehicle.narrow_object` | the catalogue halves the force of a wide wall, which is an assumption that two tests with poles support |
-| Strikes about the weak axis and oblique ones, with the twist | nothing yet: the model is plane | the direction of a parking car is arbitrary |
+| Strikes about the weak axis and oblique ones, with the twist | the fibre beam of the second opinion (`crates/beam`), which has been compared with other models alone | the direction of a parking car is arbitrary |
 | A bollard or cantilever: force, displacement of its top, angle that remains, rotation of the foundation | `support.top: free`, its mass | crash tests of bollards publish the penetration alone |
 | Strain over time at the hinge of a struck steel member, and coupons of the same steel at those rates | the rate law, apart from hardening | both raise the moment, and the peak shows only their sum |
 | Rotation at which flanges buckle and tear under impact | `assessment.ultimate_rotation`, the limits of rotation | the limits come from slow and cyclic tests |

@@ -4,10 +4,12 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - analytic.rs: Comparison with analytic solutions for rigid-plastic columns and with a crash test against a wall
+// - beam.rs: The fibre beam of the second opinion against other models, and where it and the two bars part
 // - experiments.rs: Comparison with impact tests on members, the list of all the evidence for the model, and what is missing
 // - fibre.rs: Comparison with a fibre beam model: what the two bars leave out, in numbers
 
 mod analytic;
+mod beam;
 mod experiments;
 mod fibre;
 
@@ -310,6 +312,7 @@ fn validation() -> Validation {
     figures.push(("validation_energy", ledger(&runs).unwrap()));
     page += &analytic::chapter();
     page += &fibre::chapter();
+    page += &beam::chapter();
     page += &experiments::chapters();
     Validation { page, figures }
 }

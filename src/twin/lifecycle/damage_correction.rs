@@ -27,9 +27,7 @@ impl Twin {
         if let Some(corrected) = corrected {
             self.forbid_resuming();
             self.at_rest = corrected;
-            self.forget_beam(
-                "a measurement has corrected the damage, which the fibre beam cannot follow",
-            );
+            self.correct_beam(measured);
             self.assess();
             self.forget_other_critical_velocities();
             self.forget_range();

@@ -12,7 +12,7 @@
 // - impacts.rs: How an impact meets the column: at rest, in motion, or in a response that is over
 // - reconfiguration.rs: Changes of the parameters, and the reset
 // - reproduction.rs: A twin that continues from a checkpoint and follows a recorded one without a clock
-// - second_opinion.rs: The second opinion on the present or the last impact: asked for, taken, and forgotten
+// - second_opinion.rs: The second opinion on the present or the last impact: asked for, taken, and corrected
 // - verdict_range.rs: The range of the verdict on the present or the last impact: asked for, taken, given out, and forgotten
 
 mod background;

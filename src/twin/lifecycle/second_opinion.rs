@@ -1,4 +1,4 @@
-//! The second opinion on the present or the last impact: asked for, taken, and forgotten.
+//! The second opinion on the present or the last impact: asked for, taken, and corrected.
 
 use std::sync::Arc;
 
@@ -7,6 +7,7 @@ use crate::second_opinion::SecondOpinion;
 use crate::time::Nanos;
 use crate::twin::assessed::{LastImpact, assessed_again};
 use crate::twin::command::Accepted;
+use crate::twin::damage_correction::ResidualMeasurement;
 use crate::twin::opinion::{OpinionTask, Seen};
 use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, MOVING, OpinionState};
 use crate::twin::output::{NoticeLevel, Output, Outputs, Verdicts};
@@ -193,10 +194,10 @@ impl Twin {
         assessed?.second_opinion.as_ref()
     }
 
-    /// The beam no longer knows the damage of the column, for this reason.
-    pub(super) fn forget_beam(&mut self, reason: &str) {
+    /// The beam corrects its damage by this measurement before it computes the next hit; its opinion on the last one no longer holds.
+    pub(super) fn correct_beam(&mut self, measured: &ResidualMeasurement) {
         let life = &mut self.registry.life;
-        life.beam = KnownBeamDamage::Unknown(format!("no second opinion: {reason}").into());
+        life.beam = life.beam.corrected_by(measured);
         if let Some(last) = &mut life.last_impact {
             last.second_opinion = None;
         }
