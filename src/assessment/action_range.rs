@@ -360,7 +360,8 @@ const OF_THE_DAMAGE: [Assumption; 5] = [
 ];
 
 /// Why they are not varied.
-const DAMAGED: &str = "the column was damaged before, and the damage on another assumption is not known";
+const DAMAGED: &str =
+    "the column was damaged before, and the damage on another assumption is not known";
 
 impl Case<'_> {
     fn variations(&self) -> Vec<Found> {

@@ -80,8 +80,8 @@ impl ImpactEvaluation {
             base: base_before.copied(),
         };
         let (verdict, properties) = (evaluation.assessment.as_ref(), &model.properties);
-        evaluation.range = verdict
-            .map(|it| ActionRange::of(parameters, properties, impact, Some(&earlier), it));
+        evaluation.range =
+            verdict.map(|it| ActionRange::of(parameters, properties, impact, Some(&earlier), it));
         (evaluation, input)
     }
 

@@ -1,6 +1,9 @@
 //! The outcome of an impact with its assessment as messages.
 
-use crate::assessment::{Action, Assessment, Criterion, ImpactEvaluation, ResidualCapacity, VerdictRange, capitalised, NOT_ASSESSED};
+use crate::assessment::{
+    Action, Assessment, Criterion, ImpactEvaluation, NOT_ASSESSED, ResidualCapacity, VerdictRange,
+    capitalised,
+};
 use crate::column::Impact;
 use crate::messages::column_twin_msgs::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::study::VehicleLimits;

@@ -29,6 +29,16 @@ pub struct BeamDamageBefore {
     pub measured: Option<Measurement>,
 }
 
+impl From<Arc<Damage>> for BeamDamageBefore {
+    /// As the hits have left it, without a measurement.
+    fn from(damage: Arc<Damage>) -> Self {
+        Self {
+            damage,
+            measured: None,
+        }
+    }
+}
+
 /// What the beam has computed of a hit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -64,7 +74,8 @@ pub fn beam_damage_after(
 ) -> Result<Option<Arc<Damage>>, NoSecondOpinion> {
     let mut damage = None;
     for hit in hits {
-        let task = BeamTask::new(parameters, hit.lengths, hit.impact, hit.direction, damage)?;
+        let before = damage.map(BeamDamageBefore::from);
+        let task = BeamTask::new(parameters, hit.lengths, hit.impact, hit.direction, before)?;
         let left = task.compute()?.damage;
         damage = Some(left.ok_or(NoSecondOpinion::Collapsed)?);
     }

@@ -119,8 +119,14 @@ fn a_band_ends_where_the_range_of_the_verdict_does() {
                 .expect("an impact");
             let properties = parameters.column_properties();
             let verdict = (column.action(&impact).expect("a response"), false);
-            let range =
-                ActionRange::of_action(&parameters, &properties, &impact, None, verdict, &mut || true);
+            let range = ActionRange::of_action(
+                &parameters,
+                &properties,
+                &impact,
+                None,
+                verdict,
+                &mut || true,
+            );
             let all = range.expect("a range").variations;
             let changed = all.iter().filter(|it| it.assumption != Assumption::Speed);
             let reached: Vec<bool> = changed.map(|it| it.action >= action).collect();

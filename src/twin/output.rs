@@ -243,7 +243,9 @@ pub(super) trait Verdicts {
 impl<O: Outputs> Verdicts for O {
     fn verdict(&mut self, kind: &str, event_id: &str, assessed: Option<&Assessed>, now: Nanos) {
         let Some(Assessed { assessment, .. }) = assessed else {
-            let text = format!("{kind} of impact \"{event_id}\": the column cannot be assessed. {NOT_ASSESSED}");
+            let text = format!(
+                "{kind} of impact \"{event_id}\": the column cannot be assessed. {NOT_ASSESSED}"
+            );
             return self.notice(NoticeLevel::Error, now, text);
         };
         let action = match assessment.action {
@@ -251,10 +253,7 @@ impl<O: Outputs> Verdicts for O {
             assessment::Action::Inspect | assessment::Action::Restrict => NoticeLevel::Warning,
             assessment::Action::Shore | assessment::Action::Evacuate => NoticeLevel::Error,
         };
-        let text = format!(
-            "{kind} of impact \"{event_id}\": {}",
-            assessment.in_words()
-        );
+        let text = format!("{kind} of impact \"{event_id}\": {}", assessment.in_words());
         self.notice(action, now, text);
     }
 }

@@ -7,7 +7,7 @@ use column_twin::column::{ForceSpectrum, Impact, Model, State};
 use column_twin::parameters::Parameters;
 use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
 use column_twin::second_opinion::{
-    BeamTask, EarlierHit, NoSecondOpinion, SecondOpinion, beam_damage_after,
+    BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, SecondOpinion, beam_damage_after,
 };
 use column_twin::study::VerdictModel;
 use pyo3::prelude::*;
@@ -134,12 +134,13 @@ impl Simulated {
             hit.lengths,
             hit.impact,
             hit.direction,
-            damage.clone()?,
+            damage.clone()?.map(BeamDamageBefore::from),
         )?;
         let answer = task.compute()?;
         let opinion = SecondOpinion::new(&answer, hit.direction, parameters, &evaluation.report);
+        let range = evaluation.range.as_mut();
         Ok(match (input, &mut evaluation.assessment) {
-            (Some(input), Some(assessment)) => opinion.weighed(input, assessment, None),
+            (Some(input), Some(assessment)) => opinion.weighed(input, assessment, range),
             _ => opinion,
         })
     }

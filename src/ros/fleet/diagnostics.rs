@@ -6,8 +6,8 @@ use std::sync::atomic::Ordering;
 use crate::fleet::MAX_OPEN_COLUMNS;
 use crate::messages::column_twin_msgs::ColumnStatus;
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
-use crate::ros::diagnostics::{action_level, entry, phase_name};
 use crate::messages::words::verdict_in_words;
+use crate::ros::diagnostics::{action_level, entry, phase_name};
 
 use super::column_topics::TopicCounts;
 

@@ -162,7 +162,8 @@ impl DepartureSampler {
         let mut departure =
             self.of_quantiles(index, class_at(&self.scenario, class), quantiles, choice);
         departure.points = points;
-        departure.direction = orientation.map(|(_, it)| direction(departure.angle, it.to_radians()));
+        departure.direction =
+            orientation.map(|(_, it)| direction(departure.angle, it.to_radians()));
         if reached {
             departure.velocity = departure.speed_at_column();
         }

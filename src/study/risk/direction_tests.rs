@@ -131,9 +131,7 @@ fn the_orientation_that_decides_has_all_of_the_variance() {
         let scenario = scenario(distributions);
         let sampler = DepartureSampler::new(&scenario, 3);
         let study = RiskStudy::new(&sampler, &AcrossTheWeb);
-        let ran = study.run(&Batch::default(), 0..20_000, |_| {
-            Ok::<_, StudyRunError>(())
-        });
+        let ran = study.run(&Batch::default(), 0..20_000, |_| Ok::<_, StudyRunError>(()));
         let exposure = Exposure::new(&scenario, 1000.0, 1.0);
         let result = RiskResult::new(&scenario, &ran.unwrap().0, exposure, 0.95);
         result.sensitivity[2].variance.clone()
