@@ -25,8 +25,8 @@
 // - evidence/: Recordings as evidence: what is recorded of the twin, and how a recording is verified by recomputation
 // - exact_number.rs: Numbers in JSON that read back bit for bit, including numbers that are not finite
 // - figures/: The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact
-//   force and its equivalent static force, the crush of the vehicle and the path of every hinge in its yield surface, each as
-//   SVG and, rendered from the same SVG, as PNG
+//   force and its equivalent static force, the crush of the vehicle, the path of every hinge in its yield surface, and the same
+//   hit by the fibre beam, each as SVG and, rendered from the same SVG, as PNG
 // - fleet/: What a fleet of columns is made of without ROS: its status, gathered for few messages, its table for people, its
 //   plan for pictures, vehicles that hit several columns, and which columns have topics of their own
 // - hexadecimal.rs: Bytes as hexadecimal digits

@@ -288,7 +288,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     // The base, in one block.
     Definition {
         name: "base_anchors_1_3",
-        title: "Base anchors, beyond their margin",
+        title: "Base anchors, margin",
         cause: "the anchors of the base may be broken",
         edition: BASE_SHEAR,
         tag: Provenance::Assumed,

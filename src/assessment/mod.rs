@@ -29,7 +29,7 @@
 // - prepared.rs: The assessment of many impacts on one column: what does not depend on the impact is computed once, and only
 //   the criteria that decide are evaluated, without their texts
 // - remaining.rs: The residual axial capacity of a column, beside the buckling resistances of the code
-// - response.rs: The response of an undamaged column to an impact, and what its assessment depends on
+// - response.rs: The response of a column to an impact, and what its assessment depends on
 // - rotation_limits.rs: Limits of the plastic rotation of a hinge in an I or H section
 // - section_class.rs: The class of a section: whether its plates buckle before it can rotate (EN 1993-1-1:2005, 5.5 and table
 //   5.2, as the open-source library metku of Tampere University states it in `eurocodes/en1993/en1993_1_1.py`)

@@ -1,12 +1,13 @@
 //! What one impact was, and the annex with its computation.
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::assessed::Assessed;
 use super::assessment_section;
 use super::checks;
 use super::energy_balance::EnergyBalance;
 use super::facts::fact;
+use super::numbered_figures::Figures;
 use super::reported_impact::ReportedImpact;
 use super::second_opinion_section;
 use super::uncertainty;
@@ -24,12 +25,7 @@ pub(super) fn annex(
     assessed: &Result<Assessed, String>,
     number: Option<usize>,
 ) -> Result<Markup, FigureError> {
-    let drawings = draw_svg(&impact.history())?;
-    let mut figures = Figures {
-        drawings,
-        impact_number: number,
-        count: 0,
-    };
+    let mut drawings = draw_svg(&impact.history())?;
     if let Ok(assessed) = assessed {
         let curves = PushDownCurves {
             title: &impact.title,
@@ -37,10 +33,9 @@ pub(super) fn annex(
             now: &assessed.now,
             remaining: &assessed.remaining,
         };
-        figures
-            .drawings
-            .push(("push_down".to_owned(), push_down_svg(&curves)?));
+        drawings.push(("push_down".to_owned(), push_down_svg(&curves)?));
     }
+    let mut figures = Figures::new(drawings, number);
     let anchor = number.map_or("annex".to_owned(), |number| format!("annex-{number}"));
     Ok(html! {
         section.annex id=(anchor) {
@@ -77,41 +72,6 @@ pub(super) fn annex(
 /// What the figure of the response spectrum shows.
 const FORCE_SPECTRUM: &str = "Equivalent static force of the contact, by the period of a member that is pushed by the same force: a static force \
                               of this size would bend an undamped elastic member as far.";
-
-/// The figures of the section, numbered in the order in which they appear.
-pub(super) struct Figures {
-    drawings: Vec<(String, String)>,
-    impact_number: Option<usize>,
-    count: usize,
-}
-
-impl Figures {
-    /// The figure of this name with its caption; nothing where it was not drawn.
-    pub(super) fn markup(&mut self, name: &str, caption: &str) -> Markup {
-        let Some((_, svg)) = self.drawings.iter().find(|(drawn, _)| drawn == name) else {
-            return html! {};
-        };
-        self.count += 1;
-        let number = match self.impact_number {
-            Some(impact) => format!("{impact}.{}", self.count),
-            None => self.count.to_string(),
-        };
-        html! {
-            figure role="img" aria-label=(caption) {
-                (PreEscaped(svg))
-                figcaption { "Figure " (number) ". " (caption) }
-            }
-        }
-    }
-
-    fn yield_path(&mut self, hinge: usize) -> Markup {
-        let caption = format!(
-            "Moment and normal force of hinge {} ({}), the most severely strained one, in its yield surface.",
-            HINGE_NAMES[hinge], HINGE_PLACES[hinge]
-        );
-        self.markup(&format!("mn_path_{}", HINGE_NAMES[hinge]), &caption)
-    }
-}
 
 /// What hit what, with the one load with which the column is judged.
 pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {

@@ -28,6 +28,7 @@
 // - inspection.rs: What must be looked at on site, with the reason: what the checks find, and what they cannot see
 // - limits.rs: What the model cannot know, in plain words
 // - limits_section.rs: The section of the report about what the model cannot know
+// - numbered_figures.rs: The figures of a section of the report, numbered in the order in which they appear
 // - pages.rs: The four pages about one impact: what has to be done, the checks, the column after the hit, and how sure that is
 // - provenance.rs: Where the numbers of the report come from
 // - recorded.rs: The impacts of a recording, recomputed from its journal
@@ -64,6 +65,7 @@ mod impact_section;
 mod inspection;
 mod limits;
 mod limits_section;
+mod numbered_figures;
 mod pages;
 mod provenance;
 #[cfg(feature = "record")]

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::assessed::Assessed;
 use super::facts::fact;
-use super::impact_section::Figures;
+use super::numbered_figures::Figures;
 use super::reported_impact::ReportedImpact;
 use super::words::short;
 use crate::column::Outcome;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use column_twin::assessment::Action;
 use column_twin::column::Impact;
 use column_twin::estimation::{Batch, EstimateRecord, Readings, Recomputation, simulate_sensors};
 use column_twin::fleet::make_twins;
@@ -249,7 +250,9 @@ fn two_of_four_columns_detect_an_impact_each_its_own_and_the_others_nothing() {
     assert_eq!(statistics.lost_estimates, 0);
     assert_eq!(statistics.libraries.beyond, 0);
     // A severe verdict is told as an error, too.
-    let is_fault = |it: &Notice| it.level == NoticeLevel::Error && !it.text.contains(": action ");
+    let verdicts = [Action::Shore, Action::Evacuate].map(|it| it.name().to_uppercase() + ": ");
+    let is_verdict = |text: &str| verdicts.iter().any(|it| text.contains(it));
+    let is_fault = |it: &Notice| it.level == NoticeLevel::Error && !is_verdict(&it.text);
     let errors: Vec<_> = fleet
         .received
         .values()

@@ -50,7 +50,7 @@ RELIABLE = QoSProfile(depth=4000, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(depth=200, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MAX_DOMAIN = 101
 # The damage of the heavy impact, the parameter that is rejected, and a system that grants no real-time priority, or is busy.
-EXPECTED_WARNING = re.compile(r"impact \"(interrupted|afterwards)\": action|a change of parameters by parameter service was rejected: top.load|"
+EXPECTED_WARNING = re.compile(r"impact \"(interrupted|afterwards)\": [A-Z]+: |a change of parameters by parameter service was rejected: top.load|"
                               r"SCHED_FIFO|lock.*memory|skipped \d+ periods")
 
 

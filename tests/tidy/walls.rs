@@ -66,13 +66,13 @@ pub const ROOMS: &[Room] = &[
     room("recording", "recordings of this program", &["mechanics", "ros_interface", "recording crate", "state_home", "endpoints", "messages", "parameters"], "the twin, DDS"),
     room("evidence", "recording and verification of a twin", &["mechanics", "ros_interface", "recording crate", "hexadecimal", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "incoming", "outgoing", "recording"], "DDS, reports"),
     room("figures", "figures of one impact", &["mechanics", "beam", "whole_file", "sensors", "parameters", "assessment", "study", "estimation", "twin", "shape"], "recordings, DDS"),
-    room("report", "the report for people", &["mechanics", "recording crate", "time", "sensors", "parameters", "assessment", "second_opinion", "results", "study", "estimation", "twin", "shape", "live", "recording", "evidence", "figures"], "DDS, the command line"),
+    room("report", "the report for people", &["mechanics", "recording crate", "time", "sensors", "parameters", "assessment", "second_opinion", "results", "study", "estimation", "twin", "shape", "live", "recording", "evidence", "figures", "standing", "beam"], "DDS, the command line"),
     room("viewer", "the column in Rerun", &["mechanics", "printable", "state_home", "time", "messages", "parameters", "standing", "assessment", "study", "estimation", "twin", "shape", "live", "fleet", "outgoing"], "DDS, recordings"),
     room("ros", "the ROS 2 node", &["mechanics", "ros_interface", "recording crate", "alarm crate", "hexadecimal", "printable", "bounded_file", "state_home", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "fleet", "incoming", "outgoing", "recording", "evidence", "viewer"], "reports, figures"),
     room("keystore", "keystores for DDS security", &["bounded_file", "endpoints", "ros"], "columns"),
     room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "second_opinion", "study", "estimation", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
     room("main", "the program's entry", &["cli"], "everything else"),
-    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "second_opinion", "results", "study", "estimation"], "the twin, threads, DDS"),
+    room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "second_opinion", "results", "study", "estimation", "beam"], "the twin, threads, DDS"),
 ];
 
 /// Files that import one another in a circle, inside one room.

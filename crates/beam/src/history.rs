@@ -5,7 +5,8 @@ use column_mechanics::Impact;
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError};
 use super::mesh;
-use super::opinion::{nearest, touches};
+use super::mesh::nearest;
+use super::opinion::touches;
 use super::response::Run;
 use super::statics::settle;
 

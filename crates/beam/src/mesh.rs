@@ -69,3 +69,13 @@ pub(crate) fn nodes(keys: &[f64], depth: f64, count: usize, density: Density) ->
     }
     nodes
 }
+
+/// The node nearest to a height.
+pub(crate) fn nearest(heights: &[f64], x: f64) -> usize {
+    let distance = |height: &f64| (height - x).abs();
+    let nearest = heights
+        .iter()
+        .enumerate()
+        .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+    nearest.map_or(0, |(node, _)| node)
+}

@@ -1,7 +1,7 @@
 //! How the column moves during a hit, for those who draw it.
 
 use super::beam::State;
-use super::opinion::nearest;
+use super::mesh::nearest;
 
 /// Most points of a course over time: more than a figure has pixels.
 const MAX_POINTS: usize = 2048;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError, BowAxes};
 use super::damage::Damage;
-use super::mesh;
+use super::mesh::{self, nearest};
 use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
 use super::response::{Course, MAX_STEPS, Run};
@@ -598,14 +598,4 @@ pub(crate) fn touches(column: &BeamColumn, heights: &[f64]) -> Vec<(usize, f64)>
         (k, part / column.bumper_height)
     };
     (low..=high).map(share).collect()
-}
-
-/// The node nearest to a height.
-pub(crate) fn nearest(heights: &[f64], x: f64) -> usize {
-    let distance = |height: &f64| (height - x).abs();
-    let nearest = heights
-        .iter()
-        .enumerate()
-        .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
-    nearest.map_or(0, |(node, _)| node)
 }

@@ -12,7 +12,7 @@ use column_twin::parameters::{
     CatalogueVehicle, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, Source,
     Value,
 };
-use column_twin::second_opinion::{BeamDamage, EarlierHit, NoSecondOpinion};
+use column_twin::second_opinion::EarlierHit;
 use column_twin::study::{BatchEnd, StudyColumn, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -22,7 +22,7 @@ use crate::batch::{NUMBERS, ROW_BYTES, Row, abandonable, batch, interruptible};
 use crate::capacity::{Curve, capacity_json, curve};
 use crate::checks::Checks;
 use crate::fault;
-use crate::history::Simulated;
+use crate::history::{KnownDamage, Simulated};
 use crate::risk::{Request, risk};
 use crate::sensors;
 use crate::study::{self, MapRequest, model_named};
@@ -53,9 +53,6 @@ pub struct Column {
     /// The damage that they leave in the beam, once an impact has needed it.
     pub beam_damage: Arc<OnceLock<KnownDamage>>,
 }
-
-/// The damage of the fibre beam, or why there is none.
-pub type KnownDamage = Result<Option<Arc<BeamDamage>>, NoSecondOpinion>;
 
 /// A column as it is written for other processes.
 #[derive(Serialize, Deserialize)]
@@ -445,7 +442,9 @@ impl Column {
         let whole = velocity.unwrap_or(self.parameters().settings().impact.velocity);
         let stated = self.with_impact(vehicle, mass, whole);
         let simulated = Simulated {
-            column: self.clone(),
+            study: Arc::clone(&self.study),
+            hits: Arc::clone(&self.hits),
+            beam_damage: Arc::clone(&self.beam_damage),
             stated: stated.unwrap_or_else(|_| self.parameters().clone()),
             impact,
             hit: self.whole_hit(vehicle, mass, velocity, None)?,

@@ -1,5 +1,6 @@
 //! One impact with its history for Python.
 
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use column_twin::assessment::{AssessmentInput, ImpactEvaluation, observe_and_rest};
@@ -7,17 +8,24 @@ use column_twin::column::{ForceSpectrum, Impact, Model, State};
 use column_twin::parameters::Parameters;
 use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
 use column_twin::second_opinion::{
-    BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, SecondOpinion, beam_damage_after,
+    BeamDamage, BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, SecondOpinion,
+    beam_damage_after,
 };
-use column_twin::study::VerdictModel;
+use column_twin::study::{StudyColumn, VerdictModel};
 use pyo3::prelude::*;
 
-use crate::column::Column;
 use crate::fault;
+
+/// The damage of the fibre beam, or why there is none.
+pub type KnownDamage = Result<Option<Arc<BeamDamage>>, NoSecondOpinion>;
 
 /// An impact whose history is wanted.
 pub struct Simulated {
-    pub column: Column,
+    pub study: Arc<StudyColumn>,
+    /// The impacts that have damaged the column, for the fibre beam; none of an undamaged one.
+    pub hits: Arc<[EarlierHit]>,
+    /// The damage that they leave in the beam, once an impact has needed it.
+    pub beam_damage: Arc<OnceLock<KnownDamage>>,
     /// The parameters with the impact.
     pub stated: Parameters,
     /// The component of it in the plane of the two bars.
@@ -46,14 +54,15 @@ impl Simulated {
     /// A response that cannot be computed, or no second opinion where the beam alone judges.
     pub fn history(&self) -> PyResult<History> {
         let Self {
-            column,
+            study,
             stated,
             impact,
             vehicle_name,
             model,
             ..
         } = self;
-        let parameters = column.study.parameters();
+        let is_damaged = self.study.is_damaged() || !self.hits.is_empty();
+        let parameters = study.parameters();
         let properties = parameters.column_properties();
         let masses = impact.vehicle.map_or(0, |it| it.masses().len());
         let table = HistoryColumns::new(masses);
@@ -73,9 +82,8 @@ impl Simulated {
             });
             solve_time = start.elapsed();
         };
-        let (mut evaluation, input) = match column.is_damaged() {
-            true => column
-                .study
+        let (mut evaluation, input) = match is_damaged {
+            true => study
                 .follow(impact, observe)
                 .map_err(|fault| fault::study(&fault))?,
             false => {
@@ -93,7 +101,7 @@ impl Simulated {
         let mut beam = None;
         if *model != VerdictModel::Bars {
             let start = Instant::now();
-            let opinion = match column.is_damaged() {
+            let opinion = match is_damaged {
                 true => self.opinion_on_damaged(&mut evaluation, input.as_ref()),
                 false => SecondOpinion::on(stated, &mut evaluation),
             };
@@ -124,11 +132,11 @@ impl Simulated {
         evaluation: &mut ImpactEvaluation,
         input: Option<&AssessmentInput>,
     ) -> Result<SecondOpinion, NoSecondOpinion> {
-        let Self { column, hit, .. } = self;
-        let parameters = column.study.parameters();
-        let damage = column
+        let hit = &self.hit;
+        let parameters = self.study.parameters();
+        let damage = self
             .beam_damage
-            .get_or_init(|| beam_damage_after(parameters, &column.hits));
+            .get_or_init(|| beam_damage_after(parameters, &self.hits));
         let task = BeamTask::new(
             parameters,
             hit.lengths,

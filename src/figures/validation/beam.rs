@@ -447,7 +447,7 @@ Agreement with OpenSees verifies the code, not the column: both have plane secti
 const PLANE: &str = "
 ### Hits in the plane of the web
 
-OpenSees computed them with the same section, without shear (`fibre_cases.csv`, and eight cases at the edge of yielding in `beam_reference.json`).
+OpenSees computed them with the same section, without shear (`crates/beam/tests/data/fibre_cases.csv`, and eight cases at the edge of yielding in `crates/beam/tests/data/beam_reference.json`).
 The column of the paper is given by numbers, and the beam takes HEB 220 for it.
 
 | case | vehicle | hardening | peak, OpenSees [mm] | ratio | residual, OpenSees [mm] | ratio |
@@ -457,7 +457,7 @@ The column of the paper is given by numbers, and the beam takes HEB 220 for it.
 const OBLIQUE: &str = "
 ### Oblique hits
 
-OpenSees in space (`beam_reference.json`), with St Venant's torsion alone and with the twist suppressed.
+OpenSees in space (`crates/beam/tests/data/beam_reference.json`), with St Venant's torsion alone and with the twist suppressed.
 The program also takes into account the warping that built-in ends restrain, which no reference has.
 
 | case | torsion | peak along the hit, OpenSees [mm] | ratio | peak across it [mm] | ratio | residual along the hit [mm] | ratio |
@@ -467,7 +467,7 @@ The program also takes into account the warping that built-in ends restrain, whi
 const PUSH_DOWN: &str = "
 ### Push-downs
 
-The largest axial force of a column by OpenSees (`beam_reference.json`), undamaged or after a hit.
+The largest axial force of a column by OpenSees (`crates/beam/tests/data/beam_reference.json`), undamaged or after a hit.
 
 | column | bow | residual stresses | OpenSees [kN] | ratio | stated tolerance |
 |---|---|---|---|---|---|

@@ -26,7 +26,8 @@ fn the_corrected_beam_has_what_was_measured() {
         let (found, damage) = model.simulate(&hit, None).unwrap();
         let damage = damage.unwrap();
         let angle = degrees.to_radians();
-        let along_web = |along: f64, across: f64| along * angle.cos() - across * angle.sin();
+        let along_web =
+            |along: f64, across: f64| along * libm::cos(angle) - across * libm::sin(angle);
         let (before, _) = model.simulate(&touch, Some(&damage)).unwrap();
         let y = before.displaced_before_m[0];
         let signed = [1.0, -1.0].map(|sign| {

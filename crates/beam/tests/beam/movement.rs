@@ -37,7 +37,7 @@ fn a_drawn_movement_has_the_peak_and_the_remains_of_the_opinion() {
         assert!(close(there, along + found.residual_displacement_m));
         let sideways = (sideways - across).abs();
         assert!(close(sideways, found.residual_sideways_m), "{sideways}");
-        let bow = remains.iter().map(|it| it[0].hypot(it[1]));
+        let bow = remains.iter().map(|it| libm::hypot(it[0], it[1]));
         assert!(close(bow.fold(0.0, f64::max), found.residual_bow_m));
         assert_eq!(found.outcome, Outcome::Plastic);
         damage = after;

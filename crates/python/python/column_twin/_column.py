@@ -317,12 +317,12 @@ class Column:
         >>> second = column.after(first).simulate("mid_car", velocity=8.0)
 
         A damaged column has `simulate`, `evaluate`, `evaluate_batch`, `map`, `refined_map`, `critical_velocities`, `capacity` without
-        arguments and `after`; everything else raises a ParameterError that says what to do instead. The damage is pickled with it.
+        arguments and `after`; everything else raises a ParameterError that names the way to go instead. The damage is pickled with it.
         Its hinges stay at the height at which the first vehicle struck.
 
         Args:
             impact: a result of `simulate` of this column. Without one the keywords describe the impact, as in
-                `simulate`. Damage by the fibre beam alone, such as that of a vehicle that travels across the plane of the two bars,
+                `simulate`. Damage by the fibre beam alone, such as from a vehicle that travels across the plane of the two bars,
                 is kept where the result has it (`model="both"`).
 
         Raises:
@@ -354,16 +354,16 @@ class Column:
     ) -> Result:
         """One impact with histories and report.
 
-        The response itself takes milliseconds. The report takes more responses, which tell the error of the step and the range of
+        The response itself takes milliseconds. The report takes more responses, which give the error of the step and the range of
         the verdict, and their push-downs.
 
         A column that an impact has damaged, see `after`, is hit once more, as by a node: displacements and plastic rotations count
-        from the undamaged column, the largest reactions of the base are those of all impacts, and the range of the verdict varies
+        from the undamaged column, the reactions of the base are the largest of all impacts, and the range of the verdict varies
         this impact alone. The beam first computes the earlier impacts again.
 
         With `model="both"` the fibre beam computes the impact, too, as `column-twin simulate` does: `Result.beam` has its numbers,
-        and the action is the more severe one of both models where its verdict counts. With `model="beam"`, action and criteria are
-        those of the beam alone, without a range. Histories and displacements are still by the two bars. The beam takes tens of
+        and the action is the more severe one of both models where its verdict counts. With `model="beam"`, the beam alone
+        gives action and criteria, without a range. Histories and displacements are still by the two bars. The beam takes tens of
         milliseconds more.
 
         >>> column.simulate("mid_car", velocity=10.0)
@@ -418,7 +418,7 @@ class Column:
         velocity: npt.ArrayLike | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.void]:
-        """Many impacts, on all processors: each row equals that of `evaluate` bit for bit.
+        """Many impacts, on all processors: each row equals the result of `evaluate` bit for bit.
 
         All impacts are checked before the first one is computed. Other Python threads run meanwhile, and Ctrl-C interrupts the
         batch within a fraction of a second. It takes at most three times the memory of the array that it returns.
@@ -488,8 +488,8 @@ class Column:
                 masked. `Map.merged` puts the parts together.
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
             model: by which model an impact is judged: `bars`, the two bars; `beam`, the fibre beam alone; `both`, the more severe
-                verdict of both where that of the beam counts, as in a node. The beam takes tens of milliseconds for each cell, and
-                `Map.beam` has what it says.
+                verdict of both where the beam counts, as in a node. The beam takes tens of milliseconds for each cell, and
+                `Map.beam` has its results.
             changes: axes by the names of parameters, with dots.
             ranges: axes by keywords; two underscores are a dot.
 
@@ -498,7 +498,7 @@ class Column:
                 comparison, or a model other than `bars`.
 
         Warns:
-            IncompleteWarning: cells that cannot be computed. They are masked, and `failures` says why.
+            IncompleteWarning: cells that cannot be computed. They are masked, and `failures` has the reasons.
         """
         vehicle, given, compared = self._planned(axes, vehicle, compare, changes, ranges)
         if shard is not None:

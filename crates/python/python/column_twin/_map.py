@@ -76,7 +76,7 @@ class Map:
     model: str = "bars"
     """By which model the impacts are judged: `bars`, `beam` or `both`."""
     beam: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
-    """What the fibre beam says, by the names of the columns of `column-twin map`, such as `beam_max_sideways_m`, in arrays of the
+    """The results of the fibre beam, by the names of the columns of `column-twin map`, such as `beam_max_sideways_m`, in arrays of the
     shape of `cells`: numbers in SI units, NaN where there is none, and words, None where there is none. `no_second_opinion` says why
     the beam has no answer. Empty for `bars`."""
     beam_units: dict[str, str] = field(default_factory=dict)
@@ -187,7 +187,7 @@ class Map:
         return self.cells[field]
 
     def to_pandas(self) -> pd.DataFrame:
-        """A table with one row per cell: label, both axes, then the fields, with codes as words, and what the beam says. Needs pandas."""
+        """A table with one row per cell: label, both axes, then the fields, with codes as words, and the results of the beam. Needs pandas."""
         import pandas as pd
 
         labels, rows, columns = np.meshgrid(
