@@ -235,7 +235,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     },
     Definition {
         name: "residual_bow_250",
-        title: "Residual bow of the bent part: buckling curves do not hold",
+        title: "Residual bow of the bent part: beyond the curves",
         cause: "the column stays bent further than the buckling curves allow for",
         edition: "EN 1993-1-1:2005, table 5.1, e0 of buckling curve b",
         tag: Provenance::Assumed,

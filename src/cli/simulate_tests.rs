@@ -43,12 +43,12 @@ fn history_and_figures_are_written() {
     ]);
     assert!(ended.is_ok(), "{ended:?}");
     assert!(
-        output.contains("history.csv") && output.contains("24 files"),
+        output.contains("history.csv") && output.contains("28 files"),
         "{output}"
     );
     let rows = csv::Reader::from_path(csv).unwrap().records().count();
     assert!(rows > 500);
-    assert_eq!(fs::read_dir(figures).unwrap().count(), 24);
+    assert_eq!(fs::read_dir(figures).unwrap().count(), 28);
 }
 
 #[test]
