@@ -37,7 +37,7 @@ def test_a_second_impact_continues_where_the_first_one_ended(steel: Column, dama
     assert abs(report["ledger_residual"]) < 1e-3
     spent = report["plastic_work_j"] + report["impactor_kinetic_energy_j"] + sum(report["vehicle_dissipated_j"])
     assert 0.5 * report["input_energy_j"] < spent <= 1.1 * report["input_energy_j"]
-    assert "damaged" in second.title and len(second.report["range"]["not_varied"]) == 5
+    assert "damaged" in second.title and "the height of the hit" in second.report["range"]["not_varied"]
     assert 0.0 < second.report["error_estimate"] < 0.1
 
 

@@ -77,8 +77,8 @@ class Map:
     """By which model the impacts are judged: `bars`, `beam` or `both`."""
     beam: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     """The results of the fibre beam, by the names of the columns of `column-twin map`, such as `beam_max_sideways_m`, in arrays of the
-    shape of `cells`: numbers in SI units, NaN where there is none, and words, None where there is none. `no_second_opinion` says why
-    the beam has no answer. Empty for `bars`."""
+    shape of `cells`: numbers in SI units, NaN where there is none, and words, None where there is none. `no_second_opinion` gives
+    the reason why the beam has no answer. Empty for `bars`."""
     beam_units: dict[str, str] = field(default_factory=dict)
     """The unit of each entry of `beam`; empty where there is none."""
 
