@@ -124,9 +124,7 @@ fn cause(assessment: &Assessment) -> String {
                 let is_as_severe = it.decides && it.exceeded == Some(true) && it.action == action;
                 is_as_severe && it.name != assessment.deciding_criterion
             });
-            // Two criteria may have one cause, such as a resistance about either axis.
-            let mut causes: Vec<_> = others.map(|it| it.cause).collect();
-            causes.dedup();
+            let causes: Vec<_> = others.map(|it| it.cause).collect();
             let also = match &causes[..] {
                 [] => String::new(),
                 _ => format!(" Also: {}.", causes.join("; ")),

@@ -101,7 +101,7 @@ impl Judged {
         beam_before: &KnownBeamDamage,
     ) -> Option<Box<Self>> {
         let has_range = has_range(&response.before);
-        let earlier = response.earlier_impacts().filter(|_| has_range);
+        let earlier = has_range.then(|| response.earlier_impacts()).flatten();
         let has_opinion = !matches!(output.opinion, OpinionState::None(_));
         if !(has_range || has_opinion) || output.assessed.is_none() {
             return None;

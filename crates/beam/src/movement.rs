@@ -56,7 +56,7 @@ pub(crate) trait Watch {
     fn rest(&mut self, moved: &[[f64; 3]]);
 }
 
-/// Nobody follows.
+/// Without an observer.
 impl Watch for () {
     fn begin(&mut self, _: &[[f64; 3]], _: &[[f64; 3]], _: usize) {}
     fn step<const D: usize, const R: usize>(&mut self, _: f64, _: &State<D, R>, _: bool) {}

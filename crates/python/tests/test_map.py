@@ -191,7 +191,7 @@ def test_a_map_over_directions_is_that_of_the_command_line(
             there = row[name] if isinstance(found, str) else float(row[name] or "nan")
             assert found == there or (np.isnan(found) and np.isnan(there)), name
     assert bool(names) == (model != "bars")
-    # As the command line writes it: degrees, and the axis says so.
+    # In the notation of the command line the angles are in degrees, and the axis names that unit.
     text = steel.map(f"direction={values[0]}", velocity=speeds, vehicle="mid_car", model=model)
     assert (text.rows.name, text.rows.unit) == ("direction", "degrees")
     assert np.array_equal(text["max_v1"], damage["max_v1"])

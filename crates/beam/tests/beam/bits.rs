@@ -2,7 +2,7 @@
 //!
 //! `RUSTFLAGS="-C target-cpu=native" cargo test --release -p column_beam bits` must pass as well.
 
-use crate::reference::{column, hit, hit_by_a_car, vehicle};
+use crate::reference::column_hit_three_times;
 use column_beam::BeamModel;
 
 /// Bits of peak, residual and remaining capacity about the strong axis; they change with any change of the model.
@@ -26,17 +26,8 @@ const GOLDEN: [[u64; 3]; 3] = [
 
 #[test]
 fn responses_have_the_same_bits_on_every_processor() {
-    let mut it = column("HEB220", 355e6, 1e-3);
-    it.top_load = 0.5e6;
-    it.top_spring_stiffness = 1e7;
-    hit_by_a_car(&mut it);
+    let (it, hits) = column_hit_three_times();
     let model = BeamModel::new(&it).unwrap();
-    let soft = Some(vehicle(1500.0, 1.5e6, Some(6e5)));
-    let hits = [
-        hit(1500.0, 6.0, None, 0.0),
-        hit(1500.0, 6.0, None, 20.0),
-        hit(1500.0, 15.0, soft, 45.0),
-    ];
     let mut damage = None;
     let mut found = Vec::new();
     for hit in hits {

@@ -1,22 +1,14 @@
 //! What a drawing shows of a hit is what the opinion says of it.
 
-use crate::reference::{column, hit, hit_by_a_car, vehicle};
+use crate::reference::{column, column_hit_three_times, hit};
 use column_beam::{BeamModel, Outcome};
 
 #[test]
 fn a_drawn_movement_has_the_peak_and_the_remains_of_the_opinion() {
-    let mut it = column("HEB220", 355e6, 1e-3);
-    it.top_load = 0.5e6;
-    it.top_spring_stiffness = 1e7;
-    hit_by_a_car(&mut it);
+    let (it, hits) = column_hit_three_times();
     let model = BeamModel::new(&it).unwrap();
-    let soft = Some(vehicle(1500.0, 1.5e6, Some(6e5)));
     let mut damage = None;
-    for hit in [
-        hit(1500.0, 6.0, None, 0.0),
-        hit(1500.0, 6.0, None, 20.0),
-        hit(1500.0, 15.0, soft, 45.0),
-    ] {
+    for hit in hits {
         let movement = model.movement(&hit, damage.as_ref()).unwrap();
         let (found, after) = model.simulate(&hit, damage.as_ref()).unwrap();
         let [along, across] = found.displaced_before_m;

@@ -42,6 +42,22 @@ pub fn hit_by_a_car(column: &mut BeamColumn) {
     (column.length_below, column.length_above) = (0.5, 3.5);
 }
 
+/// A column as the program computes it by default, and three hits on it, one after the other: in the plane of its web, out of it, and
+/// by a soft vehicle.
+pub fn column_hit_three_times() -> (BeamColumn, [Hit; 3]) {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    it.top_load = 0.5e6;
+    it.top_spring_stiffness = 1e7;
+    hit_by_a_car(&mut it);
+    let soft = Some(vehicle(1500.0, 1.5e6, Some(6e5)));
+    let hits = [
+        hit(1500.0, 6.0, None, 0.0),
+        hit(1500.0, 6.0, None, 20.0),
+        hit(1500.0, 15.0, soft, 45.0),
+    ];
+    (it, hits)
+}
+
 /// As the references know a column: straight, without shear, residual stress and rate.
 pub fn column(name: &str, yield_strength: f64, hardening_ratio: f64) -> BeamColumn {
     BeamColumn {
