@@ -1,8 +1,8 @@
-//! Writes viewer files of four moments of an impact, for the pictures of the README: before the contact, at the first yield,
+//! Writes viewer files of four moments of an impact, for the pictures of the documents: before the contact, at the first yield,
 //! at the peak, and at rest. `docs/pictures.sh` makes the pictures.
 //!
 //! ```sh
-//! cargo run --release --example viewer_moments -- config/heb220_paper.yaml FOLDER
+//! cargo run --release --example viewer_moments -- config/heb220_s355.yaml FOLDER
 //! ```
 
 use std::error::Error;
@@ -56,7 +56,9 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let contact = report
         .first_contact_time
         .ok_or("the vehicle does not reach the column")?;
-    let yields = report.hinges.iter().filter_map(|hinge| hinge.first_yield);
+    let hinges = report.hinges.iter().map(|hinge| hinge.first_yield);
+    let webs = report.webs.iter().map(|web| web.first_yield);
+    let yields = hinges.chain(webs).flatten();
     let first_yield = yields.fold(f64::INFINITY, f64::min);
     for (name, time) in [
         ("before", 0.3 * contact),

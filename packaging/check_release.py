@@ -18,20 +18,11 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from program_sdist import files_of_checkout
+
 ROOT = Path(__file__).resolve().parents[1]
 DANGEROUS = ("cargo", "cosign", "curl", "docker", "gpg", "maturin", "podman", "ssh", "twine", "wget")
 IDENTITY = ["-c", "user.name=release", "-c", "user.email=release@example.org", "-c", "commit.gpgsign=false"]
-
-
-def files_of_checkout() -> list[str]:
-    """What a commit of this checkout would have; of an export without history, everything but what Cargo has built."""
-    if not (ROOT / ".git").exists():
-        names = (it.relative_to(ROOT) for it in ROOT.rglob("*") if it.is_file())
-        return [str(it) for it in names if it.parts[0] != "target"]
-    # The checkout may belong to another user.
-    line = ["git", "-c", "safe.directory=*", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
-    listed = subprocess.run(line, cwd=ROOT, check=True, capture_output=True).stdout
-    return [it for it in listed.decode().split("\0") if it]
 
 
 class Copy:
@@ -40,11 +31,9 @@ class Copy:
     def __init__(self, folder: Path) -> None:
         self.root, self.tools, self.calls = folder / "repository", folder / "tools", folder / "calls"
         for name in files_of_checkout():
-            # Deleted in the checkout, and not yet in a commit.
-            if (ROOT / name).is_file():
-                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
-                (self.root / name).write_bytes((ROOT / name).read_bytes())
-                (self.root / name).chmod((ROOT / name).stat().st_mode)
+            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.root / name).write_bytes((ROOT / name).read_bytes())
+            (self.root / name).chmod((ROOT / name).stat().st_mode)
         self.version = re.search(r'^version = "(.*)"', self.read("Cargo.toml"), re.MULTILINE)[1]  # type: ignore[index]
         self.git("init", "--quiet")
         # The commit of a release has its date, and states the release, already.
@@ -108,7 +97,9 @@ if sys.argv[1] == "build":
         with zipfile.ZipFile(wheels / f"{name}-VERSION-{tags}-manylinux_2_17_x86_64.whl", "w") as archive:
             archive.writestr(f"{name}-VERSION.dist-info/sboms/{name}.cyclonedx.json", "{}")
 elif sys.argv[1] == "sdist":
-    Path(sys.argv[2], "column_twin-VERSION.tar.gz").write_text("source")
+    for what in sys.argv[3:]:
+        name = {"library": "column_twin", "program": "column_twin_program"}[what]
+        Path(sys.argv[2], f"{name}-VERSION.tar.gz").write_text("source")
 """
 
 
@@ -122,7 +113,7 @@ def check_files(folder: Path, version: str) -> None:
     assert code == 0, text
     names = {str(it.relative_to(folder / "release")) for it in (folder / "release").rglob("*") if it.is_file()}
     program = f"column_twin_program-{version}-py3-none-manylinux_2_17_x86_64.whl"
-    expected = {f"column_twin-{version}-cp310-abi3-manylinux_2_17_x86_64.whl", program, f"column_twin-{version}.tar.gz", "SHA256SUMS",
+    expected = {f"column_twin-{version}-cp310-abi3-manylinux_2_17_x86_64.whl", program, f"column_twin-{version}.tar.gz", f"column_twin_program-{version}.tar.gz", "SHA256SUMS",
                 f"column_twin-{version}.cdx.json", f"column_twin_program-{version}.cdx.json", f"image/{program}", "image/Containerfile"}
     assert names == expected, f"expected {sorted(expected)}, found {sorted(names)}"
     sums = (folder / "release/SHA256SUMS").read_text().splitlines()
@@ -146,7 +137,7 @@ def main() -> None:
         code, text = copy.release("--dry-run", f"{folder}/release")
         assert code == 0, text
         flags = copy.read("packaging/program/build_flags").strip()
-        for expected in (f"version {copy.version}", f"the program is built with {flags}", "wheels.sh build", "check_container.py", "collect", f"git tag -s v{copy.version}", "twine upload", "podman push"):
+        for expected in (f"version {copy.version}", f"the program is built with {flags}", "wheels.sh build", "wheels.sh source library program", "check_container.py", "collect", f"git tag -s v{copy.version}", "twine upload", "podman push"):
             assert expected in text, f"expected {expected} in:\n{text}"
         status = subprocess.run(["git", "status", "--porcelain"], cwd=copy.root, check=True, capture_output=True).stdout
         assert not copy.calls.exists() and not Path(folder, "release").exists() and not status, "a dry run must do nothing"
@@ -161,7 +152,7 @@ def main() -> None:
     print("accepted: a clean checkout with one version")
     with tempfile.TemporaryDirectory() as folder:
         check_files(Path(folder), copy.version)
-    print("made: wheels, source distribution, lists of components, context of the image, checksums")
+    print("made: wheels, source distributions, lists of components, context of the image, checksums")
     number = r"\d+\.\d+\.\d+"
     rejected("a changed file", lambda copy: copy.replace("LICENSE", "Apache", "apache"), "expected a checkout without changes", committed=False)
     rejected("a file that no commit has", lambda copy: (copy.root / "note").touch() and None, "?? note", committed=False)

@@ -2,10 +2,10 @@
 # Makes the files of a release in a folder, and prints what a person has to sign and push. It publishes nothing, signs nothing and
 # changes nothing in the repository.
 #
-#   packaging/release.sh FOLDER             # needs the tools of .ci/run
+#   packaging/release.sh FOLDER             # needs the tools of .ci/run and .ci/long
 #   packaging/release.sh --dry-run FOLDER   # checks everything that can be checked without building, and prints the steps
 #
-# FOLDER must not exist. In it: both wheels, the source distribution of the library, a list of components (CycloneDX) of each wheel,
+# FOLDER must not exist. In it: both wheels, both source distributions, a list of components (CycloneDX) of each wheel,
 # the context of the container image, and SHA256SUMS.
 set -euo pipefail
 
@@ -49,7 +49,7 @@ step() {
   fi
 }
 
-# The features that .ci/run has tested.
+# The features that .ci/long has tested.
 COLUMN_TWIN_PROGRAM_FLAGS=$(<packaging/program/build_flags)
 export COLUMN_TWIN_PROGRAM_FLAGS
 printf '%s\n' "the program is built with $COLUMN_TWIN_PROGRAM_FLAGS"
@@ -58,12 +58,14 @@ wheels=${CARGO_TARGET_DIR:-$repository/target}/old_glibc_wheels
 tests=crates/python/tests
 
 step "$tests/wheels.sh" build
-for what in check source install test mixed; do
+step "$tests/wheels.sh" check
+step "$tests/wheels.sh" source library program
+for what in install test mixed; do
   step "$tests/wheels.sh" "$what"
 done
 step packaging/check_container.py "$wheels"
 step mkdir -p "$folder/image"
-step "$tests/wheels.sh" sdist "$folder"
+step "$tests/wheels.sh" sdist "$folder" library program
 
 # The files as they were tested.
 collect() {
@@ -80,6 +82,8 @@ PYTHON
   local found
   found=$(find "$folder" -maxdepth 1 -name "column_twin*-$version-*.whl" | wc -l)
   [[ $found -eq 2 ]] || fault "expected two wheels of version $version in $wheels, found $found"
+  found=$(find "$folder" -maxdepth 1 -name "column_twin*-$version.tar.gz" | wc -l)
+  [[ $found -eq 2 ]] || fault "expected two source distributions of version $version in $folder, found $found"
   (cd "$folder" && find . -type f ! -name SHA256SUMS -printf '%P\n' | LC_ALL=C sort | xargs -d '\n' sha256sum >SHA256SUMS && sha256sum --check --quiet SHA256SUMS)
   # A build that changed a file would not be that of the commit.
   changes=$(git status --porcelain)
@@ -92,7 +96,7 @@ cat <<END
 
 What remains for a person, in this order. Nothing of it has been done.
 
-1. All checks on this commit:   .ci/run
+1. All checks on this commit:   .ci/run && .ci/long
 2. Sign the checksums:          gpg --armor --detach-sign $folder/SHA256SUMS
 3. Tag and push:                git tag -s $tag -m 'column-twin $version' $commit && git push origin $tag
 4. Python packages:             twine check $folder/*.whl $folder/*.tar.gz && twine upload $folder/*.whl $folder/*.tar.gz

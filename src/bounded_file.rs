@@ -5,11 +5,16 @@ use std::io::{self, Read as _};
 use std::path::Path;
 
 /// Reads all of a file of at most `most` bytes. Whatever the path leads to, such as a device that never ends, no more is read;
-/// then the error is [`InvalidData`](io::ErrorKind::InvalidData).
+/// then the error is [`InvalidData`](io::ErrorKind::InvalidData). A pipe with a name is
+/// [`InvalidInput`](io::ErrorKind::InvalidInput).
 ///
 /// # Errors
-/// Those of the system; the file is longer.
+/// Those of the system; the file is longer; it is a pipe with a name.
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    if is_named_pipe(path)? {
+        let reason = "it is a pipe; expected a file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
+    }
     let mut bytes = Vec::new();
     // The length that the system states is no bound: that of a device is zero.
     File::open(path)?
@@ -20,6 +25,20 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
     }
     Ok(bytes)
+}
+
+/// Whether opening the path could wait without end for somebody who writes. A pipe among the open files of this process, as the
+/// shell passes it for `<(command)`, has a writer.
+#[cfg(unix)]
+fn is_named_pipe(path: &Path) -> io::Result<bool> {
+    use std::os::unix::fs::FileTypeExt as _;
+    let is_open = path.starts_with("/dev") || path.starts_with("/proc");
+    Ok(!is_open && path.metadata()?.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+fn is_named_pipe(_: &Path) -> io::Result<bool> {
+    Ok(false)
 }
 
 /// Reads all of a text as [`read_at_most`] does.
@@ -48,6 +67,24 @@ mod tests {
         std::fs::write(file.path(), b"a\xff").unwrap();
         let error = read_text_at_most(file.path(), 5).unwrap_err();
         assert!(error.to_string().contains("byte 1"), "{error}");
+    }
+
+    /// The start of the program waited for a writer, without end.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_with_a_name_is_rejected_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        // No program makes it: a child would hold the locks of the other tests for a moment.
+        let (reading, _writing) = std::io::pipe().unwrap();
+        let open = format!(
+            "/proc/self/fd/{}",
+            std::os::fd::AsRawFd::as_raw_fd(&reading)
+        );
+        std::os::unix::fs::symlink(open, &pipe).unwrap();
+        let error = read_at_most(&pipe, 5).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+        assert!(error.to_string().contains("expected a file"), "{error}");
     }
 
     #[cfg(unix)]

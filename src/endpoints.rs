@@ -103,6 +103,20 @@ impl Endpoint {
         };
         (of_each * columns).clamp(self.qos.depth, MAX_DEPTH_OF_A_FLEET)
     }
+
+    /// The endpoint with a history for all columns of a fleet, if it keeps messages for late joiners.
+    #[must_use]
+    pub fn kept_of_all(&self, columns: usize) -> Self {
+        let mut endpoint = *self;
+        if endpoint.qos.transient_local {
+            endpoint.qos.depth = match endpoint.qos.depth {
+                // A late joiner gets the newest message of each column.
+                1 => columns.clamp(1, MAX_DEPTH_OF_A_FLEET),
+                _ => endpoint.depth_of_a_fleet(columns),
+            };
+        }
+        endpoint
+    }
 }
 
 macro_rules! endpoints {
@@ -186,6 +200,18 @@ endpoints! {
     GET_TYPE_DESCRIPTION = "~/get_type_description" "type_description_interfaces/srv/GetTypeDescription" Service SERVICE;
     /// Parameter service.
     SET_PARAMETERS_ATOMICALLY = "~/set_parameters_atomically" "rcl_interfaces/srv/SetParametersAtomically" Service SERVICE;
+    /// Changes the state of a managed node.
+    CHANGE_STATE = "~/change_state" "lifecycle_msgs/srv/ChangeState" Service SERVICE;
+    /// The state of a managed node.
+    GET_STATE = "~/get_state" "lifecycle_msgs/srv/GetState" Service SERVICE;
+    /// All states of a managed node.
+    GET_AVAILABLE_STATES = "~/get_available_states" "lifecycle_msgs/srv/GetAvailableStates" Service SERVICE;
+    /// The transitions that begin in the state of a managed node.
+    GET_AVAILABLE_TRANSITIONS = "~/get_available_transitions" "lifecycle_msgs/srv/GetAvailableTransitions" Service SERVICE;
+    /// All transitions of a managed node.
+    GET_TRANSITION_GRAPH = "~/get_transition_graph" "lifecycle_msgs/srv/GetAvailableTransitions" Service SERVICE;
+    /// The transitions that a managed node makes.
+    TRANSITION_EVENT = "~/transition_event" "lifecycle_msgs/msg/TransitionEvent" Out Qos::reliable(10);
 }
 
 /// The [journal](crate::twin::Journal) of the twin: only recorded, never published.

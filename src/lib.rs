@@ -20,6 +20,8 @@
 // - assessment/: Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one action
 // - bounded_file.rs: A file that is expected to be short
 // - cli/: The command line
+// - commissioning/: The check of the sensors when they are commissioned: readings of a column that vibrates from ambient
+//   excitation or from a tap, against what the model says about frequencies, signs and amplitudes
 // - endpoints.rs: All endpoints of the node with their quality of service, which never relies on the defaults of a library
 // - estimation/: Sensors on the column: what they read, and what their readings say about an impact
 // - evidence/: Recordings as evidence: what is recorded of the twin, and how a recording is verified by recomputation
@@ -30,6 +32,7 @@
 // - fleet/: What a fleet of columns is made of without ROS: its status, gathered for few messages, its table for people, its
 //   plan for pictures, vehicles that hit several columns, and which columns have topics of their own
 // - hexadecimal.rs: Bytes as hexadecimal digits
+// - host_header.rs: The host that an HTTP request asks for
 // - incoming.rs: Converts received messages to commands, and measurements to batches
 // - keystore/: Keystores for DDS security, laid out as SROS 2 lays them out, so that `ros2 security` and every ROS 2 node can
 //   use them:
@@ -64,6 +67,7 @@ pub use column_mechanics as column;
 
 pub mod assessment;
 pub mod bounded_file;
+pub mod commissioning;
 pub mod endpoints;
 pub mod estimation;
 #[cfg(feature = "record")]
@@ -73,6 +77,8 @@ mod exact_number;
 pub mod figures;
 pub mod fleet;
 mod hexadecimal;
+#[cfg(any(feature = "ros", feature = "viewer"))]
+mod host_header;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;
 #[cfg(feature = "security")]

@@ -326,6 +326,31 @@ fn an_impact_with_an_identifier_that_no_event_can_have_is_bad_input() {
     }
 }
 
+/// The command waited for a twin, which could only reject such a number.
+#[cfg(feature = "ros")]
+#[test]
+fn an_impact_with_a_number_that_no_twin_accepts_is_bad_input() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (further, expected) in [
+        (["--velocity", "nan"], "allowed: 1e-6 to 60 m/s"),
+        (["--velocity", "61"], "--velocity 61 is out of range"),
+        (["--gap", "-1"], "--gap -1 is out of range"),
+        (["--direction", "181"], "above -180 to 180 degrees"),
+        (["--height", "nan"], "--height NaN is out of range"),
+    ] {
+        let mut arguments = vec!["impact", "--mass", "10"];
+        if further[0] != "--velocity" {
+            arguments.extend(["--velocity", "1"]);
+        }
+        arguments.extend(further);
+        let ended = run(folder.path(), &arguments);
+        let said = String::from_utf8_lossy(&ended.stderr);
+        let words: Vec<&str> = said.split_whitespace().filter(|it| *it != "│").collect();
+        assert_eq!(ended.status.code(), Some(2), "{said}");
+        assert!(words.join(" ").contains(expected), "{said}");
+    }
+}
+
 /// It aborted where an allocation did not fit.
 #[cfg(feature = "ros")]
 #[test]
@@ -343,4 +368,21 @@ fn a_node_with_too_little_address_space_says_what_it_needs() {
     assert_eq!(ended.status.code(), Some(1), "{said}");
     let words: Vec<&str> = said.split_whitespace().filter(|it| *it != "│").collect();
     assert!(words.join(" ").contains("needs at least 512 MB"), "{said}");
+}
+
+/// As `2>&1 >/dev/null | true` does in a shell.
+#[test]
+fn a_closed_standard_error_does_not_change_the_exit_code() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for arguments in [&["simulate", "-p", "nothing:=1"][..], &["no-command"]] {
+        let (reading, writing) = std::io::pipe().expect("a pipe");
+        let mut child = program(folder.path(), arguments)
+            .stdout(Stdio::null())
+            .stderr(writing)
+            .spawn()
+            .expect("the program");
+        drop(reading);
+        let ended = child.wait().expect("a child");
+        assert_eq!(ended.code(), Some(2), "{arguments:?}");
+    }
 }

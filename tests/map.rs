@@ -162,7 +162,7 @@ fn bad_input_says_what_was_expected() {
         (&["--vary", "top.laod=1:2:5"], "did you mean top.load?"),
         (
             &["--vary", "velocity=1:2:5"],
-            "both axes determine the same parameter: velocity and velocity",
+            "two axes determine the same parameter: velocity and velocity",
         ),
         (
             &["--height", "0.5:9:5"],

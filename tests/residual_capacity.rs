@@ -429,7 +429,7 @@ fn no_deformation_gives_a_column_more_reserve_than_new() {
 /// 168 of 184 damaged columns had more reserve than new ones, because a spring had taken the load off them.
 #[test]
 fn no_hit_leaves_a_column_with_more_reserve_than_new() {
-    const DAMAGED: usize = 8_000;
+    const DAMAGED: usize = 10_000;
     let mut spread = Spread(2);
     let (mut damaged, mut hits, mut at_the_bound) = (0, 0, 0);
     while damaged < DAMAGED {

@@ -134,7 +134,10 @@ fn measures_and_targets_are_compared_and_say_what_they_assume() {
     for expected in [
         "takes 98.8 kJ from a vehicle [C]",
         "target 1.30e-6 (beta 4.7) [M]: EXCEEDED",
-        "orientation and oblique hits: every hit bends the strong axis; x 5 on inspect",
+        "orientation and oblique hits: every hit has the direction of impact.direction",
+        "x 5 on inspect only where no base plate is checked",
+        "x 5 on inspect, which does not multiply with the orientation",
+        "  encroachment_rate_per_m 0.0000000001 [T]",
         "no curve: ",
     ] {
         assert!(text.contains(expected), "{text}");

@@ -200,12 +200,47 @@ fn a_car_at_its_own_height_shears_the_web() {
 
 /// The response and the range of its verdict with the hardening of the default.
 fn by_default(force: f64) -> (Report, ActionRange) {
-    let parameters = parameters(car(force));
+    evaluated(&parameters(car(force)))
+}
+
+/// The response and the range of its verdict.
+fn evaluated(parameters: &Parameters) -> (Report, ActionRange) {
     let (properties, impact) = (parameters.column_properties(), parameters.impact());
     let ended = respond_and_rest(&properties, &impact, 2.0).expect("a response");
-    let evaluation = ImpactEvaluation::complete(&parameters, &properties, &impact, ended)
-        .expect("an evaluation");
+    let evaluation =
+        ImpactEvaluation::complete(parameters, &properties, &impact, ended).expect("an evaluation");
     (evaluation.report, evaluation.range.expect("a range"))
+}
+
+/// Where 2 % of strength decide, no single number is right, but the range that is shown with it is.
+#[test]
+fn the_range_of_the_verdict_contains_the_finite_elements_at_the_threshold() {
+    // By the finite elements its web just yields, by the two bars it just does not: 1.42 mm instead of 2.45 mm on each hardening.
+    const BEYOND_THE_STEEL: &str = "heb220_0.5_elastic300_20";
+    let cases = include_str!("../crates/mechanics/tests/data/shear_cases.jsonl");
+    let mut compared = 0;
+    for line in cases.lines() {
+        let case: Json = serde_json::from_str(line).expect("a case");
+        let id = case["id"].as_str().expect("a name");
+        if !AT_THE_THRESHOLD.contains(&id) {
+            continue;
+        }
+        compared += 1;
+        let expected = number(&case, "max_v1");
+        let (report, range) = evaluated(&case_parameters(&case));
+        let contains = |peaks: &[f64]| {
+            let smallest = peaks.iter().copied().fold(report.max_v1, f64::min);
+            let largest = peaks.iter().copied().fold(report.max_v1, f64::max);
+            println!("{id}: {smallest} to {largest} m, reference {expected} m");
+            (smallest..=largest).contains(&expected)
+        };
+        let all = range.variations.iter().map(|it| it.report.max_v1);
+        assert!(contains(&all.collect::<Vec<_>>()), "{id}");
+        let of_steel = range.of_assumption(Assumption::Hardening);
+        let of_steel: Vec<_> = of_steel.map(|it| it.report.max_v1).collect();
+        assert_eq!(contains(&of_steel), id != BEYOND_THE_STEEL, "{id}");
+    }
+    assert_eq!(compared, AT_THE_THRESHOLD.len());
 }
 
 /// A section by numbers shears where its web is known, as the same section by its name does.

@@ -18,6 +18,12 @@ const STAY: &[&str] = &[
     "~/reset",
     "~/reset_column",
     "~/get_type_description",
+    "~/change_state",
+    "~/get_state",
+    "~/get_available_states",
+    "~/get_available_transitions",
+    "~/get_transition_graph",
+    "~/transition_event",
 ];
 /// Name of the node in the configurations.
 const NODE: &str = "column_twin";

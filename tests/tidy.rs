@@ -186,7 +186,12 @@ fn code_of(source: &str) -> String {
     source
         .lines()
         .take_while(|line| *line != "#[cfg(test)]")
-        .map(|line| line.split("//").next().unwrap_or_default())
+        .map(|line| {
+            // `ws://` in a text begins no comment.
+            let mut slashes = line.match_indices("//").map(|(at, _)| at);
+            let comment = slashes.find(|&at| !line[..at].ends_with(':'));
+            &line[..comment.unwrap_or(line.len())]
+        })
         .map(|line| format!("{line}\n"))
         .collect()
 }
@@ -306,6 +311,16 @@ fn the_readme_is_short() {
     );
 }
 
+/// The guide to the ROS 2 node once had 48 kB, half of which described its behaviour in detail.
+#[test]
+fn the_guide_to_the_node_is_short() {
+    let bytes = read("launch_notes.md").len();
+    assert!(
+        bytes <= 20_000,
+        "launch_notes.md has {bytes} bytes; move what is no instruction to docs/node.md or docs/recordings.md"
+    );
+}
+
 #[test]
 fn nothing_is_left_to_do() {
     // In two halves, or this file would find itself.
@@ -314,6 +329,7 @@ fn nothing_is_left_to_do() {
         concat!("FIX", "ME"),
         concat!("to", "do!"),
         concat!("unimple", "mented!"),
+        concat!("TO BE ", "MEASURED"),
     ];
     let mut files: Vec<PathBuf> = ["src", "crates", "tests", "docs", "config", "msg", "srv"]
         .iter()

@@ -4,10 +4,11 @@ use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use column_twin::assessment::{
-    Action, Assessment, Assumption, ImpactEvaluation, MissingData, respond_and_rest,
+    Action, Assessment, Assumption, ImpactEvaluation, MissingData, VerdictRange, respond_and_rest,
 };
 use column_twin::column::Outcome;
 use column_twin::parameters::{Parameters, parse_override};
+use column_twin::second_opinion::evaluate;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -60,7 +61,19 @@ const HARSHER: [(u32, &str); 5] = [
 /// Of the cases that are harsher those whose range does not reach down to the action of the engineer.
 const OUT_OF_RANGE: [u32; 1] = [23];
 
-fn evaluated(case: &Case) -> ImpactEvaluation {
+/// Cases in which the fibre beam alone makes the program more severe than the engineer: it bends and buckles between the hinges of
+/// the two bars, and the more severe verdict of both models counts.
+const HARSHER_BY_THE_BEAM: [u32; 6] = [3, 9, 11, 13, 16, 20];
+
+fn cases() -> Vec<Case> {
+    // The engineer's word for taking the load off a column is the program's former one.
+    let text = include_str!("data/verdict_cases.json").replace("\"prop\"", "\"shore\"");
+    let Cases { cases } = serde_json::from_str(&text).expect("cases");
+    assert_eq!(cases.len(), 25);
+    cases
+}
+
+fn parameters_of(case: &Case) -> Parameters {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");
     let overrides = [
         format!("section.name:={}", case.section),
@@ -77,7 +90,11 @@ fn evaluated(case: &Case) -> ImpactEvaluation {
         format!("impact.velocity:={:?}", case.speed_m_s),
     ];
     let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
-    let parameters = Parameters::load(&[file], &overrides).expect("parameters");
+    Parameters::load(&[file], &overrides).expect("parameters")
+}
+
+fn evaluated(case: &Case) -> ImpactEvaluation {
+    let parameters = parameters_of(case);
     let (properties, impact) = (parameters.column_properties(), parameters.impact());
     let ended =
         respond_and_rest(&properties, &impact, parameters.response_duration()).expect("a response");
@@ -133,6 +150,73 @@ fn the_base_of_the_stronger_column_bears_its_own_forces() {
     assert_eq!(variation.action, action);
 }
 
+/// The verdict on a hit that these arguments alone describe, with its range.
+fn judged(arguments: &[String]) -> (Assessment, VerdictRange) {
+    let overrides: Vec<_> = arguments.iter().map(|it| parse_override(it)).collect();
+    let parameters = Parameters::load(&[], &overrides).expect("parameters");
+    let (properties, impact) = (parameters.column_properties(), parameters.impact());
+    let ended =
+        respond_and_rest(&properties, &impact, parameters.response_duration()).expect("a response");
+    let evaluation = ImpactEvaluation::complete(&parameters, &properties, &impact, ended)
+        .expect("an evaluation");
+    let assessment = evaluation.assessment.expect("an assessment");
+    (assessment, evaluation.range.expect("a range").ends)
+}
+
+/// Grade, load and supports that nobody had given were assumed without a word: 7 of 45 verdicts became milder for it.
+#[test]
+fn a_verdict_that_knows_less_is_as_severe_or_says_at_least_and_reaches_the_other() {
+    let mut milder = 0;
+    for (section, grade, load, base, vehicle, speed) in [
+        ("HEA200", "S235", 4e5, "pinned", "mid_car", 6.0),
+        ("HEB160", "S275", 6e5, "pinned", "suv", 6.0),
+        ("HEB220", "S235", 1.2e6, "pinned", "lorry_8t", 4.0),
+        ("HEB300", "S235", 2e6, "built_in", "lorry_16t", 5.0),
+        ("IPE300", "S235", 2.5e5, "pinned", "forklift", 3.0),
+        ("HEA240", "S460", 3e5, "built_in", "forklift", 3.5),
+    ] {
+        let column = [
+            ("steel.grade", grade.to_owned()),
+            ("top.load", format!("{load:?}")),
+            ("support.base", base.to_owned()),
+            ("support.top", "built_in".to_owned()),
+        ];
+        let hit = [
+            format!("section.name:={section}"),
+            "geometry.height:=4.0".to_owned(),
+            format!("vehicle.name:={vehicle}"),
+            format!("impact.velocity:={speed:?}"),
+        ];
+        let without = |removed: &str| {
+            let given = column.iter().filter(|(name, _)| *name != removed);
+            let given = given.map(|(name, value)| format!("{name}:={value}"));
+            judged(&hit.iter().cloned().chain(given).collect::<Vec<_>>())
+        };
+        let (whole, _) = without("");
+        let is_named = |it: &Assessment, name: &str| {
+            let mut missing = it.not_evaluated.iter();
+            missing.any(|missing| missing.criterion == name)
+        };
+        for (removed, _) in &column {
+            assert!(!is_named(&whole, removed), "{}", whole.reason);
+            let (less, range) = without(removed);
+            let what = format!("{section} without {removed}: {}", less.reason);
+            assert!(is_named(&less, removed), "{what}");
+            assert!(less.reason.contains("was not given; "), "{what}");
+            assert!(less.action >= whole.action || less.at_least, "{what}");
+            assert!(range.most >= whole.action, "{what}");
+            assert_eq!(
+                less.reason.starts_with("At least "),
+                less.at_least,
+                "{what}"
+            );
+            milder += usize::from(less.action < whole.action);
+        }
+    }
+    // Otherwise nothing was at stake.
+    assert!(milder > 0);
+}
+
 /// A reason once began with "collapse: Collapse or fractured hinge or web in the response (1: yes): 1.00; at most 0 [C]".
 fn is_an_order_with_its_cause(assessment: &Assessment) {
     let reason = &assessment.reason;
@@ -150,10 +234,7 @@ fn is_an_order_with_its_cause(assessment: &Assessment) {
 
 #[test]
 fn no_verdict_is_milder_than_that_of_an_engineer() {
-    // The engineer's word for taking the load off a column is the program's former one.
-    let text = include_str!("data/verdict_cases.json").replace("\"prop\"", "\"shore\"");
-    let Cases { cases } = serde_json::from_str(&text).expect("cases");
-    assert_eq!(cases.len(), 25);
+    let cases = cases();
     let (mut agree, mut harsher, mut out_of_range) = (0, Vec::new(), Vec::new());
     println!("case  program    engineer   residual  decides, and the range");
     for case in &cases {
@@ -203,6 +284,35 @@ fn no_verdict_is_milder_than_that_of_an_engineer() {
         println!("case {id}: {reason}");
     }
     assert_eq!(harsher, HARSHER.map(|(id, _)| id));
+    assert_eq!(out_of_range, OUT_OF_RANGE);
+}
+
+/// The verdict that `simulate` prints is that of both models; the documents counted only those of the two bars.
+#[test]
+#[ignore = "slow: 25 hits of the fibre beam"]
+fn no_verdict_of_both_models_is_milder_than_that_of_an_engineer() {
+    let (mut harsher, mut out_of_range) = (Vec::new(), Vec::new());
+    for case in cases() {
+        let evaluation = evaluate(&parameters_of(&case))
+            .expect("a response")
+            .evaluation;
+        let action = evaluation.assessment.expect("an assessment").action;
+        let found = (action, case.engineer);
+        println!("case {}: {action}, the engineer {}", case.id, case.engineer);
+        assert!(found.0 >= found.1, "case {}: {found:?}", case.id);
+        assert!(found.0 as u8 - found.1 as u8 <= 2, "{}: {found:?}", case.id);
+        if found.0 > found.1 {
+            harsher.push(case.id);
+        }
+        let ends = evaluation.range.expect("a range").ends;
+        if case.engineer < ends.least || case.engineer > ends.most {
+            out_of_range.push(case.id);
+        }
+    }
+    let mut expected = HARSHER.map(|(id, _)| id).to_vec();
+    expected.extend(HARSHER_BY_THE_BEAM);
+    expected.sort_unstable();
+    assert_eq!(harsher, expected);
     assert_eq!(out_of_range, OUT_OF_RANGE);
 }
 

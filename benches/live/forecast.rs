@@ -3,8 +3,7 @@
 use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport};
-use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
-use column_twin::ros::qos::{self, Endpoint};
+use column_twin::ros::qos;
 
 use super::bare::{Bare, PING, PONG};
 use super::domain::Domain;
@@ -17,11 +16,6 @@ const EVENTS: usize = 200;
 /// The target without the bare round trip \[ms\].
 const TARGET: f64 = 5.0;
 
-const RESET: Endpoint = Endpoint {
-    name: "/column_twin/reset",
-    ..qos::RESET
-};
-
 pub fn run(_: Duration) {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().expect("a folder");
@@ -33,10 +27,7 @@ pub fn run(_: Duration) {
     let forecasts = peer.reader(&qos::IMPACT_FORECAST, taken, stamp);
     let reports = peer.reader(&qos::IMPACT_REPORT, taken, stamp);
     let pongs = peer.reader(&PONG, taken, stamp);
-    let reset = peer
-        .node
-        .client::<TriggerRequest, TriggerResponse>(&RESET)
-        .expect("a client");
+    let reset = peer.reset();
     let events = peer.publisher::<ImpactEvent>(&qos::IMPACT_EVENT);
     let pings = peer.publisher::<ImpactEvent>(&PING);
     let (mut twin, mut bare, mut computing) = (vec![], vec![], vec![]);
@@ -51,12 +42,7 @@ pub fn run(_: Duration) {
         twin.push(millis(sent, received));
         computing.push(1e3 * forecast.compute_time);
         reports.find(|(_, it)| it.event_id == id);
-        let answer =
-            futures::executor::block_on(reset.async_call_service(TriggerRequest::default()));
-        assert!(
-            answer.is_ok_and(|it| it.success),
-            "the column is undamaged again"
-        );
+        reset();
         let sent = Instant::now();
         pings
             .publish(event(&id, now(), 1500.0, 10.0))

@@ -5,11 +5,14 @@
 //! | `stream` | 1 kHz to rclpy and to a Rust reader: losses, order, delay of publication, latency, compared with a bare publisher |
 //! | `sensors` | lateness of the 1 kHz stream with eight sensors at 10 kHz, while they detect nothing and while an impact is estimated, against the same without sensors |
 //! | `forecast` | time from an event to its forecast over DDS, compared with a bare echo |
+//! | `opinion` | time from a forecast to the same forecast with the second opinion of the fibre beam, and the forecast with and without it |
 //! | `idle` | processor time of the node at rest |
 //! | `many` | forty nodes on one machine, each in a process of its own, at rest |
 //! | `stop` | time from SIGTERM during a response to the end of the program |
 //! | `viewer` | processor time of the viewer's scene, and its effect on the delay of publication |
 //! | `soak` | 1 kHz for as long as `--seconds` says: losses, memory of the node over time; with DDS security if `ROS_SECURITY_KEYSTORE` names a keystore with the enclaves `/column_twin` and `/operator` |
+//! | `everything` | forecast, 1 kHz stream and processor time at rest with a client of Foxglove, MQTT and metrics, in turns with the same without; needs mosquitto and the feature `alarm`, with `foxglove` for its client |
+//! | `alarm` | time from the publication of a forecast to the alarm at a subscriber of an MQTT broker; needs mosquitto and the feature `alarm` |
 //! | `load` | lateness of the solver while other programs use all processors |
 //!
 //! Without PARTS all of them run. The node is `column-twin run`; the peers are separate processes. Everything runs on loopback in
@@ -17,11 +20,16 @@
 // A reader listens without a bound: it ends with the benchmark.
 #![allow(clippy::disallowed_methods)]
 
+#[cfg(feature = "alarm")]
+mod alarm;
 mod bare;
+#[cfg(feature = "alarm")]
+mod everything;
 mod forecast;
 mod idle;
 mod load;
 mod many;
+mod opinion;
 mod peers;
 mod processor;
 mod sensors;
@@ -35,14 +43,26 @@ mod viewer;
 #[path = "../../tests/ros/domain.rs"]
 mod domain;
 #[allow(dead_code)] // the tests use more of it
+#[cfg(all(feature = "alarm", feature = "foxglove"))]
+#[path = "../../tests/ros/foxglove_socket.rs"]
+mod foxglove_socket;
+#[allow(dead_code)] // the tests use more of it
 #[path = "../../tests/ros/program.rs"]
 mod program;
+#[allow(dead_code)] // the tests of the crate use more of it
+#[cfg(feature = "alarm")]
+#[path = "../../crates/alarm/tests/peers/programs.rs"]
+mod programs;
 #[allow(dead_code)] // the tests of the viewer use more of it
 #[cfg(feature = "viewer")]
+#[allow(clippy::duplicate_mod)] // each brings the function that finds a free port
 #[path = "../../tests/viewer/wheel.rs"]
 mod wheel;
 
 use std::time::Duration;
+
+#[cfg(feature = "alarm")]
+use domain::PATIENCE;
 
 /// The arguments of the command line.
 struct Arguments {
@@ -57,11 +77,16 @@ const PARTS: &[Part] = &[
     ("stream", stream::run),
     ("sensors", sensors::run),
     ("forecast", forecast::run),
+    ("opinion", opinion::run),
     ("idle", idle::run),
     ("many", many::run),
     ("stop", stop::run),
     #[cfg(feature = "viewer")]
     ("viewer", viewer::run),
+    #[cfg(feature = "alarm")]
+    ("everything", everything::run),
+    #[cfg(feature = "alarm")]
+    ("alarm", alarm::run),
     ("load", load::run),
     ("soak", soak::run),
 ];

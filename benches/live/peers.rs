@@ -10,7 +10,8 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin_msgs::ImpactEvent;
 use column_twin::messages::std_msgs::Header;
-use column_twin::ros::qos::Endpoint;
+use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
+use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{Names, Node};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
@@ -19,6 +20,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::domain::{Domain, PATIENCE};
+
+const RESET: Endpoint = Endpoint {
+    name: "/column_twin/reset",
+    ..qos::RESET
+};
 
 /// The system time \[ns\].
 pub fn now() -> i64 {
@@ -84,6 +90,20 @@ impl Peer {
         let met = self.node.matches().wait_for(publisher.guid(), 1, deadline);
         assert!(met, "no reader for {}", endpoint.name);
         publisher
+    }
+
+    /// A function that makes the column undamaged again.
+    pub fn reset(&mut self) -> impl Fn() + use<> {
+        let client = self.node.client::<TriggerRequest, TriggerResponse>(&RESET);
+        let client = client.expect("a client");
+        move || {
+            let request = client.async_call_service(TriggerRequest::default());
+            let answer = futures::executor::block_on(request);
+            assert!(
+                answer.is_ok_and(|it| it.success),
+                "the column is undamaged again"
+            );
+        }
     }
 
     /// Receives a topic in a separate thread.

@@ -8,9 +8,12 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use super::response::{EarlierImpacts, band_properties, input_of_response, respond_and_rest};
-use super::{Action, Assessment, BaseDemand, ConnectedBase, OVERSTRENGTH, assess, in_capitals};
+use super::{
+    Action, Assessment, BaseDemand, ConnectedBase, OUT_OF_PLANE, OVERSTRENGTH, assess, in_capitals,
+    missing_in_words,
+};
 use crate::column::{ColumnProperties, Impact, Model, Report};
-use crate::parameters::{Parameters, Value};
+use crate::parameters::{Parameters, Value, component_in_words};
 
 /// What is assumed of an impact and its column, and not known exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -36,6 +39,27 @@ pub enum Assumption {
     BasePlate,
     /// The model of the column: two bars, or a fibre beam.
     Model,
+    /// Direction in which the vehicle travels. It is never varied, and decides where nothing else is varied because of it.
+    Direction,
+}
+
+/// An action with what is not known and could ask for more.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenVerdict {
+    /// What has to be done by what is evaluated.
+    pub action: Action,
+    /// The names of what is not known, each with the action in the worst case.
+    pub not_evaluated: Vec<(&'static str, Action)>,
+}
+
+impl From<&Assessment> for OpenVerdict {
+    fn from(assessment: &Assessment) -> Self {
+        let missing = assessment.not_evaluated.iter();
+        Self {
+            action: assessment.action,
+            not_evaluated: missing.map(|it| (it.criterion, it.action)).collect(),
+        }
+    }
 }
 
 /// The impact with one assumption changed.
@@ -53,8 +77,8 @@ pub struct Variation {
     pub softens: bool,
     /// What would have to be done.
     pub action: Action,
-    /// At least, because a criterion could not be evaluated.
-    pub at_least: bool,
+    /// The names of what is not known then, each with the action in the worst case.
+    pub not_evaluated: Vec<(&'static str, Action)>,
 }
 
 /// Between which actions the verdict on one impact lies.
@@ -63,13 +87,17 @@ pub struct Variation {
 pub struct VerdictRange {
     /// The least severe action of the verdict and all variations.
     pub least: Action,
-    /// The most severe one.
+    /// The most severe one, or the worst that what is not known could ask for, where that is more severe.
     pub most: Action,
-    /// Whether more than that may have to be done, because a criterion could not be evaluated.
+    /// Whether more than that may have to be done: only in what earlier programs recorded, whose `most` did not reach as far as
+    /// what is not known.
     pub at_least: bool,
     /// The assumptions that alone lead to the most severe action, or where none does to more than the verdict, to the least
-    /// severe one. None where every variation leads to the verdict.
+    /// severe one. None where every variation leads to the verdict, and where only what is not known leads to the most severe one.
     pub decided_by: Vec<Assumption>,
+    /// The names of what is not known and could ask for the most severe action; none where the verdict asks for it already.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_evaluated: Vec<String>,
 }
 
 /// The range of a verdict with all that was computed for it.
@@ -98,6 +126,7 @@ impl Assumption {
             Self::TopSpring => "top spring",
             Self::BasePlate => "base plate",
             Self::Model => "model",
+            Self::Direction => "direction",
         }
     }
 
@@ -115,6 +144,7 @@ impl Assumption {
             Self::TopSpring => "the spring at the top",
             Self::BasePlate => "the plate of the base",
             Self::Model => "the model of the column",
+            Self::Direction => "the direction of the hit",
         }
     }
 }
@@ -123,7 +153,8 @@ impl ActionRange {
     /// Computes one response, with its assessment, for each end of the range of each assumption: at most 14. `verdict` is the
     /// assessment of the response of the column with these `properties` to this impact, after the `earlier` ones, if there were any.
     /// Of a damaged column only the assumptions about this impact are varied: how it would have come to its damage on other
-    /// assumptions is not known.
+    /// assumptions is not known. Of a hit out of the plane of the two bars, nothing is varied, and the range is open upwards. It reaches
+    /// the worst that could come of what is not evaluated.
     #[must_use]
     pub fn of(
         parameters: &Parameters,
@@ -132,106 +163,172 @@ impl ActionRange {
         earlier: Option<&EarlierImpacts>,
         verdict: &Assessment,
     ) -> Self {
-        let verdict = (verdict.action, verdict.at_least);
-        let mut range = Self::begin(verdict);
-        let case = Case {
+        let verdict = OpenVerdict::from(verdict);
+        let direction = parameters.direction();
+        let found = Self::of_action(
             parameters,
             properties,
             impact,
+            direction,
             earlier,
-        };
+            &verdict,
+            &mut || true,
+        );
         // Nothing stops it.
-        range.vary(&case, &mut || true);
-        range.summarise(verdict.0);
-        range
+        found.unwrap_or_else(|| Self::of_variations(&verdict, Vec::new(), Vec::new()))
     }
 
-    /// As [`of`](Self::of) a verdict with this action, which is a lower bound or not; `go_on` is asked before each response, and
-    /// `None` is the result once it returns false.
+    /// As [`of`](Self::of) this verdict on a hit in this direction \[rad\]; `go_on` is asked before each response, and `None` is the
+    /// result once it returns false.
     #[must_use]
     pub fn of_action(
         parameters: &Parameters,
         properties: &ColumnProperties,
         impact: &Impact,
+        direction: f64,
         earlier: Option<&EarlierImpacts>,
-        verdict: (Action, bool),
+        verdict: &OpenVerdict,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
-        let mut range = Self::begin(verdict);
+        let (mut variations, mut not_varied) = (Vec::new(), Vec::new());
+        if component_in_words(direction).is_some() {
+            not_varied.push((Assumption::Direction, OBLIQUE.to_owned()));
+            return go_on().then(|| Self::of_variations(verdict, variations, not_varied));
+        }
         let case = Case {
             parameters,
             properties,
             impact,
             earlier,
         };
-        if !range.vary(&case, go_on) {
-            return None;
-        }
-        range.summarise(verdict.0);
-        Some(range)
-    }
-
-    fn begin((action, at_least): (Action, bool)) -> Self {
-        Self {
-            ends: VerdictRange {
-                least: action,
-                most: action,
-                at_least,
-                decided_by: Vec::new(),
-            },
-            variations: Vec::new(),
-            not_varied: Vec::new(),
-        }
-    }
-
-    /// Computes the variations; false once `go_on` returns false.
-    fn vary(&mut self, case: &Case<'_>, go_on: &mut dyn FnMut() -> bool) -> bool {
         for (assumption, changed) in case.variations() {
             if !go_on() {
-                return false;
+                return None;
             }
-            match changed.and_then(|changed| changed.judged(assumption, case)) {
-                Ok(variation) => self.variations.push(variation),
-                Err(reason) => self.not_varied.push((assumption, reason)),
+            match changed.and_then(|changed| changed.judged(assumption, &case)) {
+                Ok(variation) => variations.push(variation),
+                Err(reason) => not_varied.push((assumption, reason)),
             }
         }
-        true
+        Some(Self::of_variations(verdict, variations, not_varied))
     }
 
-    fn summarise(&mut self, verdict: Action) {
-        let range = &mut self.ends;
-        let found = || self.variations.iter().map(|it| it.action);
-        range.least = found().fold(verdict, Action::min);
-        range.most = found().fold(verdict, Action::max);
-        let is_open = range.at_least || self.variations.iter().any(|it| it.at_least);
-        range.at_least = is_open && range.most < Action::Evacuate;
-        let end = match range.most > verdict {
-            true => range.most,
-            false => range.least,
+    /// Of a verdict with these variations.
+    pub(crate) fn of_variations(
+        verdict: &OpenVerdict,
+        variations: Vec<Variation>,
+        not_varied: Vec<(Assumption, String)>,
+    ) -> Self {
+        let found = || variations.iter().map(|it| it.action);
+        let least = found().fold(verdict.action, Action::min);
+        let most = found().fold(verdict.action, Action::max);
+        let end = match most > verdict.action {
+            true => most,
+            false => least,
         };
-        if end == verdict {
-            return;
+        let mut range = Self {
+            ends: VerdictRange {
+                least,
+                most,
+                at_least: false,
+                decided_by: Vec::new(),
+                not_evaluated: Vec::new(),
+            },
+            variations,
+            not_varied,
+        };
+        if end != verdict.action {
+            range.ends.decided_by = range.leading_to(end);
+        } else if range.varies_nothing() {
+            range.ends.decided_by = vec![Assumption::Direction];
         }
-        for variation in &self.variations {
-            let reaches = variation.action == end;
-            if reaches && !range.decided_by.contains(&variation.assumption) {
-                range.decided_by.push(variation.assumption);
-            }
-        }
+        range.reach(verdict);
+        range
     }
 
     /// Includes the verdict of another model, which is more severe than the one of which this is the range.
     pub(crate) fn with_another_model(&mut self, verdict: &Assessment) {
-        let range = &mut self.ends;
-        if verdict.action < range.most {
+        let found = self.variations.iter().map(|it| it.action);
+        let most = found.fold(verdict.action, Action::max);
+        self.ends.most = most;
+        if self.varies_nothing() {
+            // The least one is by a component of the hit.
+            self.ends.least = verdict.action;
+        }
+        self.ends.decided_by = self.leading_to(most);
+        self.ends.not_evaluated.clear();
+        if verdict.action == most {
+            self.ends.decided_by.push(Assumption::Model);
+        }
+        self.reach(&verdict.into());
+    }
+
+    /// Includes one more variation of the verdict, or of the one that another model has made of it.
+    pub(crate) fn include(&mut self, verdict: &OpenVerdict, variation: Variation) {
+        let ends = &mut self.ends;
+        let (action, assumption) = (variation.action, variation.assumption);
+        let end = if ends.most > verdict.action {
+            ends.most
+        } else {
+            ends.least
+        };
+        if action > ends.most {
+            ends.most = action;
+            ends.decided_by = vec![assumption];
+            ends.not_evaluated.clear();
+        } else if action < ends.least && end == ends.least {
+            ends.decided_by = vec![assumption];
+        } else if action == end
+            && action != verdict.action
+            && !ends.decided_by.contains(&assumption)
+        {
+            ends.decided_by.push(assumption);
+        }
+        ends.least = ends.least.min(action);
+        self.variations.push(variation);
+        self.reach(verdict);
+    }
+
+    /// The assumptions that lead to this action.
+    fn leading_to(&self, action: Action) -> Vec<Assumption> {
+        let mut found = Vec::new();
+        for variation in self.variations.iter().filter(|it| it.action == action) {
+            if !found.contains(&variation.assumption) {
+                found.push(variation.assumption);
+            }
+        }
+        found
+    }
+
+    /// Whether nothing is varied because of the direction of the hit.
+    fn varies_nothing(&self) -> bool {
+        let mut not_varied = self.not_varied.iter();
+        self.variations.is_empty() && not_varied.any(|(it, _)| *it == Assumption::Direction)
+    }
+
+    /// Extends the range to the worst that could come of what is not known beside this verdict and its variations.
+    fn reach(&mut self, verdict: &OpenVerdict) {
+        // However the verdict was found, nobody knows to what a slightly different hit would lead.
+        let of_others = (OUT_OF_PLANE[0], Action::Evacuate);
+        let of_others = self.varies_nothing().then_some(&of_others);
+        let of_variations = self.variations.iter().flat_map(|it| &it.not_evaluated);
+        let missing = verdict.not_evaluated.iter().chain(of_variations);
+        let missing: Vec<_> = missing.chain(of_others).collect();
+        let worst = missing.iter().map(|(_, action)| *action).max();
+        let Some(worst) = worst.filter(|it| *it > verdict.action && *it >= self.ends.most) else {
             return;
+        };
+        let ends = &mut self.ends;
+        if worst > ends.most {
+            ends.most = worst;
+            ends.decided_by.clear();
         }
-        if verdict.action > range.most {
-            range.decided_by.clear();
+        for (name, action) in missing {
+            let is_named = ends.not_evaluated.iter().any(|it| it == name);
+            if *action == worst && !is_named {
+                ends.not_evaluated.push((*name).to_owned());
+            }
         }
-        range.most = verdict.action;
-        range.at_least = verdict.at_least && range.most < Action::Evacuate;
-        range.decided_by.push(Assumption::Model);
     }
 
     /// The variations of one assumption.
@@ -254,16 +351,22 @@ impl VerdictRange {
     /// the verdict.
     #[must_use]
     pub fn decided_by_in_words(&self) -> String {
-        let mut words = String::new();
-        for (index, assumption) in self.decided_by.iter().enumerate() {
-            words += match index {
-                0 => "",
-                _ if index + 1 == self.decided_by.len() => " or ",
-                _ => ", ",
-            };
-            words += assumption.in_words();
+        let assumptions = self.decided_by.iter();
+        let mut all: Vec<_> = assumptions.map(|it| it.in_words().to_owned()).collect();
+        all.extend(self.not_evaluated_in_words());
+        match all.as_slice() {
+            [] => String::new(),
+            [one] => one.clone(),
+            [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
         }
-        words
+    }
+
+    /// What is not known and could ask for the most severe action, as a part of a sentence; `None` where there is nothing.
+    #[must_use]
+    pub fn not_evaluated_in_words(&self) -> Option<String> {
+        let names = self.not_evaluated.iter();
+        let names: Vec<_> = names.map(|it| missing_in_words(it)).collect();
+        (!names.is_empty()).then(|| format!("missing data: {}", names.join("; ")))
     }
 }
 
@@ -287,7 +390,8 @@ impl Display for ActionRange {
 pub(crate) fn range_in_words(least: &str, most: &str, at_least: bool, decided_by: &str) -> String {
     let at_least = if at_least { "at least " } else { "" };
     match least == most {
-        true => format!("{at_least}{most} within all ranges"),
+        true if decided_by.is_empty() => format!("{at_least}{most} within all ranges"),
+        true => format!("{at_least}{most}; no assumption was varied, because of {decided_by}"),
         false => format!("{least} to {at_least}{most}, decided by {decided_by}"),
     }
 }
@@ -342,8 +446,8 @@ impl Changed {
             hardening_ratio: self.properties.hardening_ratio,
             softens: self.properties.softening.is_some(),
             report,
+            not_evaluated: OpenVerdict::from(&assessment).not_evaluated,
             action: assessment.action,
-            at_least: assessment.at_least,
         })
     }
 }
@@ -359,8 +463,12 @@ const OF_THE_DAMAGE: [Assumption; 5] = [
     Assumption::BasePlate,
 ];
 
+/// Why nothing is varied.
+const OBLIQUE: &str =
+    "the two bars see only a part of a hit out of their plane, and the fibre beam is not varied";
+
 /// Why they are not varied.
-const DAMAGED: &str =
+pub(crate) const DAMAGED: &str =
     "the column was damaged before, and the damage on another assumption is not known";
 
 impl Case<'_> {
@@ -419,7 +527,7 @@ impl Case<'_> {
 
     fn speeds(&self) -> impl Iterator<Item = Found> {
         let part = self.parameters.settings().assessment.range_velocity;
-        ends(part).map(move |end| {
+        both_ends(part).map(move |end| {
             let velocity = self.impact.velocity * (1.0 + end);
             let impact = Impact {
                 velocity,
@@ -434,7 +542,7 @@ impl Case<'_> {
     fn heights(&self) -> impl Iterator<Item = Found> {
         let p = self.properties;
         let distance = self.parameters.settings().assessment.range_height;
-        ends(distance).map(move |end| {
+        both_ends(distance).map(move |end| {
             let properties = ColumnProperties {
                 length_below: p.length_below + end,
                 length_above: p.length_above - end,
@@ -453,7 +561,7 @@ impl Case<'_> {
         let part = self.parameters.settings().assessment.range_front;
         let vehicle = self.impact.vehicle;
         let both = vehicle.map(|vehicle| {
-            ends(part).map(move |end| {
+            both_ends(part).map(move |end| {
                 let scaled = vehicle.with_force_factor(1.0 + end);
                 let changed = scaled.map_err(|fault| fault.to_string()).map(|vehicle| {
                     let impact = Impact {
@@ -569,104 +677,6 @@ impl Case<'_> {
 }
 
 /// Both ends of a range; none where it has no width.
-fn ends(width: f64) -> impl Iterator<Item = f64> {
+pub(crate) fn both_ends(width: f64) -> impl Iterator<Item = f64> {
     [-width, width].into_iter().filter(|end| *end != 0.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::ImpactEvaluation;
-    use super::*;
-    use crate::parameters::parse_override;
-
-    fn evaluated(overrides: &[&str]) -> ImpactEvaluation {
-        let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
-        let parameters = Parameters::load(&[], &overrides).expect("parameters");
-        let (properties, impact) = (parameters.column_properties(), parameters.impact());
-        let ended = respond_and_rest(&properties, &impact, parameters.response_duration())
-            .expect("a response");
-        ImpactEvaluation::complete(&parameters, &properties, &impact, ended).expect("an evaluation")
-    }
-
-    /// Each end of the range is an action to which the verdict or a variation leads, and what decides it leads there alone.
-    #[test]
-    fn the_range_of_a_verdict_holds_it_and_names_what_decides() {
-        let real = [
-            "section.name:=HEB220",
-            "steel.grade:=S355",
-            "vehicle.name:=mid_car",
-        ];
-        let hits: [&[&str]; 4] = [
-            &[],
-            &["impact.velocity:=5.0"],
-            &["geometry.length_below:=0.5", "geometry.length_above:=3.5"],
-            &["support.base:=pinned", "top.load:=1.0e6"],
-        ];
-        let mut wide = 0;
-        for hit in hits {
-            let evaluation = evaluated(&[&real[..], hit].concat());
-            let verdict = evaluation.assessment.expect("an assessment").action;
-            let range = evaluation.range.expect("a range");
-            assert!(
-                range.ends.least <= verdict && verdict <= range.ends.most,
-                "{range}"
-            );
-            let found: Vec<_> = range.variations.iter().map(|it| it.action).collect();
-            for end in [range.ends.least, range.ends.most] {
-                assert!(end == verdict || found.contains(&end), "{range}");
-            }
-            let end = if range.ends.most > verdict {
-                range.ends.most
-            } else {
-                range.ends.least
-            };
-            assert_eq!(range.ends.decided_by.is_empty(), end == verdict, "{range}");
-            for assumption in &range.ends.decided_by {
-                assert!(range.of_assumption(*assumption).any(|it| it.action == end));
-            }
-            wide += usize::from(range.ends.least < range.ends.most);
-            assert_eq!(range.not_varied, []);
-        }
-        assert!(wide > 0);
-    }
-
-    #[test]
-    fn what_cannot_be_varied_is_named_with_its_reason() {
-        let range = evaluated(&[
-            "geometry.length_below:=0.3",
-            "assessment.range_height:=0.4",
-            "resistance.moment:=3.0e5",
-        ])
-        .range
-        .expect("a range");
-        let reason = |assumption| {
-            let mut all = range.not_varied.iter().filter(|(it, _)| *it == assumption);
-            all.next().map(|(_, reason)| reason.as_str())
-        };
-        let height = reason(Assumption::Height);
-        assert_eq!(height, Some("-0.10 m above the base is not on the column"));
-        assert_eq!(range.of_assumption(Assumption::Height).count(), 1);
-        let strength = reason(Assumption::YieldStrength);
-        assert_eq!(strength, Some("resistance.moment is given as a number"));
-    }
-
-    /// Without a width of a range nothing of it is varied.
-    #[test]
-    fn a_range_without_width_is_not_varied() {
-        let range = evaluated(&[
-            "assessment.range_velocity:=0.0",
-            "assessment.range_height:=0.0",
-            "assessment.range_front:=0.0",
-        ])
-        .range
-        .expect("a range");
-        let varied: Vec<_> = range.variations.iter().map(|it| it.assumption).collect();
-        for assumption in [
-            Assumption::Speed,
-            Assumption::Height,
-            Assumption::FrontForce,
-        ] {
-            assert!(!varied.contains(&assumption));
-        }
-    }
 }

@@ -262,14 +262,14 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "residual_bow_750",
         title: "Residual bow of the bent part: tolerance of erection",
-        cause: "the column is no longer as straight as it has to be erected",
+        cause: "the column is less straight than the tolerance of erection allows",
         edition: "EN 1090-2:2018, straightness of a column",
         tag: Provenance::Assumed,
         unit: PART_OF_LENGTH,
         relation: Relation::AtMost,
         action: Action::Inspect,
         value: BENT,
-        consequence: "the column is no longer as straight as it has to be erected; its shape must be measured",
+        consequence: "the column is less straight than the tolerance of erection allows; its shape must be measured",
         evaluate: |input| bow(input, AssessmentInput::bow_of_bent_part, 750.0),
     },
     Definition {
@@ -288,7 +288,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     // The base, in one block.
     Definition {
         name: "base_anchors_1_3",
-        title: "Base anchors, margin",
+        title: "Base anchors, force over resistance",
         cause: "the anchors of the base may be broken",
         edition: BASE_SHEAR,
         tag: Provenance::Assumed,

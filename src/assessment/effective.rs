@@ -1,7 +1,7 @@
 //! The value that takes the place of a parameter whose 0 stands for what follows from others.
 
-use crate::column::{Model, ShearProperties};
-use crate::parameters::{CatalogueSection, Parameters, Value};
+use crate::column::{ColumnProperties, Model, ShearProperties};
+use crate::parameters::{CatalogueSection, DeclaredParameter, Parameters, Value};
 
 use super::imperfection;
 
@@ -19,16 +19,29 @@ impl Parameters {
     #[must_use]
     pub fn effective(&self, name: &str) -> Option<Value> {
         let given = self.get(name)?;
+        Some(self.in_effect(name, given, &self.column_properties()))
+    }
+
+    /// All parameters with the values that are computed with, see [`effective`](Self::effective), in the order of the table. It takes
+    /// little longer than one of them.
+    pub fn effective_values(&self) -> impl Iterator<Item = (DeclaredParameter<'_>, Value)> {
+        let properties = self.column_properties();
+        self.iter()
+            .map(move |(it, given)| (it, self.in_effect(it.name, given, &properties)))
+    }
+
+    fn in_effect(&self, name: &str, given: Value, properties: &ColumnProperties) -> Value {
         match given == Value::Double(0.0) {
-            true => Some(self.in_place_of_zero(name).map_or(given, Value::Double)),
-            false => Some(given),
+            true => self
+                .in_place_of_zero(name, properties)
+                .map_or(given, Value::Double),
+            false => given,
         }
     }
 
     /// What is computed with where the parameter is 0; `None` where that is 0.
-    fn in_place_of_zero(&self, name: &str) -> Option<f64> {
+    fn in_place_of_zero(&self, name: &str, properties: &ColumnProperties) -> Option<f64> {
         let settings = self.settings();
-        let properties = self.column_properties();
         let dimensions = || Some(CatalogueSection::named(&settings.section.name)?.dimensions);
         let found = match name {
             "geometry.height" => properties.length_below + properties.length_above,
@@ -58,7 +71,7 @@ impl Parameters {
             "softening.capping_rotation" => properties.softening?.capping_rotation,
             "softening.post_capping_rotation" => properties.softening?.post_capping_rotation,
             "softening.residual" => properties.softening?.residual,
-            "solver.dt" => Model::new(&properties).ok()?.step_secs,
+            "solver.dt" => Model::new(properties).ok()?.step_secs,
             "impact.mass" => self.impact().mass,
             "capacity.imperfection" => imperfection(self),
             _ => return None,
@@ -133,5 +146,15 @@ mod tests {
             Some(Value::from("HEB300"))
         );
         assert_eq!(column.effective("section.aera"), None);
+    }
+
+    #[test]
+    fn all_effective_values_are_those_of_each_name() {
+        let column = Parameters::from_values([("vehicle.name", Value::from("mid_car"))]);
+        let column = column.expect("a column");
+        for (it, value) in column.effective_values() {
+            assert_eq!(column.effective(it.name), Some(value), "{}", it.name);
+        }
+        assert_eq!(column.effective_values().count(), column.iter().count());
     }
 }

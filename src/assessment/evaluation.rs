@@ -27,6 +27,8 @@ pub struct ImpactEvaluation {
     pub error_estimate: Option<f64>,
     /// Between which actions the verdict lies; `None` without the capacities.
     pub range: Option<ActionRange>,
+    /// What earlier impacts had left of the column; `None` of an undamaged one.
+    pub earlier: Option<EarlierImpacts>,
     /// `F0`: plastic plateau of the undamaged column under the load that it carries \[N\].
     pub plateau: f64,
     /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
@@ -82,6 +84,7 @@ impl ImpactEvaluation {
         let (verdict, properties) = (evaluation.assessment.as_ref(), &model.properties);
         evaluation.range =
             verdict.map(|it| ActionRange::of(parameters, properties, impact, Some(&earlier), it));
+        evaluation.earlier = Some(earlier);
         (evaluation, input)
     }
 
@@ -119,6 +122,7 @@ impl ImpactEvaluation {
             step: 1e-9 * model.properties.step_nanos as f64,
             error_estimate: error_estimate(&model.properties, before, impact, duration, &report),
             range: None,
+            earlier: None,
             plateau: plastic_plateau(model, carried),
             front_force: impact.vehicle.and_then(|vehicle| {
                 let envelope = vehicle.springs().first()?.envelope;

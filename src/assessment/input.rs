@@ -11,7 +11,7 @@ use crate::column::{
     ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
     ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
 };
-use crate::parameters::{LoadBasis, Parameters};
+use crate::parameters::{AssumedInput, LoadBasis, Parameters};
 
 /// What struck the column.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ pub struct AssessedImpact {
     /// Height of its bumper \[m\].
     #[serde(default)]
     pub bumper_height: f64,
-    /// Its direction of travel \[rad\], of which the model sees the component in its plane only.
+    /// Its direction of travel \[rad\], of which the model sees the component in its plane only; 0 for a model that sees all of it.
     #[serde(default, skip_serializing_if = "is_in_plane")]
     pub direction: f64,
 }
@@ -33,6 +33,11 @@ pub struct AssessedImpact {
 /// For what is left out where the vehicle travels in the plane of the model.
 fn is_in_plane(direction: &f64) -> bool {
     *direction == 0.0
+}
+
+/// For what is left out where it is false.
+fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 /// Shear of the webs of both bars.
@@ -54,6 +59,9 @@ pub struct VerdictLoad {
     pub top_load: f64,
     /// Which load that is.
     pub basis: LoadBasis,
+    /// Whether nobody has given it.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub is_assumed: bool,
     /// Where the proof is found that the structure above takes a part of it; empty where none counts.
     pub redistribution_proof: String,
 }
@@ -116,6 +124,9 @@ pub struct AssessmentInput {
     /// Which load `N` is.
     #[serde(default)]
     pub load: VerdictLoad,
+    /// What nobody has given of the column, each with what is assumed instead, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assumed: Vec<(AssumedInput, String)>,
     /// `F0`: plastic plateau of the undamaged column under the carried load \[N\].
     pub plateau: f64,
     /// What struck the column; `None` for an assessment of its state alone.
@@ -187,10 +198,12 @@ fn largest<const N: usize>(values: [f64; N]) -> f64 {
 
 impl VerdictLoad {
     fn of(parameters: &Parameters) -> Self {
-        let top = &parameters.settings().top;
+        let settings = parameters.settings();
+        let (top, assumed) = (&settings.top, &settings.assessment.assumed);
         Self {
             top_load: top.load,
             basis: top.load_basis,
+            is_assumed: assumed.contains(&AssumedInput::TopLoad),
             redistribution_proof: top.redistribution_proof.clone(),
         }
     }
@@ -198,7 +211,11 @@ impl VerdictLoad {
     /// What `N` of this column is, as a sentence.
     pub(super) fn in_words(&self, remaining: &ResidualCapacity) -> String {
         let force = |newtons: f64| quantity(newtons, "N");
-        let (load, basis) = (remaining.carried_load, self.basis.in_words());
+        let load = remaining.carried_load;
+        let basis = match self.is_assumed {
+            true => "an assumed value",
+            false => self.basis.in_words(),
+        };
         let taken = self.top_load - load;
         let what = if taken.abs() < ROUND_OFF {
             format!("top.load, {basis}, before any redistribution")
@@ -336,6 +353,7 @@ impl AssessmentInput {
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
             load: VerdictLoad::of(parameters),
+            assumed: parameters.assumed_in_words(),
             impact: None,
             no_base: base.err().map(str::to_owned),
             base: base.ok(),
@@ -360,6 +378,11 @@ impl AssessmentInput {
         Self {
             collapsed: other.collapsed,
             fractured: false,
+            // It sees the whole of a hit out of the plane.
+            impact: self.impact.map(|impact| AssessedImpact {
+                direction: 0.0,
+                ..impact
+            }),
             plastic_rotation: [below, above, above, below],
             residual_v1: other.residual,
             larger_bow: other.bow,

@@ -36,6 +36,8 @@
 // - utilisation.rs: How close a column has come to yielding
 
 mod action_range;
+#[cfg(test)]
+mod action_range_tests;
 mod base;
 mod criteria;
 mod criterion;
@@ -54,8 +56,8 @@ mod utilisation;
 
 use serde::Serialize;
 
-pub(crate) use action_range::range_in_words;
-pub use action_range::{ActionRange, Assumption, Variation, VerdictRange};
+pub use action_range::{ActionRange, Assumption, OpenVerdict, Variation, VerdictRange};
+pub(crate) use action_range::{DAMAGED, both_ends, range_in_words};
 pub use base::{BaseDemand, ConnectedBase, OVERSTRENGTH};
 use criteria::DEFINITIONS;
 #[cfg(feature = "cli")]
@@ -84,10 +86,13 @@ pub use rotation_limits::{
 pub use section_class::{SectionClass, SectionClassification, section_class};
 pub use utilisation::{Utilisation, UtilisedPart};
 
-use crate::parameters::{LoadBasis, component_in_words};
+use crate::parameters::{AssumedInput, LoadBasis, component_in_words};
 
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
+
+/// What the two bars do not evaluate of a hit out of their plane, by its name and its title.
+const OUT_OF_PLANE: [&str; 2] = ["out_of_plane", "Movement out of the plane of the two bars"];
 
 /// What the fibre beam does not know, beside every verdict of it.
 const OF_THE_BEAM: &str = "The fibre beam knows neither connections nor local buckling; its plastic rotations are those of the kink that \
@@ -117,23 +122,43 @@ pub struct Assessment {
     pub load_basis: LoadBasis,
     /// Every criterion.
     pub criteria: Vec<Criterion>,
-    /// Where in the reason the part about what is not evaluated and not known begins.
+    /// The finding that decides, without the action that is a lower bound.
     #[serde(skip)]
-    reservations: usize,
+    finding: String,
+    /// The load, and what the model does not know.
+    #[serde(skip)]
+    limits: String,
+    /// What the reason says beside the finding.
+    #[serde(skip)]
+    reservations: String,
 }
 
-/// A criterion that decides and could not be evaluated for want of data.
+/// What is not known and could ask for more.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MissingData {
-    /// Its name.
+    /// Its name: that of the criterion, or of the parameter, or `out_of_plane`.
     pub criterion: &'static str,
     /// What engineers call it, as in [`Criterion::title`].
     #[serde(skip)]
     pub title: &'static str,
-    /// What would have to be done if it were exceeded.
+    /// What would have to be done in the worst case.
     pub action: Action,
     /// What is missing, and what to give.
     pub needs: String,
+    /// What kind of thing it is.
+    #[serde(skip)]
+    pub kind: MissingKind,
+}
+
+/// What is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MissingKind {
+    /// A criterion that decides and could not be evaluated for want of data.
+    Criterion,
+    /// An input that nobody has given: everything was evaluated with an assumed one.
+    Input,
+    /// The part of the motion that the two bars do not have.
+    OutOfPlane,
 }
 
 impl Assessment {
@@ -159,41 +184,65 @@ impl Assessment {
         let Some(deciding) = deciding else {
             return false;
         };
-        if let Some(own) = self.criteria.iter_mut().find(|it| it.name == deciding.name) {
-            *own = Criterion {
-                statement: format!("By the fibre beam: {}", deciding.statement),
-                ..deciding.clone()
-            };
-        }
-        let at_least = match beam.at_least {
-            true => format!("{AT_LEAST}{}: ", in_capitals(beam.action)),
-            false => String::new(),
-        };
-        self.reason = format!(
-            "{at_least}{} Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
+        self.criteria = self.worse_criteria(beam);
+        self.finding = format!(
+            "{} Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
             capitalised(beam.action.order()),
             beam.cause,
             numbers(deciding),
             self.action
         );
+        self.limits = format!(" {} {OF_THE_BEAM}", beam.load);
         self.cause = beam.cause;
-        self.reservations = self.reason.len();
-        self.reason += &missing_data(&beam.not_evaluated);
-        self.reason += " ";
-        self.reason += &beam.load;
-        self.reason += " ";
-        self.reason += OF_THE_BEAM;
         self.action = beam.action;
-        self.at_least = beam.at_least;
         self.not_evaluated.clone_from(&beam.not_evaluated);
         self.deciding_criterion = deciding.name;
+        self.compose();
         true
+    }
+
+    /// Each criterion by the model that finds less margin: that of this assessment, or the fibre beam, which says so.
+    pub(crate) fn worse_criteria(&self, beam: &Self) -> Vec<Criterion> {
+        let worse = |(own, of_beam): (&Criterion, &Criterion)| {
+            let exceeds_alone = of_beam.exceeded == Some(true) && own.exceeded != Some(true);
+            let has_less = own.margin.is_none() || of_beam.margin < own.margin;
+            match of_beam.margin.is_some() && (has_less || exceeds_alone) {
+                true => Criterion {
+                    statement: format!("By the fibre beam: {}", of_beam.statement),
+                    ..of_beam.clone()
+                },
+                false => own.clone(),
+            }
+        };
+        self.criteria
+            .iter()
+            .zip(&beam.criteria)
+            .map(worse)
+            .collect()
+    }
+
+    /// The same beside a model that has seen all of a hit out of the plane of the two bars, and that finds nothing more severe.
+    pub(crate) fn seen_in_space(&mut self) {
+        self.not_evaluated
+            .retain(|it| it.kind != MissingKind::OutOfPlane);
+        self.compose();
+    }
+
+    /// Puts the reason together, from what was found and what is not known.
+    fn compose(&mut self) {
+        self.at_least = self.not_evaluated.iter().any(|it| it.action > self.action);
+        let bound = match self.at_least {
+            true => format!("{AT_LEAST}{}: ", in_capitals(self.action)),
+            false => String::new(),
+        };
+        self.reservations = missing_data(&self.not_evaluated) + &self.limits;
+        self.reason = format!("{bound}{}{}", self.finding, self.reservations);
     }
 
     /// What the reason says beside the finding that decides: what was not evaluated and what is not known.
     #[must_use]
     pub fn reservations(&self) -> &str {
-        &self.reason[self.reservations..]
+        &self.reservations
     }
 }
 
@@ -220,6 +269,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
                 title: definition.title,
                 action: definition.action,
                 needs: needs.to_string(),
+                kind: MissingKind::Criterion,
             }),
             _ => (),
         }
@@ -227,35 +277,47 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         base::annotate(&mut made, input.base.as_ref(), input.base_demand.as_ref());
         criteria.push(made);
     }
+    let assumed = input.assumed.iter();
+    not_evaluated.extend(assumed.map(|(input, needs)| MissingData {
+        criterion: input.name(),
+        title: input.title(),
+        action: Action::Evacuate,
+        needs: needs.clone(),
+        kind: MissingKind::Input,
+    }));
+    let direction = input.impact.map_or(0.0, |impact| impact.direction);
+    let [name, title] = OUT_OF_PLANE;
+    not_evaluated.extend(component_in_words(direction).map(|component| MissingData {
+        criterion: name,
+        title,
+        action: Action::Evacuate,
+        needs: format!("{component}; the fibre beam sees all of it (beam.mode)"),
+        kind: MissingKind::OutOfPlane,
+    }));
     not_evaluated.sort_by_key(|missing| std::cmp::Reverse(missing.action));
     let (action, deciding) = (choice.action(), &criteria[choice.deciding()]);
-    let at_least = not_evaluated.iter().any(|missing| missing.action > action);
-    let mut reason = match at_least {
-        true => format!("{AT_LEAST}{}: ", in_capitals(action)),
-        false => String::new(),
-    };
     let cause = cause(input, deciding);
-    reason += &finding(input, action, cause, deciding);
-    let reservations = reason.len();
-    reason += &missing_data(&not_evaluated);
     let load = input.load.in_words(&input.remaining);
-    reason.push(' ');
-    reason += &load;
+    let mut limits = format!(" {load}");
     if !(input.collapsed || input.fractured) {
-        reason += &axes(input);
+        limits += &axes(input);
     }
-    Assessment {
+    let mut assessment = Assessment {
         action,
-        at_least,
+        at_least: false,
         not_evaluated,
         deciding_criterion: deciding.name,
         cause,
-        reason,
+        reason: String::new(),
+        finding: finding(input, action, cause, deciding),
         load,
         load_basis: input.load.basis,
         criteria,
-        reservations,
-    }
+        limits,
+        reservations: String::new(),
+    };
+    assessment.compose();
+    assessment
 }
 
 /// Whether a criterion decides if the user has chosen the criteria `chosen`.
@@ -456,7 +518,22 @@ fn finding(input: &AssessmentInput, action: Action, cause: &str, deciding: &Crit
     }
 }
 
-/// The criteria that could not be evaluated, with what has to be given, each need once.
+/// What engineers call what is not known, by its name, as a part of a sentence.
+pub(crate) fn missing_in_words(name: &str) -> String {
+    let of_criterion = DEFINITIONS.iter().find(|it| it.name == name);
+    let of_input = AssumedInput::ALL.into_iter().find(|it| it.name() == name);
+    let [out_of_plane, of_motion] = OUT_OF_PLANE;
+    let title = of_criterion
+        .and_then(|it| it.title.split(": ").next())
+        .or(of_input.map(AssumedInput::title))
+        .or((name == out_of_plane).then_some(of_motion));
+    let mut letters = title.unwrap_or(name).chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_lowercase().chain(letters).collect()
+    })
+}
+
+/// What is not known, with what has to be given, each need once.
 fn missing_data(missing: &[MissingData]) -> String {
     let mut text = String::new();
     for (index, one) in missing.iter().enumerate() {
@@ -469,7 +546,11 @@ fn missing_data(missing: &[MissingData]) -> String {
             .filter(|it| it.needs == one.needs)
             .map(|it| format!("{} ({})", it.criterion, it.action))
             .collect();
-        text += &format!(" Not evaluated: {}: {}.", names.join(", "), one.needs);
+        let what = match one.kind {
+            MissingKind::Input => "Not given",
+            MissingKind::Criterion | MissingKind::OutOfPlane => "Not evaluated",
+        };
+        text += &format!(" {what}: {}: {}.", names.join(", "), one.needs);
     }
     text
 }
@@ -503,11 +584,5 @@ fn axes(input: &AssessmentInput) -> String {
         None => text.push_str("the resistance about the weak axis is not known"),
     }
     text.push('.');
-    let direction = input.impact.map_or(0.0, |impact| impact.direction);
-    if let Some(component) = component_in_words(direction) {
-        text.push(' ');
-        text.push_str(&capitalised(&component));
-        text.push('.');
-    }
     text
 }

@@ -94,6 +94,7 @@ impl PreparedAssessment {
                 deciding: Vec::new(),
                 no_base: None,
                 load: VerdictLoad::default(),
+                assumed: Vec::new(),
                 ..input
             },
             basis,

@@ -6,11 +6,15 @@ use crate::column::{
     BendingAxis, BucklingCurve, BucklingResistance, Capacity, CapacityEnd, CapacityError, Model,
     RolledSection, State, buckling_resistance, capacity, carried_load, effective_length_factor,
 };
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, SectionShape};
 
 /// Curve of a section whose dimensions are not known: the less favourable one of rolled sections about their strong axis
 /// with flanges up to 100 mm, or up to 40 mm where they are deeper than 1.2 times their width (an assumption).
 const CURVE_OF_UNKNOWN_SECTION: BucklingCurve = BucklingCurve::B;
+
+/// Curve of a hollow section: that of cold-formed ones, which is less favourable than that of hot-finished ones (EN 1993-1-1,
+/// table 6.2), because it is not known how the section was made.
+const CURVE_OF_HOLLOW_SECTION: BucklingCurve = BucklingCurve::C;
 
 /// Residual axial capacity: undamaged against now, and what it means for the load. Nothing that it tells of the column as it is
 /// exceeds the same of the new column.
@@ -243,7 +247,15 @@ pub fn buckling_curve(parameters: &Parameters, axis: BendingAxis) -> Option<Buck
             parameters.steel().yield_strength,
             axis,
         )),
-        None => (axis == BendingAxis::Strong).then_some(CURVE_OF_UNKNOWN_SECTION),
+        None => (axis == BendingAxis::Strong).then_some(curve_by_numbers(parameters)),
+    }
+}
+
+/// The buckling curve about the strong axis of a section whose dimensions are not known.
+fn curve_by_numbers(parameters: &Parameters) -> BucklingCurve {
+    match parameters.settings().section.shape {
+        SectionShape::IOrH => CURVE_OF_UNKNOWN_SECTION,
+        SectionShape::RectangularHollow | SectionShape::CircularHollow => CURVE_OF_HOLLOW_SECTION,
     }
 }
 
@@ -254,7 +266,8 @@ pub fn imperfection(parameters: &Parameters) -> f64 {
     if given > 0.0 {
         return given;
     }
-    let curve = buckling_curve(parameters, BendingAxis::Strong).unwrap_or(CURVE_OF_UNKNOWN_SECTION);
+    let curve = buckling_curve(parameters, BendingAxis::Strong);
+    let curve = curve.unwrap_or_else(|| curve_by_numbers(parameters));
     curve.relative_bow() * height(parameters)
 }
 
@@ -293,4 +306,34 @@ pub fn buckling_resistances(parameters: &Parameters) -> [Option<BucklingResistan
 fn height(parameters: &Parameters) -> f64 {
     let geometry = &parameters.settings().geometry;
     geometry.length_below + geometry.length_above
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Value;
+
+    /// EN 1993-1-1, table 6.2: cold-formed hollow sections have curve c about any axis, and hot-finished ones a more favourable one.
+    #[test]
+    fn a_hollow_section_has_the_curve_of_cold_formed_ones() {
+        let curve = |shape: &str| {
+            let by_numbers = [
+                ("section.name", Value::from("")),
+                ("section.shape", shape.into()),
+                ("section.area", 65.7e-4.into()),
+                ("section.second_moment", 3598e-8.into()),
+                ("section.mass_per_length", 51.6.into()),
+                ("section.height", 0.2191.into()),
+                ("section.web_thickness", 0.01.into()),
+                ("resistance.moment", 1.555e5.into()),
+                ("softening.model", "none".into()),
+            ];
+            let column = Parameters::default().with_changes(by_numbers);
+            let column = column.expect("consistent");
+            assert_eq!(buckling_curve(&column, BendingAxis::Weak), None);
+            buckling_curve(&column, BendingAxis::Strong)
+        };
+        assert_eq!(curve("circular_hollow"), Some(BucklingCurve::C));
+        assert_eq!(curve("i_or_h"), Some(BucklingCurve::B));
+    }
 }

@@ -47,6 +47,7 @@ pub fn run(arguments: &AlarmArgs, ros: RosArguments, out: &mut dyn Write) -> Res
         ros,
         parameter_files: arguments.config.clone(),
         columns: None,
+        managed: false,
     };
     let tried = try_alarms(&options).map_err(failure_of_run)?;
     let Some(tried) = tried else {

@@ -1,8 +1,7 @@
 //! `column-twin estimate`: what struck the column and what remains of it, from the readings of its sensors.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{self, BufReader, IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,13 +9,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value as Json, json};
 
 use super::failure::{Exit, Failure, unless_closed};
-use super::impact_args::ImpactSpecificationArgs;
-use super::simulate::parameters_of;
+use super::recorded_readings::RecordedReadingsArgs;
 use column_twin::assessment::Action;
 use column_twin::estimation::{
     CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, MASS_OPEN_BEYOND,
-    MOMENTUM_OPEN_BEYOND, Readings, ReadingsError, RecordedImpact, VELOCITY_OPEN_BEYOND,
-    estimate_recorded,
+    MOMENTUM_OPEN_BEYOND, Readings, RecordedImpact, VELOCITY_OPEN_BEYOND, estimate_recorded,
 };
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
@@ -29,15 +26,8 @@ use column_twin::whole_file;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true, after_help = EXAMPLE)]
 pub struct EstimateArgs {
-    /// Parameter file (ROS 2 YAML), may be repeated: later files win; one of them declares the sensors
-    #[arg(long, short, value_name = "FILE", required = true)]
-    config: Vec<PathBuf>,
-    /// Any parameter in the notation of ROS 2, for example -p top.load:=2.0e6; may be repeated
-    #[arg(long = "param", short, value_name = "NAME:=VALUE")]
-    parameter: Vec<String>,
-    /// Readings as CSV: a column `time` [s] and one column for each sensor, by its name; - is the standard input
-    #[arg(long, value_name = "FILE")]
-    readings: PathBuf,
+    #[command(flatten)]
+    recorded: RecordedReadingsArgs,
     /// Write a report in HTML; an existing file is replaced
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -67,14 +57,6 @@ Exit codes: 0 done (also if no impact was detected), 1 failed, 2 bad input or us
 /// Why nothing can be estimated.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum EstimateCommandError {
-    #[error("cannot read {}: {reason}", path.display())]
-    #[diagnostic(help("name a readable CSV file"))]
-    Unreadable { path: PathBuf, reason: io::Error },
-    #[error("{}: {fault}", path.display())]
-    #[diagnostic(help(
-        "the first line names the columns: time, and the sensors as in sensors.names"
-    ))]
-    Table { path: PathBuf, fault: ReadingsError },
     #[error(transparent)]
     #[diagnostic(help(
         "declare the sensors in a parameter file: config/sensors_industrial.yaml is an example"
@@ -99,30 +81,12 @@ impl From<EstimateCommandError> for Failure {
 
 /// Reads the readings, estimates, and prints the result to `output`.
 pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<(), Failure> {
-    let parameters = parameters_of(
-        &arguments.config,
-        &arguments.parameter,
-        &ImpactSpecificationArgs::default(),
-    )?;
+    let parameters = arguments.recorded.parameters()?;
     let sensors = parameters.sensors();
     if sensors.is_empty() {
         return Err(EstimateCommandError::from(EstimatorError::NoSensors).into());
     }
-    let path = &arguments.readings;
-    let read = |source: &mut dyn io::Read| Readings::from_csv(source, &sensors);
-    let readings = if path == Path::new("-") {
-        read(&mut io::stdin().lock())
-    } else {
-        let file = File::open(path).map_err(|reason| EstimateCommandError::Unreadable {
-            path: path.clone(),
-            reason,
-        })?;
-        read(&mut BufReader::new(file))
-    };
-    let readings = readings.map_err(|fault| EstimateCommandError::Table {
-        path: path.clone(),
-        fault,
-    })?;
+    let readings = arguments.recorded.read(&sensors)?;
     let bar = progress_bar();
     let estimated = estimate_recorded(
         &parameters,
@@ -153,7 +117,7 @@ pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<()
         Some(impact) => write_files(arguments, &parameters, &sensors, impact),
         None => {
             if arguments.report.is_some() || arguments.figures.is_some() {
-                eprintln!("no impact was detected: neither a report nor figures are written");
+                tell!("no impact was detected: neither a report nor figures are written");
             }
             Ok(())
         }
@@ -168,7 +132,7 @@ fn write_files(
     impact: &RecordedImpact,
 ) -> Result<(), Failure> {
     let failed = |fault: FigureError| Failure::new(Exit::Failed, fault);
-    let source = match arguments.readings.as_path() {
+    let source = match arguments.recorded.path() {
         path if path == Path::new("-") => "the standard input".to_owned(),
         path => Printable(&path.to_string_lossy()).to_string(),
     };
@@ -393,7 +357,7 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             last.doubtful_sensors.join(", ")
         );
     }
-    text += "\nThe estimate knows the model's own error as docs/estimation.md describes it, and the column as it was when new.\n";
+    text += "\nThe estimate includes the model's own error (docs/estimation.md), and is for the undamaged column.\n";
     text
 }
 

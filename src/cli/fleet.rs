@@ -27,6 +27,11 @@ pub struct FleetArgs {
     /// wildcards of parameter files (/garage/*); the same as -p viewer.select:=[...]
     #[arg(long, value_name = "COLUMNS", value_delimiter = ',', num_args = 1..)]
     select: Vec<String>,
+
+    /// Start as a managed node (lifecycle node): unconfigured, without inputs, until ~/change_state or `ros2 lifecycle set`
+    /// configures and activates it; impacts before that are rejected
+    #[arg(long)]
+    managed: bool,
 }
 
 const EXAMPLE: &str = "\
@@ -61,6 +66,7 @@ pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> 
         ros,
         parameter_files: arguments.params_file.clone(),
         columns: arguments.columns.clone(),
+        managed: arguments.managed,
     };
     end_of_run(run_fleet(&options).map_err(failure_of_run)?)
 }

@@ -20,7 +20,7 @@ pub struct FleetStudyArgs {
     /// Table of the columns of a fleet (CSV), as of `column-twin fleet`; wins over the parameter files
     #[arg(long, value_name = "FILE")]
     columns: Option<PathBuf>,
-    /// Of a fleet, only the columns with these identifiers, separated by commas
+    /// For a fleet, only the columns with these identifiers, separated by commas
     #[arg(long, value_name = "ID,ID", value_delimiter = ',')]
     column: Vec<String>,
 }
@@ -76,7 +76,7 @@ impl FleetStudyArgs {
             ..
         } = FleetColumns::load(&NodeName::default(), &sources)?;
         for warning in &warnings {
-            eprintln!("Warning: {warning}");
+            tell!("Warning: {warning}");
         }
         let is_of =
             |column: &FleetColumn, id: &String| column.parameters.settings().column_id == *id;

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
 use column_twin::messages::{self, idl::idl};
+use column_twin::ros::NODE_NAME;
 use column_twin::ros::qos::{Direction, ENDPOINTS, Endpoint};
 
 /// Arguments of `column-twin idl`.
@@ -51,7 +52,10 @@ fn topic(endpoint: &Endpoint, type_name: &str) -> String {
             Direction::In => "to",
             Direction::Out | Direction::Service => "from",
         },
-        endpoint.name.trim_start_matches('/'),
+        endpoint
+            .name
+            .replacen('~', NODE_NAME, 1)
+            .trim_start_matches('/'),
         match qos.reliable {
             true => "reliable",
             false => "best effort",

@@ -83,7 +83,7 @@ pub fn run(
     }
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
-        request: request(arguments),
+        request: request(arguments)?,
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
@@ -110,15 +110,15 @@ pub fn run(
     }
 }
 
-fn request(arguments: &ImpactArgs) -> ImpactRequest {
+fn request(arguments: &ImpactArgs) -> Result<ImpactRequest, Failure> {
     let timeout = Duration::from_secs(u64::from(arguments.timeout));
-    ImpactRequest {
+    Ok(ImpactRequest {
         event_id: arguments.event.clone(),
         vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
-        impact: arguments.impact.specification(),
+        impact: arguments.impact.specification()?,
         match_timeout: timeout,
         answer_timeout: timeout,
-    }
+    })
 }
 
 fn failure(error: ClientError) -> Failure {
@@ -139,7 +139,7 @@ fn run_row(
         column_ids: arguments.row.clone(),
         offsets: arguments.offsets.clone(),
         distances: distances(arguments)?,
-        request: request(arguments),
+        request: request(arguments)?,
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);

@@ -3,8 +3,12 @@
 use clap::Args;
 
 #[cfg(feature = "ros")]
+use super::failure::{Exit, Failure};
+#[cfg(feature = "ros")]
 use column_twin::column::ImpactSpecification;
 use column_twin::parameters::{CatalogueVehicle, Value};
+#[cfg(feature = "ros")]
+use column_twin::parameters::{Parameters, Problem};
 
 /// The impact of a vehicle, as far as it is given on the command line; parameters give the rest.
 #[derive(Debug, Clone, Default, Args)]
@@ -94,9 +98,41 @@ impl ImpactSpecificationArgs {
     }
 
     /// The options as an impact for a twin, for a command that requires a velocity.
+    ///
+    /// # Errors
+    /// A number that no twin accepts.
     #[cfg(feature = "ros")]
-    pub fn specification(&self) -> ImpactSpecification {
-        ImpactSpecification {
+    pub fn specification(&self) -> Result<ImpactSpecification, Failure> {
+        let ranged = [
+            ("--mass", "impact.mass", self.mass),
+            ("--velocity", "impact.velocity", self.velocity),
+            ("--gap", "impact.gap", self.gap),
+            ("--restitution", "impact.restitution", self.restitution),
+        ];
+        let of_range = |(option, name, number): (&str, &str, Option<f64>)| {
+            let number = number?;
+            let faults = Parameters::from_values([(name, Value::Double(number))]).err()?;
+            // How it goes with the rest of the column, only the twin knows.
+            let mut problems = faults.faults().iter().map(|it| &it.problem);
+            let problem = problems
+                .find(|it| matches!(it, Problem::NotFinite { .. } | Problem::OutOfRange { .. }))?;
+            Some(format!("{option} {number} {problem}"))
+        };
+        let of_direction = self.direction.filter(|it| !(*it > -180.0 && *it <= 180.0));
+        let of_direction = of_direction.map(|it| {
+            format!("--direction {it} is out of range; allowed: above -180 to 180 degrees")
+        });
+        let of_height = self.height.filter(|it| !(*it > 0.0 && it.is_finite()));
+        let of_height = of_height.map(|it| {
+            format!(
+                "--height {it} is out of range; allowed: above 0 and below the top of the column"
+            )
+        });
+        let fault = ranged.into_iter().find_map(of_range);
+        if let Some(fault) = fault.or(of_direction).or(of_height) {
+            return Err(Failure::plain(Exit::BadInput, fault));
+        }
+        Ok(ImpactSpecification {
             // clap requires a velocity. Without a mass, the vehicle of the event or of the twin has its own.
             mass: self.mass.unwrap_or(f64::NAN),
             velocity: self.velocity.unwrap_or(f64::NAN),
@@ -104,7 +140,7 @@ impl ImpactSpecificationArgs {
             restitution: self.restitution,
             height: self.height,
             direction: self.direction.map(f64::to_radians),
-        }
+        })
     }
 }
 

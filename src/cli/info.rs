@@ -139,25 +139,22 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
     line("Messages", reader.message_count().to_string())?;
     line(
         "Complete",
-        if reader.was_cut_off() {
-            "no: its end was cut off before it was repaired, and the number of lost messages is not known"
-                .to_owned()
-        } else if reader.wholeness().is_whole() {
-            "yes".to_owned()
-        } else {
-            reader.wholeness().to_string()
-        },
+        recording::incompleteness(reader).map_or("yes".to_owned(), |why| format!("no: {why}")),
     )?;
     if let Some(repair) = reader.repair_notes() {
         let noted = |key: &str| repair.get(key).map_or("?", String::as_str);
-        line(
-            "Repaired",
-            format!(
-                "from {}, which was {}; messages of its last {} ms may be missing",
-                noted("source"),
-                noted("fault"),
+        // A recorder that noted how it ended had written everything before.
+        let rest = match reader.was_cut_off() {
+            true => format!(
+                "; messages of its last {} ms may be missing",
                 FLUSH_WITHIN.as_millis()
             ),
+            false => String::new(),
+        };
+        let (source, fault) = (noted("source"), noted("fault"));
+        line(
+            "Repaired",
+            format!("from {source}, which was {fault}{rest}"),
         )?;
     }
     line("Lost", losses(reader))?;
@@ -257,6 +254,7 @@ fn as_json(reader: &Reader, events: &EventSummaries) -> Json {
         "begins": reader.span().map(|it| it.0),
         "ends": reader.span().map(|it| it.1),
         "messages": reader.message_count(),
+        "complete": recording::incompleteness(reader).is_none(),
         "whole": reader.wholeness().is_whole(),
         "not_whole_because": (!reader.wholeness().is_whole()).then(|| reader.wholeness().to_string()),
         "cut_off_before_repair": reader.was_cut_off(),

@@ -137,9 +137,9 @@ struct TwinArgs {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum DataProtectionArg {
-    /// Not once more
+    /// Encrypted once, as a part of the message
     None,
-    /// Encrypted by themselves; RustDDS cannot receive such messages of more than 64 kB
+    /// Encrypted a second time, on their own; RustDDS cannot receive such messages of more than 64 kB
     Encrypt,
 }
 

@@ -25,17 +25,24 @@
 //   estimates with their records
 // - recorded_items.rs: The items of a recording for the viewer: states with their hinges, reports, and the parameters of the
 //   column
+// - recorded_readings.rs: The arguments of the commands that look at recorded readings, and the table that they name
 // - repair.rs: `column-twin repair`: repairs a recording that was cut off or damaged
 // - replay.rs: `column-twin replay`: publishes a recording over DDS, or shows it in the viewer
 // - report.rs: `column-twin report`: a report about the impacts of a recording, for people
 // - risk/: `column-twin risk`: how often vehicles that leave the road damage the column, and how severely
 // - run.rs: `column-twin run`: runs the twin as a ROS 2 node
+// - sensors.rs: `column-twin sensors check`: the sensors on the column at commissioning, against what the model says of its
+//   vibration
 // - simulate.rs: `column-twin simulate`: the response of the column to one impact
 // - summary.rs: The summary of one impact, for a person and for programs
+// - tell.rs: Lines on standard error, which may be closed: the exit code stays what it is
 // - threads.rs: The option `--threads` of the studies
 // - vehicles.rs: `column-twin vehicles`: the catalogue of vehicles with the source of every number
 // - verify.rs: `column-twin verify`: verifies a recording by recomputation
 // - watch.rs: `column-twin watch`: prints what a running twin or a fleet publishes
+
+#[macro_use]
+mod tell;
 
 #[cfg(feature = "alarm")]
 mod alarm;
@@ -69,6 +76,7 @@ mod measure;
 mod recorded_detected;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
+mod recorded_readings;
 #[cfg(test)]
 #[path = "../figures/reference.rs"]
 #[expect(dead_code, reason = "the tests of the figures use more of it")]
@@ -82,6 +90,7 @@ mod report;
 mod risk;
 #[cfg(feature = "ros")]
 mod run;
+mod sensors;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
@@ -129,6 +138,8 @@ enum CliCommand {
     Capacity(CapacityArgs),
     /// Estimate the vehicle and the damage of the column from the readings of its sensors
     Estimate(estimate::EstimateArgs),
+    /// Check the sensors at commissioning: signs, gains, heights, exchanges, rates; fit the stiffness of the supports
+    Sensors(sensors::SensorsArgs),
     /// Map the effects of impacts over two quantities, such as mass and velocity: action, displacement, capacity
     Map(map::MapArgs),
     /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
@@ -191,7 +202,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(faults) => {
             for fault in faults {
                 let fault = fault.to_string();
-                eprintln!("{}", column_twin::printable::PrintableLines(&fault));
+                tell!("{}", column_twin::printable::PrintableLines(&fault));
             }
             return ExitCode::from(Exit::BadInput as u8);
         }
@@ -203,7 +214,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             let _ = request.print();
             #[cfg(feature = "ros")]
             if let Some(hint) = ros_arguments_hint(&request) {
-                eprintln!("{hint}");
+                tell!("{hint}");
             }
             return u8::try_from(request.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from);
         }
@@ -214,6 +225,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
         CliCommand::Estimate(arguments) => estimate::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Sensors(arguments) => sensors::run(arguments, &mut io::stdout().lock()),
         CliCommand::Map(arguments) => map::run(arguments, &mut io::stdout().lock()),
         CliCommand::Risk(arguments) => risk::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
@@ -251,7 +263,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{:?}", failure.report);
+            tell!("{:?}", failure.report);
             ExitCode::from(failure.exit as u8)
         }
     }

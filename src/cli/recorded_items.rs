@@ -177,14 +177,14 @@ impl Gathered {
 
     fn report_unshown(&self) {
         if let Some(fault) = &self.first_fault {
-            eprintln!(
+            tell!(
                 "{} messages cannot be decoded and are not shown; the first: {fault}",
                 self.unreadable
             );
         }
         let alone = self.states.len() + self.forces.len();
         if self.shown > 0 && alone > 0 {
-            eprintln!(
+            tell!(
                 "{alone} messages are not shown: a state without hinge forces of the same stamp, or the reverse"
             );
         }

@@ -14,12 +14,19 @@ use super::failure::printed;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::run::client_environment;
 use column_twin::ros::RosArguments;
+#[cfg(feature = "foxglove")]
+use column_twin::ros::replay::replay_to_foxglove;
 use column_twin::ros::replay::{
-    RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
+    RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, Replayed,
+    replay,
 };
 
 /// Default rate of `/clock` \[Hz\], as in `ros2 bag play`.
 const CLOCK_HZ: &str = "40";
+
+/// Where Foxglove connects by default.
+#[cfg(feature = "foxglove")]
+const FOXGLOVE: &str = "127.0.0.1:8765";
 
 /// Arguments of `column-twin replay`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -53,6 +60,11 @@ pub struct ReplayArgs {
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE", requires = "shown")]
     config: Option<PathBuf>,
+    /// Instead of publishing, serve the recording to Foxglove at this address, with playback control, until Ctrl-C
+    #[cfg(feature = "foxglove")]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = FOXGLOVE, conflicts_with_all = ["clock", "wait_for_readers"])]
+    #[cfg_attr(feature = "viewer", arg(conflicts_with = "shown"))]
+    foxglove: Option<String>,
     /// Maximum wait until every topic has a reader; then the replay starts [s]
     #[arg(long, value_name = "S", default_value_t = 0)]
     wait_for_readers: u16,
@@ -113,17 +125,34 @@ pub fn run(
         clock: arguments.clock,
         wait_for_readers: Duration::from_secs(u64::from(arguments.wait_for_readers)),
     };
+    #[cfg(feature = "foxglove")]
+    if let Some(address) = &arguments.foxglove {
+        let mut terminal = Terminal::new();
+        let served = replay_to_foxglove(&options, address, &mut terminal);
+        drop(terminal);
+        return report(&served.map_err(failure)?, out);
+    }
     let environment = client_environment(ros)?;
     let mut terminal = Terminal::new();
     let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
     drop(terminal); // restores the terminal before anything is printed
-    let replayed = replayed.map_err(|error| match error {
+    report(&replayed.map_err(failure)?, out)
+}
+
+fn failure(error: ReplayError) -> Failure {
+    match error {
         ReplayError::Recording(error) => error.into(),
         ReplayError::Node(_) | ReplayError::Signals(_) => Failure::plain(Exit::Failed, error),
         ReplayError::Name(_) | ReplayError::NoSuchTopic { .. } | ReplayError::Nothing { .. } => {
             Failure::plain(Exit::BadInput, error)
         }
-    })?;
+        #[cfg(feature = "foxglove")]
+        ReplayError::Foxglove(_) => Failure::plain(Exit::BadInput, error),
+    }
+}
+
+/// Prints what was sent.
+fn report(replayed: &Replayed, out: &mut impl Write) -> Result<(), Failure> {
     let lines = LinePrinter::new(out);
     lines.print(format_args!("{} messages sent", replayed.sent));
     if let Some([median, percentile, maximum]) = replayed.lateness {
@@ -159,8 +188,9 @@ fn show(arguments: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     let mut signals = column_twin::ros::StopSignals::listen()
         .map_err(|error| Failure::plain(Exit::Failed, error))?;
+    let log: column_twin::viewer::ViewerLogger = std::sync::Arc::new(|_, text| tell!("{text}"));
     let served =
-        column_twin::viewer::serve(&recorded.parameters, recorded.items).map_err(failed)?;
+        column_twin::viewer::serve(&recorded.parameters, recorded.items, &log).map_err(failed)?;
     printed(writeln!(
         out,
         "serving until Ctrl-C; to watch: rerun {}",
@@ -240,7 +270,7 @@ impl ReplayControls for Terminal {
     fn print(&mut self, line: &str) {
         // A hidden bar does not print lines.
         match self.bar.is_hidden() {
-            true => eprintln!("{line}"),
+            true => tell!("{line}"),
             false => self.bar.println(line),
         }
     }

@@ -112,13 +112,14 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
                 recorded.seal.fault().unwrap_or_default()
             ),
         ),
-        (Ok(_), Some(why)) => (
+        // Of a repaired recording the report contains all that is left.
+        (Ok(_), Some(why)) if !recorded.is_whole => (
             Exit::Lossy,
             format!(
-                "{bag} is {why}; the report contains the readable part; save it with: column-twin repair {bag}"
+                "{bag} is not complete: {why}; the report contains the readable part; save it with: column-twin repair {bag}"
             ),
         ),
-        (Ok(_), None) => return Ok(()),
+        (Ok(_), _) => return Ok(()),
     };
     Err(Failure::plain(exit, reason))
 }

@@ -17,6 +17,11 @@ pub struct RunArgs {
     /// Parameter file (ROS 2 YAML), may be repeated: later files win, and --params-file and -p win over all of them
     #[arg(long, short, value_name = "FILE")]
     config: Vec<PathBuf>,
+
+    /// Start as a managed node (lifecycle node): unconfigured, without inputs, until ~/change_state or `ros2 lifecycle set`
+    /// configures and activates it; impacts before that are rejected
+    #[arg(long)]
+    managed: bool,
 }
 
 const EXAMPLE: &str = "\
@@ -39,6 +44,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         ros,
         parameter_files: arguments.config.clone(),
         columns: None,
+        managed: arguments.managed,
     };
     end_of_run(ros::run(&options).map_err(failure_of_run)?)
 }
@@ -52,9 +58,9 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
             _,
             StartError::Selection(_) | StartError::SensorTopics { .. } | StartError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
-        error @ RunError::Node(NodeError::Alarms(_) | NodeError::Metrics(_)) => {
-            Failure::plain(Exit::BadInput, error)
-        }
+        error @ RunError::Node(
+            NodeError::Alarms(_) | NodeError::Metrics(_) | NodeError::Foxglove(_),
+        ) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),
@@ -105,7 +111,7 @@ pub(super) fn client_environment(ros: &RosArguments) -> Result<Environment, Fail
     let protection = protection(&environment.security, environment.domain_id)
         .map_err(|error| Failure::plain(Exit::BadInput, error))?;
     if let Some(warning) = protection.warning() {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     Ok(environment)
 }

@@ -35,6 +35,7 @@ use column_twin::report::{
     Origin, ReportDetails, ReportDetailsError, ReportDocument, ReportedImpact, parameters_path,
     title,
 };
+use column_twin::results::Travel;
 use column_twin::second_opinion::SecondOpinion;
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
@@ -220,7 +221,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
             files += &line;
             // A fresh key is worth nothing to those who do not know its public part.
             if arguments.json && key.is_fresh() {
-                eprint!("{line}");
+                tell!("{}", line.trim_end());
             }
         }
     }
@@ -244,6 +245,11 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let summary = Summary {
         title: &case.title,
         vehicle_name: &case.parameters.settings().vehicle.name,
+        travel: Travel {
+            velocity: case.parameters.whole_impact().velocity,
+            direction: case.parameters.direction(),
+            in_plane: case.impact.velocity,
+        },
         evaluation: &evaluation,
         solve_time,
         second_opinion: Some((&second_opinion, second_opinion_time)),
@@ -257,7 +263,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         false => format!("{summary}{files}"),
     };
     if history_to_output {
-        eprint!("{text}");
+        tell!("{}", text.trim_end());
         return Ok(());
     }
     let written = output
@@ -307,7 +313,7 @@ impl Case {
         let title = title(
             &parameters,
             vehicle,
-            &impact,
+            &parameters.whole_impact(),
             properties.length_below,
             parameters.direction(),
         );
@@ -461,7 +467,7 @@ pub(super) fn parameters_of(
     let mut overrides = all;
     let (mut parameters, warnings) = load(files, &overrides)?;
     for warning in &warnings {
-        eprintln!("Warning: {warning}");
+        tell!("Warning: {warning}");
     }
     if let Some(height) = impact.height() {
         let column = parameters.column_properties();

@@ -9,8 +9,10 @@ use column_twin::column::{
 };
 use column_twin::figures::units::{Unit, significant};
 use column_twin::parameters::{NoShear, readable};
-use column_twin::report::{EnergyBalance, base_rows, end_in_words, in_kilo, outcome_in_words};
-use column_twin::results::{BeamAnswer, ImpactFields};
+use column_twin::report::{
+    EnergyBalance, base_rows, end_in_words, in_kilo, instead_of_a_residual, outcome_in_words,
+};
+use column_twin::results::{BeamAnswer, ImpactFields, Travel};
 use column_twin::second_opinion::{NoSecondOpinion, SecondOpinion};
 use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
@@ -24,6 +26,8 @@ pub struct Summary<'a> {
     pub title: &'a str,
     /// Name of the vehicle; empty if it is given by numbers.
     pub vehicle_name: &'a str,
+    /// How it travels.
+    pub travel: Travel,
     /// The outcome, and what it means.
     pub evaluation: &'a ImpactEvaluation,
     /// Computing time of the solver, without histories and figures.
@@ -40,7 +44,12 @@ impl Summary<'_> {
     /// # Errors
     /// None in practice: numbers that are not finite become null.
     pub fn json(&self) -> serde_json::Result<String> {
-        let fields = ImpactFields::of(self.evaluation, self.vehicle_name, self.solve_time);
+        let fields = ImpactFields::of(
+            self.evaluation,
+            self.vehicle_name,
+            self.travel,
+            self.solve_time,
+        );
         let fields = match self.spectrum {
             Some(spectrum) => fields.with_spectrum(spectrum),
             None => fields,
@@ -63,7 +72,11 @@ impl Summary<'_> {
         let report = self.report();
         let verdict = outcome_in_words(report.outcome);
         let end = end_in_words(report.end);
-        writeln!(f, "Outcome    {verdict}")?;
+        let by = match self.second_opinion {
+            Some((Ok(opinion), _)) if opinion.decides => ", by the two bars",
+            _ => "",
+        };
+        writeln!(f, "Outcome    {verdict}{by}")?;
         writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
     }
 
@@ -100,13 +113,10 @@ impl Summary<'_> {
         for it in &range.variations {
             let report = &it.report;
             let unit = Unit::length(report.max_v1);
-            let (peak, residual) = match report.outcome {
-                Outcome::Collapsed => ("collapse".to_owned(), String::new()),
-                Outcome::Fractured => ("fractured".to_owned(), String::new()),
-                Outcome::Elastic | Outcome::Plastic => (
-                    unit.show(report.max_v1),
-                    report.residual_v1.map_or("none".into(), |it| unit.show(it)),
-                ),
+            let instead = instead_of_a_residual(report.outcome).to_owned();
+            let (peak, residual) = match report.residual_v1 {
+                None => (instead, String::new()),
+                Some(residual) => (unit.show(report.max_v1), unit.show(residual)),
             };
             writeln!(
                 f,
@@ -244,7 +254,8 @@ impl Summary<'_> {
                 Outcome::Collapsed => "collapse".to_owned(),
                 Outcome::Fractured => "a fractured hinge or web".to_owned(),
                 Outcome::Elastic | Outcome::Plastic => {
-                    value.map_or("none".to_owned(), |value| unit.show(value))
+                    let instead = || instead_of_a_residual(band[index].report.outcome).to_owned();
+                    value.map_or_else(instead, |value| unit.show(value))
                 }
             };
             let [least, most] = band.map(|it| readable(100.0 * it.hardening_ratio));
@@ -282,7 +293,7 @@ impl Summary<'_> {
         let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
         // Round-off of the solver is not a residual.
         let residual = |value: Option<f64>, unit: Unit| match value {
-            None => "none".into(),
+            None => instead_of_a_residual(report.outcome).to_owned(),
             Some(value) if value.abs() < 1e-15 => unit.show(0.0),
             Some(value) => unit.show(value),
         };
@@ -564,6 +575,11 @@ mod tests {
         Summary {
             title: "HEB220, 1500 kg at 10 m/s (36.00 km/h), 1 m above the base",
             vehicle_name: "rigid",
+            travel: Travel {
+                velocity: 10.0,
+                direction: 0.0,
+                in_plane: 10.0,
+            },
             evaluation,
             solve_time: Duration::from_micros(5300),
             second_opinion: None,

@@ -8,7 +8,7 @@ use column_twin::study::{Batch, Threads};
 /// standard error.
 pub fn batch(asked: Option<NonZeroUsize>, computations: u64) -> Batch {
     if let Some(reduction) = Threads::new(asked, computations).reduction() {
-        eprintln!("Warning: {reduction}");
+        tell!("Warning: {reduction}");
     }
     asked.map_or_else(Batch::default, Batch::on_threads)
 }

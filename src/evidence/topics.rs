@@ -183,10 +183,24 @@ mod tests {
                 .collect()
         };
         let of_one = left_out(Topics::of_default_node());
-        assert_eq!(of_one, ["row_impact_event", "/clock", "fleet_status"]);
+        assert_eq!(
+            of_one,
+            [
+                "row_impact_event",
+                "/clock",
+                "fleet_status",
+                "~/transition_event"
+            ]
+        );
         // A row is recorded as the impacts that it is for its columns. The others show one column.
         let of_fleet = left_out(Topics::of_default_fleet());
-        let absent = ["row_impact_event", "joint_states", "markers", "/clock"];
+        let absent = [
+            "row_impact_event",
+            "joint_states",
+            "markers",
+            "/clock",
+            "~/transition_event",
+        ];
         assert!(
             absent.iter().all(|it| of_fleet.contains(it)),
             "{of_fleet:?}"

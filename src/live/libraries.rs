@@ -109,7 +109,7 @@ impl Libraries {
     /// Enters a column; its kind, and the library with which that begins.
     ///
     /// # Errors
-    /// No sensors, or parameters that make no column.
+    /// No sensors, none that is fast enough to detect an impact, or parameters that make no column.
     pub fn enter(
         &self,
         parameters: &Arc<Parameters>,

@@ -298,9 +298,19 @@ impl Loop {
                 continue;
             };
             sensing.push(serial, batch);
-            if sensing.is_estimating() {
+            let is_estimating = sensing.is_estimating();
+            let further = sensing.take_further_impact();
+            if is_estimating {
                 self.estimating.insert(column);
                 self.let_work(column);
+            }
+            if let Some([first, at]) = further {
+                let text = format!(
+                    "a second impact was seen {:.3} s after the first one, while the column still moved; it is not estimated: \
+                     inspect the column, and send an impact event if the vehicle is known",
+                    1e-9 * (at - first) as f64
+                );
+                self.say(column, NoticeLevel::Warning, text);
             }
         }
     }
@@ -454,7 +464,14 @@ impl Loop {
                 detected.said = None;
                 self.let_work(column);
             }
-            Err(error) => self.give_up(column, NoticeLevel::Error, no_estimator(&error)),
+            Err(error) => {
+                let level = match error {
+                    // Slow sensors are of use on a column at rest.
+                    EstimatorError::TooSlow { .. } => NoticeLevel::Warning,
+                    _ => NoticeLevel::Error,
+                };
+                self.give_up(column, level, no_estimator(&error));
+            }
         }
         true
     }
@@ -620,11 +637,8 @@ mod tests {
         );
     }
 
-    #[test]
-    fn a_column_that_has_collapsed_is_not_estimated_and_that_is_said_once() {
-        let twin = Twin::new(parameters(), None, Box::new(|| 0), 0).expect("stands");
-        let mut snapshot = twin.snapshot();
-        snapshot.set_condition(Condition::Collapsed);
+    /// The only notice about a column like this, which is not estimated, although it changes again and again.
+    fn only_notice(snapshot: ColumnSnapshot) -> Notice {
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let mut outputs = OutputReceiver::new(Arc::clone(&queues));
         let measurements = Arc::<MeasurementQueue>::default();
@@ -643,14 +657,13 @@ mod tests {
             sensing.take_news();
             sensing.follow_columns();
             assert!(sensing.changed.is_empty(), "it was asked for");
-            let parameters = Arc::new(parameters());
             let changed = ParametersChanged {
                 stamp: 0,
                 source: "test".into(),
                 names: Vec::new(),
                 change: Accepted::Applied,
                 waiting: Vec::new(),
-                parameters,
+                parameters: Arc::new(parameters()),
             };
             assert!(news.take(0, &Output::ParametersChanged(changed)).is_none());
             sensing.columns.entry(0).or_default().next_attempt = 0;
@@ -660,11 +673,35 @@ mod tests {
         let [Output::Notice(notice)] = notices.as_slice() else {
             panic!("{notices:?}");
         };
+        notice.clone()
+    }
+
+    fn snapshot_of(parameters: Parameters) -> ColumnSnapshot {
+        let twin = Twin::new(parameters, None, Box::new(|| 0), 0).expect("stands");
+        twin.snapshot()
+    }
+
+    #[test]
+    fn a_column_that_has_collapsed_is_not_estimated_and_that_is_said_once() {
+        let mut snapshot = snapshot_of(parameters());
+        snapshot.set_condition(Condition::Collapsed);
+        let notice = only_notice(snapshot);
         assert_eq!(notice.level, NoticeLevel::Warning);
+        let text = notice.text;
+        assert!(text.contains("the column has collapsed"), "{text}");
+    }
+
+    /// Such sensors detected nothing, and the node did not say so.
+    #[test]
+    fn sensors_that_are_all_too_slow_for_an_impact_are_told_once() {
+        let slow = [("sensors.laser.rate", 100.0.into())];
+        let parameters = parameters().with_changes(slow).expect("admissible");
+        let notice = only_notice(snapshot_of(parameters));
+        assert_eq!(notice.level, NoticeLevel::Warning);
+        let text = notice.text;
         assert!(
-            notice.text.contains("the column has collapsed"),
-            "{}",
-            notice.text
+            text.contains("no sensor is fast enough to detect an impact: laser (100 Hz)"),
+            "{text}"
         );
     }
 }

@@ -666,6 +666,7 @@ impl TwinStatus {
     pub const REJECTED_ESTIMATE_NOT_PENDING: u16 = 26;
     pub const REJECTED_NOT_AT_REST: u16 = 27;
     pub const REJECTED_MEASUREMENT_IMPLAUSIBLE: u16 = 28;
+    pub const REJECTED_NOT_ACTIVE: u16 = 29;
     pub const ACTION_NONE: u8 = 0;
     pub const ACTION_INSPECT: u8 = 1;
     pub const ACTION_RESTRICT: u8 = 2;

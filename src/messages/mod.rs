@@ -28,6 +28,7 @@
 // - diagnostic_msgs.rs: `diagnostic_msgs`: the messages on `/diagnostics`
 // - from_column.rs: Conversions between the mechanics and messages
 // - geometry_msgs.rs: `geometry_msgs`: points, vectors, orientations, accelerations
+// - lifecycle_msgs.rs: `lifecycle_msgs`: states and transitions of managed nodes
 // - rcl_interfaces.rs: `rcl_interfaces`: log messages and parameter changes, which every node publishes
 // - rosgraph_msgs.rs: `rosgraph_msgs`: simulated time
 // - sensor_msgs.rs: `sensor_msgs`: joint states, compressed images, readings of inertial sensors
@@ -49,6 +50,7 @@ mod column_twin_msgs_services;
 pub mod diagnostic_msgs;
 pub(crate) mod from_column;
 pub mod geometry_msgs;
+pub mod lifecycle_msgs;
 pub mod rcl_interfaces;
 pub mod rosgraph_msgs;
 pub mod sensor_msgs;

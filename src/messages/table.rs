@@ -3,8 +3,9 @@
 use ros_interface::{Interface, Message, Part};
 
 use super::{
-    builtin_interfaces, column_twin_msgs, diagnostic_msgs, geometry_msgs, rcl_interfaces,
-    rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs, visualization_msgs,
+    builtin_interfaces, column_twin_msgs, diagnostic_msgs, geometry_msgs, lifecycle_msgs,
+    rcl_interfaces, rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs,
+    visualization_msgs,
 };
 
 /// Connects each struct with its file, and lists all of them, so that no type can be missing from the list.
@@ -58,6 +59,18 @@ interfaces! {
     geometry_msgs Message Pose = Pose in "msg/deps/geometry_msgs/Pose.msg";
     geometry_msgs Message Quaternion = Quaternion in "msg/deps/geometry_msgs/Quaternion.msg";
     geometry_msgs Message Vector3 = Vector3 in "msg/deps/geometry_msgs/Vector3.msg";
+    lifecycle_msgs Request ChangeState = ChangeStateRequest in "msg/deps/lifecycle_msgs/ChangeState.srv";
+    lifecycle_msgs Response ChangeState = ChangeStateResponse in "msg/deps/lifecycle_msgs/ChangeState.srv";
+    lifecycle_msgs Request GetAvailableStates = GetAvailableStatesRequest in "msg/deps/lifecycle_msgs/GetAvailableStates.srv";
+    lifecycle_msgs Response GetAvailableStates = GetAvailableStatesResponse in "msg/deps/lifecycle_msgs/GetAvailableStates.srv";
+    lifecycle_msgs Request GetAvailableTransitions = GetAvailableTransitionsRequest in "msg/deps/lifecycle_msgs/GetAvailableTransitions.srv";
+    lifecycle_msgs Response GetAvailableTransitions = GetAvailableTransitionsResponse in "msg/deps/lifecycle_msgs/GetAvailableTransitions.srv";
+    lifecycle_msgs Request GetState = GetStateRequest in "msg/deps/lifecycle_msgs/GetState.srv";
+    lifecycle_msgs Response GetState = GetStateResponse in "msg/deps/lifecycle_msgs/GetState.srv";
+    lifecycle_msgs Message State = State in "msg/deps/lifecycle_msgs/State.msg";
+    lifecycle_msgs Message Transition = Transition in "msg/deps/lifecycle_msgs/Transition.msg";
+    lifecycle_msgs Message TransitionDescription = TransitionDescription in "msg/deps/lifecycle_msgs/TransitionDescription.msg";
+    lifecycle_msgs Message TransitionEvent = TransitionEvent in "msg/deps/lifecycle_msgs/TransitionEvent.msg";
     rcl_interfaces Message Log = Log in "msg/deps/rcl_interfaces/Log.msg";
     rcl_interfaces Message Parameter = Parameter in "msg/deps/rcl_interfaces/Parameter.msg";
     rcl_interfaces Message ParameterEvent = ParameterEvent in "msg/deps/rcl_interfaces/ParameterEvent.msg";

@@ -46,6 +46,16 @@ pub fn verdict_in_words(action: u8, reason: &str) -> String {
     }
 }
 
+/// The action alone: `RESTRICT`, or `at least RESTRICT` where its reason says that it is a lower bound.
+#[must_use]
+pub fn action_alone(action: u8, reason: &str) -> String {
+    let word = action_word(action).to_uppercase();
+    match reason.starts_with(assessment::AT_LEAST) {
+        true => format!("at least {word}"),
+        false => word,
+    }
+}
+
 /// The same of a column that cannot be assessed.
 #[must_use]
 pub fn not_assessed_in_words() -> String {

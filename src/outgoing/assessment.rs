@@ -13,6 +13,10 @@ use crate::twin::{Assessed, Prediction, ReportOutput, Status, Striking};
 /// Why a column has to be inspected whose state file could not be used.
 const UNKNOWN_DAMAGE: &str = "the state file with the damage from before could not be used, so the column may have more damage than the twin has: restore the file, or examine the column and call ~/reset if it is undamaged";
 
+/// How the reason of a lower bound begins before and after the damage that is not known makes it an inspection.
+const AT_LEAST_NONE: &str = "At least NONE: ";
+const AT_LEAST_INSPECT: &str = "At least INSPECT: ";
+
 impl From<&ReportOutput> for ImpactReport {
     /// Leaves header, column and event empty, and sets the kind FORECAST.
     fn from(output: &ReportOutput) -> Self {
@@ -248,7 +252,11 @@ fn with_unknown_damage(numbers: &Numbers<'_>) -> (u8, &'static str, String) {
     match numbers.action {
         TwinStatus::ACTION_NONE => {
             let order = capitalised(Action::Inspect.order());
-            let reason = format!("{order} Cause: {UNKNOWN_DAMAGE}. {}", numbers.reason);
+            let (bound, finding) = match numbers.reason.strip_prefix(AT_LEAST_NONE) {
+                Some(finding) => (AT_LEAST_INSPECT, finding),
+                None => ("", numbers.reason),
+            };
+            let reason = format!("{bound}{order} Cause: {UNKNOWN_DAMAGE}. {finding}");
             (TwinStatus::ACTION_INSPECT, "state_file", reason)
         }
         action => {
@@ -279,5 +287,39 @@ impl Ends {
                 .map(VerdictRange::decided_by_in_words)
                 .unwrap_or_default(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assessment::AT_LEAST;
+
+    /// The inspection that an unknown damage requires took the place of the bound: "Have an engineer ... At least NONE: ...".
+    #[test]
+    fn an_unknown_damage_leaves_a_lower_bound_a_lower_bound() {
+        let reason = |of_column: &str| {
+            let numbers = Numbers {
+                undamaged_capacity: 3e6,
+                residual_capacity: 3e6,
+                capacity_ratio: 1.0,
+                reserve: 6.0,
+                action: TwinStatus::ACTION_NONE,
+                deciding_criterion: "collapse",
+                reason: of_column,
+            };
+            let (action, _, reason) = with_unknown_damage(&numbers);
+            assert_eq!(action, TwinStatus::ACTION_INSPECT);
+            reason
+        };
+        let order = capitalised(Action::Inspect.order());
+        let known = reason("No deciding criterion is exceeded.");
+        assert!(known.starts_with(&order), "{known}");
+        let bound = reason("At least NONE: No deciding criterion is exceeded.");
+        assert!(
+            bound.starts_with(&format!("{AT_LEAST}INSPECT: {order} Cause: ")),
+            "{bound}"
+        );
+        assert!(!bound.contains("NONE"), "{bound}");
     }
 }

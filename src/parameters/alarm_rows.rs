@@ -1,4 +1,4 @@
-//! The rows of the table about alarms and metrics.
+//! The rows of the table about alarms, metrics and Foxglove.
 
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 
@@ -25,7 +25,7 @@ pub(super) const ROWS: [Parameter; 21] = [
             zero: "no heartbeats",
         },
         applies: Applies::Restart,
-        meaning: "time between two heartbeats, whose absence tells the receiver that the node does not run or cannot be reached",
+        meaning: "time between two heartbeats, whose absence shows the receiver that the node does not run or cannot be reached",
     },
     text(
         "alarm.mqtt.broker",
@@ -35,7 +35,7 @@ pub(super) const ROWS: [Parameter; 21] = [
     text(
         "alarm.mqtt.client_id",
         "",
-        "name by which the broker knows the node; two nodes with the same one disconnect one another; \
+        "name by which the broker identifies the node; two nodes with the same one disconnect one another; \
         empty: from the name of the node",
     ),
     text(
@@ -53,7 +53,7 @@ pub(super) const ROWS: [Parameter; 21] = [
     text(
         "alarm.mqtt.ca_file",
         "",
-        "certificates of the authorities that are trusted (PEM); empty: those of the system",
+        "certificates of the authorities that are trusted (PEM); empty: the authorities of the system",
     ),
     text(
         "alarm.mqtt.certificate_file",
@@ -83,7 +83,7 @@ pub(super) const ROWS: [Parameter; 21] = [
     text(
         "alarm.webhook.ca_file",
         "",
-        "certificates of the authorities that are trusted (PEM); empty: those of the system",
+        "certificates of the authorities that are trusted (PEM); empty: the authorities of the system",
     ),
     text(
         "alarm.webhook.certificate_file",
@@ -106,6 +106,46 @@ pub(super) const METRICS_ADDRESS: Parameter = text(
     "",
     "address and port from which Prometheus reads, such as 127.0.0.1:9464; empty: no metrics",
 );
+
+/// Live topics for Foxglove.
+pub(super) const FOXGLOVE: [Parameter; 4] = [
+    Parameter {
+        name: "foxglove.mode",
+        unit: "",
+        default: DefaultValue::Text("off"),
+        admissible: Admissible::Choice(&["off", "serve"]),
+        applies: Applies::Restart,
+        meaning: "off: no live topics for Foxglove; serve: Foxglove connects to this program, past DDS and its security",
+    },
+    text(
+        "foxglove.address",
+        "127.0.0.1:8765",
+        "address and port to serve on; everybody who reaches an address that is not loopback sees the topics",
+    ),
+    Parameter {
+        name: "foxglove.origins",
+        unit: "",
+        default: DefaultValue::Texts(&["https://app.foxglove.dev"]),
+        admissible: Admissible::List {
+            of: &Admissible::Text {
+                min_chars: 1,
+                max_chars: 256,
+            },
+            min_len: 0,
+            max_len: 16,
+        },
+        applies: Applies::Restart,
+        meaning: "web pages that may connect, by their origins; programs, which send no origin, and pages of this machine always may",
+    },
+    Parameter {
+        name: "foxglove.control",
+        unit: "",
+        default: DefaultValue::Bool(false),
+        admissible: Admissible::Switch,
+        applies: Applies::Restart,
+        meaning: "whether Foxglove may set parameters and reset columns; `senders.*` does not limit it",
+    },
+];
 
 const SENSOR_FAILED: &str = "whether a sensor that is dead or stuck is an alarm";
 const NODE_STOPPED: &str = "whether it is an alarm that the node stops, in order or not";

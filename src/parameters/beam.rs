@@ -1,9 +1,9 @@
 //! The rows of the table about the direction of a hit and the fibre beam, and what follows from them.
 
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
-use super::settings::{BeamMode, BeamSettings, BowAxes, TorsionModel};
+use super::settings::{BeamMode, BeamSettings, BeamSteel, BowAxes, TorsionModel};
 use super::value::readable;
-use crate::column::{is_direction, share_in_plane};
+use crate::column::share_in_plane;
 
 /// Numbers of the beam that it chooses itself.
 const AUTOMATIC: &str = "automatic";
@@ -123,6 +123,16 @@ pub(super) const BOW_AXES: Parameter = row(
     "axes about which the fibre beam is bowed before the impact, and about which its capacity counts",
 );
 
+pub(super) const STEEL: Parameter = row(
+    "beam.steel",
+    "",
+    DefaultValue::Text("bilinear"),
+    Admissible::Choice(&["bilinear", "plateau"]),
+    "stress of the steel of the fibre beam over its strain. bilinear: it hardens from the first yield on, with `hardening.ratio`; \
+     plateau: it yields at the same stress at first and then hardens up to the tensile strength of `steel.grade` (EN 1993-1-14, after \
+     Yun and Gardner 2017)",
+);
+
 impl Default for BeamSettings {
     /// The defaults of the table.
     fn default() -> Self {
@@ -136,6 +146,7 @@ impl Default for BeamSettings {
             residual_stress: true,
             bow: -1.0,
             bow_axes: BowAxes::Both,
+            steel: BeamSteel::Bilinear,
         }
     }
 }
@@ -156,12 +167,14 @@ impl BeamSettings {
 ///     words,
 ///     "the vehicle travels at 45 degrees to the plane of the two bars, which see the component in it, 0.7071 of the whole"
 /// );
-/// assert_eq!(component_in_words(0.0), None);
+/// for in_plane in [0.0, std::f64::consts::PI] {
+///     assert_eq!(component_in_words(in_plane), None);
+/// }
 /// ```
 #[must_use]
 pub fn component_in_words(direction: f64) -> Option<String> {
-    let is_seen = direction != 0.0 && is_direction(direction);
-    is_seen.then(|| {
+    let leaves_the_plane = share_in_plane(direction) < 1.0;
+    leaves_the_plane.then(|| {
         let rounded = |value: f64| readable((value * 1e4).round() / 1e4);
         format!(
             "the vehicle travels at {} degrees to the plane of the two bars, which see the component in it, {} of the whole",

@@ -120,7 +120,10 @@ impl Parameter {
                 _,
             ) => self.check_text(admissible, &value.plain()),
             _ => Err(Problem::WrongType {
-                found: found(value),
+                found: match admissible {
+                    Admissible::Switch => not_a_switch(value),
+                    _ => found(value),
+                },
                 expected: self.expectation_of(admissible),
             }),
         }
@@ -348,6 +351,19 @@ fn found(value: &Value) -> String {
     found.to_owned()
 }
 
+/// Describes a value that is none of `true` and `false`.
+fn not_a_switch(value: &Value) -> String {
+    let found = match value {
+        Value::String(text) if text.trim().parse::<bool>().is_ok() => {
+            "a string, not a boolean; omit the quotes"
+        }
+        Value::String(_) => "a string, not a boolean",
+        Value::Integer(_) | Value::Double(_) => "a number, not a boolean",
+        Value::Bool(_) | Value::DoubleArray(_) | Value::StringArray(_) => return found(value),
+    };
+    found.to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::table::PARAMETERS;
@@ -520,6 +536,16 @@ mod tests {
                 "column_id",
                 Value::from(3),
                 "is a number; put a string in quotes",
+            ),
+            (
+                "use_sim_time",
+                Value::from(1),
+                "is a number, not a boolean; allowed: true or false",
+            ),
+            (
+                "use_sim_time",
+                Value::from("true"),
+                "is a string, not a boolean; omit the quotes; allowed: true or false",
             ),
             (
                 "column_id",

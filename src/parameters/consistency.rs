@@ -9,8 +9,8 @@ use super::catalogue::CatalogueSection;
 use super::inconsistency::Inconsistency;
 use super::ranges::LENGTH_RANGE;
 use super::settings::{
-    GeometrySettings, RateLawKind, Settings, ShearModel, SofteningModel, SpringSettings,
-    SupportKind,
+    GeometrySettings, RateLawKind, SectionShape, Settings, ShearModel, SofteningModel,
+    SpringSettings, SupportKind,
 };
 use super::value::readable;
 use super::vehicles::VehicleFault;
@@ -369,7 +369,29 @@ fn section_is_a_profile(settings: &Settings, found: &mut Vec<Inconsistency>) {
     let width = known(given.width, named.map(|it| it.width));
     let web = known(given.web_thickness, named.map(|it| it.web_thickness));
     let flange = known(given.flange_thickness, named.map(|it| it.flange_thickness));
+    let is_hollow = given.shape != SectionShape::IOrH;
+    if is_hollow && named.is_some() {
+        found.push(Inconsistency {
+            names: vec!["section.shape", "section.name"],
+            message: format!(
+                "is that of a hollow section, but {} is a rolled I or H section; give section.name: \"\" and the numbers of the \
+                 hollow section, or omit section.shape",
+                given.name
+            ),
+        });
+        return;
+    }
+    let (webs, too_thick) = match is_hollow {
+        true => (2.0, "two walls are as thick as the section is wide"),
+        false => (1.0, "the web is as thick as the flanges are wide"),
+    };
     let pairs = [
+        (
+            ["section.web_thickness", "section.height"],
+            web.filter(|_| is_hollow).map(|it| 2.0 * it),
+            height,
+            "two walls are as thick as the section is high",
+        ),
         (
             ["section.flange_thickness", "section.height"],
             flange.map(|it| 2.0 * it),
@@ -378,9 +400,9 @@ fn section_is_a_profile(settings: &Settings, found: &mut Vec<Inconsistency>) {
         ),
         (
             ["section.web_thickness", "section.width"],
-            web,
+            web.map(|it| webs * it),
             width,
-            "the web is as thick as the flanges are wide",
+            too_thick,
         ),
     ];
     for ([name, other], thickness, size, what) in pairs {

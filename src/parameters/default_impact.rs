@@ -27,6 +27,16 @@ impl Parameters {
         self.impact_in(0.0)
     }
 
+    /// An impact on this column with the whole speed of its vehicle \[m/s\], from its component in the plane of the two bars.
+    #[must_use]
+    pub fn whole_impact_of(&self, in_plane: Impact, velocity: f64) -> Impact {
+        Impact {
+            velocity,
+            transverse_force: self.whole_impact().transverse_force,
+            ..in_plane
+        }
+    }
+
     fn impact_in(&self, direction: f64) -> Impact {
         impact_of(&self.settings, direction)
             .expect("the vehicle was checked with the other parameters")

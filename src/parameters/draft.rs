@@ -1,5 +1,7 @@
 //! A set of parameters while it is being put together from its sources.
 
+mod given_inputs;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -10,6 +12,7 @@ use super::hinge_rows::{HARDENING_OF_NAMED, HARDENING_WITH_RATE};
 use super::inconsistency::Inconsistency;
 use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;
+use super::qos_overrides::{EXPECTED_QOS_NAME, GivenQos, QOS_GROUP, QosSettings};
 use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_required, with_sensor};
 use super::settings::{RateLawKind, SensorSettings, Settings};
 use super::spelling::nearest_word;
@@ -71,6 +74,7 @@ pub(super) struct Draft {
     /// What is given for sensors, by the name of the sensor and the index in [`SENSOR_PARAMETERS`], whether or not the sensor
     /// is declared: `sensors.names` may follow.
     of_sensors: BTreeMap<(String, usize), SensorSlot>,
+    of_topics: QosSettings,
     faults: Vec<Fault>,
     warnings: Vec<Fault>,
     /// Unknown names that were compared with all known ones.
@@ -98,6 +102,8 @@ struct Slot {
     wrong: bool,
     /// Number of the group in which it was given, from 1; 0 for defaults and for what a change starts from.
     group: u32,
+    /// Whether it has the value that a change starts from, also where that is given once more.
+    is_same: bool,
 }
 
 /// The value of a parameter of a sensor.
@@ -115,6 +121,7 @@ impl Slot {
             place: None,
             wrong: false,
             group: 0,
+            is_same: false,
         }
     }
 
@@ -124,6 +131,7 @@ impl Slot {
             place: Some(Origin::Direct),
             wrong: false,
             group: 0,
+            is_same: true,
         }
     }
 }
@@ -137,6 +145,7 @@ impl Draft {
         Self {
             slots,
             of_sensors: BTreeMap::new(),
+            of_topics: QosSettings::default(),
             faults: Vec::new(),
             warnings: Vec::new(),
             compared: 0,
@@ -157,6 +166,8 @@ impl Draft {
                 draft.of_sensors.insert((sensor.clone(), row), slot);
             }
         }
+        draft.of_topics.clone_from(&settings.qos_overrides);
+        draft.open_list_of_built_in();
         // A value that follows from others by default follows a change of those.
         let (vehicle, steel) = (&settings.vehicle, &settings.steel);
         for (name, value) in derived_defaults(
@@ -270,9 +281,22 @@ impl Draft {
                 it.name = Some((name_place, for_any_node));
                 &mut it.slot
             }
+            Entry::OfTopic(_) => {
+                if let Some(value) = accepted {
+                    let given = GivenQos {
+                        value,
+                        for_any_node,
+                    };
+                    self.of_topics.given.insert(name, given);
+                }
+                return;
+            }
         };
         match accepted {
-            Some(value) => slot.value = value,
+            Some(value) => {
+                slot.is_same &= slot.value == value;
+                slot.value = value;
+            }
             None => slot.wrong = true,
         }
         slot.place = Some(given.place);
@@ -318,6 +342,9 @@ impl Draft {
     }
 
     fn unknown(&mut self, name: &str) -> Problem {
+        if name.split('.').next() == Some(QOS_GROUP) {
+            return Problem::Inconsistent(EXPECTED_QOS_NAME.to_owned());
+        }
         let members = members_of(name);
         // Any name may be that of a sensor.
         let is_single = !name.starts_with("sensors.");
@@ -349,6 +376,7 @@ impl Draft {
         );
         self.follow_others();
         self.follow_height();
+        self.follow_given_inputs();
         self.report_repeated_sensors();
         self.report_undeclared_sensors();
         self.report_missing_of_sensors();
@@ -410,6 +438,7 @@ impl Draft {
                 .expect("rows and struct agree, which is tested");
             settings.sensors.each.insert(sensor.clone(), given);
         }
+        settings.qos_overrides.clone_from(&self.of_topics);
         settings
     }
 
@@ -420,6 +449,7 @@ impl Draft {
                 let given = self.of_sensors.get(&(sensor.to_owned(), row))?;
                 Some(&given.slot)
             }
+            Entry::OfTopic(_) => None,
         }
     }
 

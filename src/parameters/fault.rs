@@ -302,7 +302,7 @@ impl ParameterFaults {
     ///
     /// # Errors
     /// All of them.
-    pub(super) fn none_of(faults: Vec<Fault>) -> Result<(), Self> {
+    pub(crate) fn none_of(faults: Vec<Fault>) -> Result<(), Self> {
         if faults.is_empty() {
             Ok(())
         } else {

@@ -38,7 +38,7 @@ const NAMESPACE: &str = "namespace";
 const COLUMN_ID: &str = "column_id";
 
 /// Parameters, and groups of parameters, that all columns of a fleet share, because they belong to the node.
-const OF_THE_NODE: [&str; 9] = [
+const OF_THE_NODE: [&str; 11] = [
     "use_sim_time",
     "start_type_description_service",
     "senders",
@@ -48,6 +48,8 @@ const OF_THE_NODE: [&str; 9] = [
     "viewer",
     "alarm",
     "metrics",
+    "foxglove",
+    "qos_overrides",
 ];
 
 /// Whether a parameter belongs to the node of a fleet, and not to each of its columns.

@@ -1,6 +1,7 @@
 //! Parameters by their names, also misspelt and old ones.
 
 use super::parameter::Parameter;
+use super::qos_overrides::{QOS_PARAMETERS, qos_row};
 use super::sensors::{
     GROUP, PLACEHOLDER, SENSOR_PARAMETERS, full_name, is_sensor_name, sensor_and_row,
 };
@@ -55,13 +56,17 @@ pub(super) enum Entry<'a> {
     Single(usize),
     /// The sensor, and the index in [`SENSOR_PARAMETERS`].
     OfSensor(&'a str, usize),
+    /// The index in [`QOS_PARAMETERS`].
+    OfTopic(usize),
 }
 
 impl<'a> Entry<'a> {
     pub fn named(name: &'a str) -> Option<Self> {
         match Parameter::index_of(name) {
             Some(index) => Some(Self::Single(index)),
-            None => sensor_and_row(name).map(|(sensor, row)| Self::OfSensor(sensor, row)),
+            None => sensor_and_row(name)
+                .map(|(sensor, row)| Self::OfSensor(sensor, row))
+                .or_else(|| qos_row(name).map(Self::OfTopic)),
         }
     }
 
@@ -69,6 +74,7 @@ impl<'a> Entry<'a> {
         match self {
             Self::Single(index) => &PARAMETERS[index],
             Self::OfSensor(_, row) => &SENSOR_PARAMETERS[row],
+            Self::OfTopic(row) => &QOS_PARAMETERS[row],
         }
     }
 }

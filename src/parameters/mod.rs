@@ -23,7 +23,8 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - alarm_rows.rs: The rows of the table about alarms and metrics
+// - alarm_rows.rs: The rows of the table about alarms, metrics and Foxglove
+// - assumed.rs: Inputs of a column on which every verdict depends, and which are assumed where nobody has given them
 // - base.rs: The connection of the column's base, as given and as assumed
 // - beam.rs: The rows of the table about the direction of a hit and the fibre beam, and what follows from them
 // - catalogue.rs: The catalogue of rolled sections: HEA, HEB, HEM and IPE of EN 10365, from `config/sections.csv`
@@ -47,6 +48,7 @@
 // - overrides.rs: Parameters given on the command line
 // - parameter.rs: A parameter: its type, its admissible values, when a change applies
 // - processors.rs: Lists of processors, as `taskset` and `cpuset` write them
+// - qos_overrides.rs: The parameters that override the quality of service of a topic, with the names that rclcpp gives them
 // - ranges.rs: Ranges and texts that several rows of the parameter table share
 // - reference.rs: The reference documentation of the parameters, generated from the table
 // - section.rs: The section of a column, from its name and from what is given
@@ -65,6 +67,7 @@
 // - yaml_1_1.rs: Values as programs send them that read YAML 1.1, such as `ros2 param`
 
 mod alarm_rows;
+mod assumed;
 mod base;
 mod beam;
 mod catalogue;
@@ -86,6 +89,7 @@ mod node_name;
 mod overrides;
 mod parameter;
 mod processors;
+mod qos_overrides;
 mod ranges;
 mod reference;
 mod section;
@@ -108,6 +112,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use assumed::AssumedInput;
 pub use base::{assumed_plate, plate_in_words};
 pub use beam::component_in_words;
 pub use catalogue::{CatalogueSection, catalogue};
@@ -124,6 +129,7 @@ pub use node_name::{NodeName, full_name_fault, namespace_fault, part_fault};
 pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
+pub use qos_overrides::{QOS_PARAMETERS, QosOverride, QosSettings, TopicEnd};
 pub use ranges::MAX_SELECTED_COLUMNS;
 pub use reference::{markdown, python_keywords};
 pub use section::ColumnSection;
@@ -131,15 +137,15 @@ pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
     AcceptEstimates, AlarmAction, AlarmMqttSettings, AlarmSettings, AlarmWebhookSettings,
-    AssessmentSettings, BaseConnection, BaseSettings, BeamMode, BeamSettings, BowAxes,
+    AssessmentSettings, BaseConnection, BaseSettings, BeamMode, BeamSettings, BeamSteel, BowAxes,
     CapacitySettings, Compression, DampingSettings, EstimationSettings, EventSettings,
-    GeometrySettings, HardeningSettings, HingeSettings, LoadBasis, MetricsSettings, RateLawKind,
-    RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
-    ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
-    SensorsSettings, Settings, ShearModel, ShearSettings, SiteSettings, SofteningModel,
-    SofteningSettings, SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind,
-    SupportSettings, TopSettings, TorsionModel, VehicleSettings, ViewerMode, ViewerSettings,
-    YieldSurfaceSettings,
+    FoxgloveMode, FoxgloveSettings, GeometrySettings, HardeningSettings, HingeSettings, LoadBasis,
+    MetricsSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings,
+    ResistanceSettings, ResponseSettings, SectionSettings, SectionShape, SendersSettings,
+    SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings, ShearModel,
+    ShearSettings, SiteSettings, SofteningModel, SofteningSettings, SolverSettings, SpringSettings,
+    StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings, TorsionModel,
+    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use shear::{NoShear, POISSON_RATIO};
 pub use steel::{STEEL_GRADES, SteelGrade};
@@ -353,7 +359,7 @@ impl Parameters {
         self.all_declared().zip(self.values())
     }
 
-    /// All parameters, in the order of the table, sensor by sensor.
+    /// All parameters, in the order of the table, sensor by sensor, and the overrides of the quality of service.
     pub fn all_declared(&self) -> impl Iterator<Item = DeclaredParameter<'_>> {
         let single = PARAMETERS.iter().map(|row| DeclaredParameter {
             name: row.name,
@@ -361,13 +367,17 @@ impl Parameters {
         });
         let names = self.names_of_sensors.iter();
         let of_sensors = names.zip(SENSOR_PARAMETERS.iter().cycle());
-        single.chain(of_sensors.map(|(name, row)| DeclaredParameter { name, row }))
+        let of_sensors = of_sensors.map(|(name, row)| DeclaredParameter { name, row });
+        let of_topics = self.settings.qos_overrides.declared();
+        single.chain(of_sensors).chain(of_topics)
     }
 
     /// The values of all parameters, in the order of [`all_declared`](Self::all_declared).
     fn values(&self) -> impl Iterator<Item = Value> {
         let single = self.settings.values().into_iter();
-        single.chain(sensors::values_of_all(&self.settings))
+        let of_sensors = sensors::values_of_all(&self.settings);
+        let of_topics = self.settings.qos_overrides.values();
+        single.chain(of_sensors).chain(of_topics)
     }
 
     /// Where the messages of the [sensors](Self::sensors) come from, in the same order.
@@ -416,6 +426,45 @@ impl Parameters {
     #[must_use]
     pub fn section_dimensions(&self) -> Option<RolledSection> {
         dimensions_of(&self.settings.section)
+    }
+
+    /// What nobody has given of the column, each with the assumption in words.
+    #[must_use]
+    pub fn assumed_in_words(&self) -> Vec<(AssumedInput, String)> {
+        let Settings {
+            steel,
+            top,
+            support,
+            assessment,
+            ..
+        } = &self.settings;
+        let in_words = |input: &AssumedInput| {
+            let (what, instead) = match input {
+                AssumedInput::SteelGrade if steel.grade.is_empty() => (
+                    "the grade of the steel",
+                    format!(
+                        "a yield strength of {} MPa",
+                        readable(steel.yield_strength / 1e6)
+                    ),
+                ),
+                AssumedInput::SteelGrade => ("the grade of the steel", steel.grade.clone()),
+                AssumedInput::TopLoad => (
+                    "the load on the column",
+                    format!("{} kN", readable(top.load / 1e3)),
+                ),
+                AssumedInput::SupportBase => (
+                    "the support of the base",
+                    end_in_words(support.base, "base"),
+                ),
+                AssumedInput::SupportTop => {
+                    ("the support of the top", end_in_words(support.top, "top"))
+                }
+            };
+            let name = input.name();
+            format!("{what} was not given; {instead} is assumed; give {name}")
+        };
+        let assumed = assessment.assumed.iter();
+        assumed.map(|it| (*it, in_words(it))).collect()
     }
 
     /// The base plate that the parameters describe; `None` with `base.connection: none`. Its steel is that of the column.
@@ -629,6 +678,15 @@ impl TryFrom<Settings> for Parameters {
 impl From<Parameters> for Settings {
     fn from(parameters: Parameters) -> Self {
         parameters.settings
+    }
+}
+
+fn end_in_words(kind: SupportKind, end: &str) -> String {
+    match kind {
+        SupportKind::BuiltIn => format!("a {end} that is built in"),
+        SupportKind::SemiRigid => format!("a semi-rigid {end}"),
+        SupportKind::Pinned => format!("a pinned {end}"),
+        SupportKind::Free => format!("a free {end}"),
     }
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::catalogue::catalogue;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::qos_overrides::QOS_PARAMETERS;
 use super::sensors::SENSOR_PARAMETERS;
 use super::steel::STEEL_GRADES;
 use super::table::PARAMETERS;
@@ -27,6 +28,11 @@ pub fn markdown() -> String {
         text.push_str(&row(parameter));
     }
     text.push_str(SENSORS);
+    text.push_str(&heading("qos_overrides"));
+    for parameter in QOS_PARAMETERS {
+        text.push_str(&row(parameter));
+    }
+    text.push_str(QOS_OVERRIDES);
     text.push_str(&steels());
     text.push_str(&sections());
     text.push_str(&vehicles());
@@ -153,6 +159,18 @@ Readings are relative to the column at rest, as it was before the impact.
 sensors:
   names: [top_laser]
   top_laser: {quantity: displacement, height: 2.5, noise: 1.0e-4}
+```
+";
+
+const QOS_OVERRIDES: &str = "
+`<topic>` is the full name of a topic, after remapping, and `<end>` is `publisher` or `subscription`.
+Each of these parameters exists only if it is given, at the start; the others of the topic stay as \
+[the table of the topics](messages.md#topics-and-services) states them.
+
+```yaml
+qos_overrides:
+  /column_state:
+    publisher: {reliability: best_effort, depth: 10}
 ```
 ";
 

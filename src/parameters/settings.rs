@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::assumed::AssumedInput;
+use super::qos_overrides::QosSettings;
 use crate::column::{ElasticLaw, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
@@ -60,9 +62,14 @@ pub struct Settings {
     pub alarm: AlarmSettings,
     #[serde(default, skip_serializing_if = "MetricsSettings::is_default")]
     pub metrics: MetricsSettings,
+    #[serde(default, skip_serializing_if = "FoxgloveSettings::is_default")]
+    pub foxglove: FoxgloveSettings,
     // Left out where there are none, as in the recordings and states of programs that know no sensors.
     #[serde(default, skip_serializing_if = "SensorsSettings::is_empty")]
     pub sensors: SensorsSettings,
+    // Of the node and its network, not of the column: no recording and no state needs them.
+    #[serde(skip)]
+    pub qos_overrides: QosSettings,
 }
 
 /// The sensors on the column as given.
@@ -107,6 +114,9 @@ groups! {
         width: f64,
         web_thickness: f64,
         flange_thickness: f64,
+        // Left out for an I or H section, as in the recordings and states of programs that know no others.
+        #[serde(default, skip_serializing_if = "SectionShape::is_default")]
+        shape: SectionShape,
     }
     /// The steel as given: a grade, numbers that override its properties, or numbers alone.
     SteelSettings { grade: String, young_modulus: f64, yield_strength: f64 }
@@ -227,6 +237,9 @@ groups! {
         ultimate_rotation: f64,
         ultimate_shear_angle: f64,
         criteria: Vec<String>,
+        // Left out where nothing is assumed, as in the recordings and states of programs that do not tell.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        assumed: Vec<AssumedInput>,
         // The ranges are absent in recordings and states of programs that give one verdict alone.
         #[serde(default)]
         range_velocity: f64,
@@ -247,6 +260,9 @@ groups! {
         residual_stress: bool,
         bow: f64,
         bow_axes: BowAxes,
+        // Left out for bilinear steel, as in the recordings and states of programs whose beam knows no other.
+        #[serde(default, skip_serializing_if = "BeamSteel::is_default")]
+        steel: BeamSteel,
     }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
@@ -319,6 +335,13 @@ groups! {
     }
     /// Metrics for Prometheus.
     MetricsSettings { address: String }
+    /// Live topics for Foxglove.
+    FoxgloveSettings {
+        mode: FoxgloveMode,
+        address: String,
+        origins: Vec<String>,
+        control: bool,
+    }
     /// One sensor.
     SensorSettings {
         quantity: String,
@@ -391,6 +414,26 @@ words! {
         SaintVenant,
         /// The twist is suppressed.
         None,
+    }
+    /// Shape of a section by numbers.
+    #[derive(Default)]
+    SectionShape {
+        /// Flanges and a web.
+        #[default]
+        IOrH,
+        /// Four walls.
+        RectangularHollow,
+        /// A tube.
+        CircularHollow,
+    }
+    /// Stress of the steel of the fibre beam over its strain.
+    #[derive(Default)]
+    BeamSteel {
+        /// Two straight lines.
+        #[default]
+        Bilinear,
+        /// A yield plateau, then hardening up to the tensile strength.
+        Plateau,
     }
     /// Axes about which the fibre beam is bowed.
     BowAxes {
@@ -471,6 +514,13 @@ words! {
         /// The third one.
         Z,
     }
+    /// Whether Foxglove can connect.
+    FoxgloveMode {
+        /// It cannot.
+        Off,
+        /// It connects to this program.
+        Serve,
+    }
     /// The mildest action that is an alarm.
     AlarmAction {
         /// None is.
@@ -512,6 +562,18 @@ impl LoadBasis {
             Self::Present => "the present load",
             Self::Accidental => "the accidental combination of EN 1990 with its psi factors",
         }
+    }
+}
+
+impl BeamSteel {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl SectionShape {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 

@@ -6,7 +6,8 @@ use super::base::FRICTION;
 use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
 use super::settings::{
-    AlarmSettings, BaseConnection, BaseSettings, MetricsSettings, SensorSettings, Settings,
+    AlarmSettings, BaseConnection, BaseSettings, FoxgloveSettings, MetricsSettings, SensorSettings,
+    Settings,
 };
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
@@ -44,6 +45,13 @@ impl Default for MetricsSettings {
     }
 }
 
+impl Default for FoxgloveSettings {
+    /// The defaults of the table.
+    fn default() -> Self {
+        defaults("foxglove")
+    }
+}
+
 impl AlarmSettings {
     pub(super) fn is_default(&self) -> bool {
         *self == Self::default()
@@ -51,6 +59,12 @@ impl AlarmSettings {
 }
 
 impl MetricsSettings {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl FoxgloveSettings {
     pub(super) fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -98,8 +112,8 @@ impl Settings {
 
 /// Whether a parameter is not written while it has its default, as in the files of programs that do not know it.
 fn is_left_out(name: &str) -> bool {
-    name == "impact.direction"
-        || ["beam.", "alarm.", "metrics."]
+    ["impact.direction", "assessment.assumed", "section.shape"].contains(&name)
+        || ["beam.", "alarm.", "metrics.", "foxglove."]
             .iter()
             .any(|group| name.starts_with(group))
 }
@@ -165,8 +179,9 @@ fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::assumed::AssumedInput;
     use super::super::parameter::Admissible;
-    use super::super::settings::BeamMode;
+    use super::super::settings::{BeamMode, BeamSteel, SectionShape};
     use super::*;
 
     fn defaults() -> Vec<Value> {
@@ -197,9 +212,13 @@ mod tests {
         assert_eq!(sensor.values(), of_sensor);
         // What is left out while it has its default.
         settings.impact.direction = 0.1;
+        settings.assessment.assumed = vec![AssumedInput::TopLoad];
         settings.beam.elements = 16;
+        settings.beam.steel = BeamSteel::Plateau;
+        settings.section.shape = SectionShape::CircularHollow;
         settings.alarm.heartbeat = 1.0;
         settings.metrics.address = "127.0.0.1:1".to_owned();
+        settings.foxglove.control = true;
         settings.sensors.names = vec!["<name>".to_owned()];
         settings.sensors.each.insert("<name>".to_owned(), sensor);
         let mut names = Vec::new();
@@ -234,6 +253,8 @@ mod tests {
         let mut turned = settings;
         turned.impact.direction = -0.5;
         turned.beam.mode = BeamMode::Off;
+        turned.beam.steel = BeamSteel::Plateau;
+        turned.section.shape = SectionShape::CircularHollow;
         let values = turned.values();
         assert_eq!(
             Settings::from_values(&values).expect("table and struct agree"),

@@ -1,6 +1,7 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
 use super::alarm_rows;
+use super::assumed;
 use super::base::{CONCRETE_WORDS, FRICTION, GRADE_WORDS};
 use super::beam;
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
@@ -208,6 +209,16 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "t_f: thickness of the flanges, for the shear of the web; overrides the value of a named section",
+    },
+    Parameter {
+        name: "section.shape",
+        unit: "",
+        default: DefaultValue::Text("i_or_h"),
+        admissible: Admissible::Choice(&["i_or_h", "rectangular_hollow", "circular_hollow"]),
+        applies: Applies::AfterResponse,
+        meaning: "shape of a user-defined section. rectangular_hollow: `section.height` and `section.width` over walls of the thickness \
+                  `section.web_thickness`; circular_hollow: the diameter is `section.height`, the thickness of the wall \
+                  `section.web_thickness`",
     },
     Parameter {
         name: "steel.grade",
@@ -1039,6 +1050,7 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::AtOnce,
         meaning: "criteria that decide the action; all others are shown only. `collapse` always decides",
     },
+    assumed::ASSUMED,
     Parameter {
         name: "assessment.range_velocity",
         unit: "",
@@ -1075,6 +1087,7 @@ pub const PARAMETERS: &[Parameter] = &[
     beam::RESIDUAL_STRESS,
     beam::BOW,
     beam::BOW_AXES,
+    beam::STEEL,
     Parameter {
         name: "state.directory",
         unit: "",
@@ -1311,6 +1324,10 @@ pub const PARAMETERS: &[Parameter] = &[
     alarm_rows::ROWS[19],
     alarm_rows::ROWS[20],
     alarm_rows::METRICS_ADDRESS,
+    alarm_rows::FOXGLOVE[0],
+    alarm_rows::FOXGLOVE[1],
+    alarm_rows::FOXGLOVE[2],
+    alarm_rows::FOXGLOVE[3],
     // The last row: the rows of every sensor, in `sensors.rs`, continue the table.
     Parameter {
         name: "sensors.names",

@@ -9,7 +9,8 @@ use super::yaml::{self, YamlContent};
 
 impl Parameter {
     /// The value that a sender meant who reads YAML 1.1: numbers in the place of texts where this parameter holds numbers, an array in
-    /// the place of its text, and for a switch `true` and `false` also as texts or as 1 and 0. Every other value is returned unchanged, for [`check`](Self::check) to judge.
+    /// the place of its text, and for a switch `true` and `false` also as texts or as 1 and 0. Every other value is returned
+    /// unchanged, for [`check`](Self::check) to judge.
     #[must_use]
     pub fn meant_in_yaml_1_1(&self, value: Value) -> Value {
         let meant = match (self.kind(), &value) {

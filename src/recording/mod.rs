@@ -2,11 +2,13 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - completeness.rs: Whether anything is missing in a recording, in words
 // - earlier.rs: Recordings of earlier versions, whose messages belong to another package
 // - event_summary.rs: The impacts in a recording
 // - instant.rs: Times of a recording for people
 // - seal_finding.rs: What the seal of a recording proves, in words
 
+mod completeness;
 mod earlier;
 mod event_summary;
 mod instant;
@@ -21,6 +23,7 @@ use crate::endpoints::{JOURNAL, Qos};
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
 use crate::state_home;
+pub use completeness::incompleteness;
 pub use earlier::{check_version, is_of_earlier_version, open};
 pub use event_summary::{EventSummary, summarise_events};
 pub use instant::instant;

@@ -73,7 +73,7 @@ fn reasons<'c>(rows: &[&'c Criterion]) -> Vec<&'c str> {
 
 /// The most severe exceeded ones first, then those without data, then the others by their utilisation.
 fn ordered(assessed: &Assessed, decides: bool) -> Vec<&Criterion> {
-    let criteria = assessed.assessment.criteria.iter();
+    let criteria = assessed.criteria.iter();
     let mut all: Vec<_> = criteria.filter(|it| it.decides == decides).collect();
     let rank = |it: &Criterion| match it.exceeded {
         Some(true) => 0,

@@ -179,6 +179,7 @@ fn became(detected: &DetectedImpact, impacts: &[ReportedImpact]) -> Markup {
     let ReportedImpact {
         vehicle,
         impact,
+        velocity,
         report,
         ..
     } = &impacts[index];
@@ -189,7 +190,7 @@ fn became(detected: &DetectedImpact, impacts: &[ReportedImpact]) -> Markup {
     let length = |value: f64| Unit::length(value).show(value);
     html! {
         a href=(section) { "impact \"" (event_id) "\"" }
-        ": " (vehicle) ", " (short(impact.mass.round())) " kg with " (significant(impact.velocity, 3)) " m/s; "
+        ": " (vehicle) ", " (short(impact.mass.round())) " kg with " (significant(*velocity, 3)) " m/s; "
         (outcome_in_words(report.outcome)) ", largest v₁ " (length(report.max_v1))
         @if let Some(residual) = report.residual_v1 { ", " (length(residual)) " remain" }
     }

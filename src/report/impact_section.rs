@@ -11,8 +11,10 @@ use super::numbered_figures::Figures;
 use super::reported_impact::ReportedImpact;
 use super::second_opinion_section;
 use super::uncertainty;
-use super::words::{end_in_words, part_of, shortened};
-use crate::column::{HINGE_NAMES, HINGES, Support, WEB_NAMES, WEBS};
+use super::words::{degrees, end_in_words, instead_of_a_residual, part_of, shortened};
+use crate::column::{
+    HINGE_NAMES, HINGES, Outcome, Report, Support, WEB_NAMES, WEBS, share_in_plane,
+};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
 use crate::parameters::{CatalogueVehicle, plate_in_words, split_crush};
@@ -97,16 +99,37 @@ pub(super) fn facts(impact: &ReportedImpact, assessed: &Result<Assessed, String>
                     Err(_) => force(properties.top_load),
                 }))
                 (fact("Vehicle", vehicle_in_words(impact)))
-                (fact("Speed", format!("{} km/h ({} m/s)", significant(3.6 * impact.impact.velocity, 4),
-                    significant(impact.impact.velocity, 4))))
+                (fact("Speed", format!("{} km/h ({} m/s)", significant(3.6 * impact.velocity, 4), significant(impact.velocity, 4))))
+                @if impact.is_oblique() {
+                    (fact("Direction", format!("{} to the web; the two bars see {:.0} % of the speed", degrees(impact.direction),
+                        100.0 * share_in_plane(impact.direction))))
+                }
                 (fact("Height of the impact", format!("{} m above the base", significant(properties.length_below, 4))))
-                (fact("Largest utilisation", utilisations(impact)))
+                (fact("Largest utilisation", utilisation(impact, assessed)))
             }
         }
     }
 }
 
 /// How close the column comes to yielding, whatever decides.
+fn utilisation(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> String {
+    let beam = assessed.as_ref().ok().and_then(Assessed::beam);
+    let beam = beam.map(|opinion| match opinion.outcome() {
+        Outcome::Elastic => "below 100 % by the fibre beam, which stays elastic",
+        _ => "100 %: the column yields by the fibre beam",
+    });
+    match (beam, impact.is_oblique()) {
+        (None, false) => utilisations(impact),
+        (None, true) => format!(
+            "by the component in the plane of the two bars only: {}",
+            utilisations(impact)
+        ),
+        (Some(beam), true) => beam.to_owned(),
+        (Some(beam), false) => format!("{beam}; by the two bars {}", utilisations(impact)),
+    }
+}
+
+/// The same by the two bars.
 fn utilisations(impact: &ReportedImpact) -> String {
     let report = &impact.report;
     let share = |value: f64| format!("{:.0} %", 100.0 * value.min(1.0));
@@ -237,34 +260,38 @@ pub(super) struct ResultRow {
     pub time: String,
 }
 
-/// What the response comes to.
-pub(super) fn result_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
-    let report = &impact.report;
-    let at = |secs: f64| Unit::time(report.end_time).show(secs);
-    let when = |secs: Option<f64>| secs.map_or("-".to_owned(), at);
-    let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
-    let force = Unit::force(report.peak_contact_force);
-    let residual = |value: Option<f64>, unit: Unit| {
-        value.map_or("none: no equilibrium".to_owned(), |value| unit.show(value))
-    };
-    let part = |value: f64| part_of(value, impact.height());
-    let row = |name, value: String, part: String, time: String| ResultRow {
+/// A length that remains after a response, or why it does not.
+fn residual(report: &Report, value: Option<f64>, unit: Unit) -> String {
+    let instead = || instead_of_a_residual(report.outcome).to_owned();
+    value.map_or_else(instead, |value| unit.show(value))
+}
+
+fn row(name: &'static str, value: String, part: String, time: String) -> ResultRow {
+    ResultRow {
         name,
         value,
         part,
         time,
-    };
+    }
+}
+
+/// How the two bars move the impact point and the top.
+pub(super) fn displacement_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
+    let report = &impact.report;
+    let v1 = Unit::length(report.max_v1);
+    let u2 = Unit::length(report.max_u2);
+    let part = |value: f64| part_of(value, impact.height());
     let none = String::new;
-    let mut rows = vec![
+    vec![
         row(
             "peak displacement of the impact point",
             v1.show(report.max_v1),
             part(report.max_v1),
-            at(report.max_v1_time),
+            Unit::time(report.end_time).show(report.max_v1_time),
         ),
         row(
             "residual displacement of the impact point (bow)",
-            residual(report.residual_v1, v1),
+            residual(report, report.residual_v1, v1),
             report.residual_v1.map_or_else(none, part),
             none(),
         ),
@@ -282,10 +309,21 @@ pub(super) fn result_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
         ),
         row(
             "lowering of the top at rest, with the elastic one",
-            residual(report.residual_u2, u2),
+            residual(report, report.residual_u2, u2),
             none(),
             none(),
         ),
+    ]
+}
+
+/// What else their response comes to.
+pub(super) fn response_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
+    let report = &impact.report;
+    let at = |secs: f64| Unit::time(report.end_time).show(secs);
+    let when = |secs: Option<f64>| secs.map_or("-".to_owned(), at);
+    let force = Unit::force(report.peak_contact_force);
+    let none = String::new;
+    let mut rows = vec![
         row(
             "first contact",
             none(),
@@ -312,12 +350,15 @@ pub(super) fn result_rows(impact: &ReportedImpact) -> Vec<ResultRow> {
             none(),
         ),
     ];
-    rows.push(row(
-        "end of the response",
-        end_in_words(report.end).to_owned(),
-        none(),
-        at(report.end_time),
-    ));
+    // That of the component alone is of no use.
+    if !impact.is_oblique() {
+        rows.push(row(
+            "end of the response",
+            end_in_words(report.end).to_owned(),
+            none(),
+            at(report.end_time),
+        ));
+    }
     rows
 }
 

@@ -3,12 +3,14 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
+use super::beam_words;
 use super::checks::utilisation;
 use super::reported_impact::ReportedImpact;
 use super::words::part_of;
 use crate::assessment::Criterion;
 use crate::column::Outcome;
 use crate::figures::units::Unit;
+use crate::second_opinion::SecondOpinion;
 
 /// How urgent a place is, the most urgent first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,8 +35,8 @@ const LOWERING: f64 = 1e-3;
 pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
     let assessed = assessed.as_ref().ok();
     let mut places = vec![
-        base(assessed),
-        impact_point(impact),
+        base(impact, assessed),
+        impact_point(impact, assessed),
         web(impact, assessed),
         Place {
             urgency: Urgency::NotChecked,
@@ -49,7 +51,7 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
             reason: "not part of the model".to_owned(),
         },
     ];
-    places.extend(above(impact));
+    places.extend(above(impact, assessed));
     places.sort_by_key(|place| place.urgency);
     html! {
         div.look {
@@ -68,9 +70,9 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
     }
 }
 
-fn base(assessed: Option<&Assessed>) -> Place {
+fn base(impact: &ReportedImpact, assessed: Option<&Assessed>) -> Place {
     let all: Vec<&Criterion> = assessed.map_or(Vec::new(), |it| {
-        let criteria = it.assessment.criteria.iter();
+        let criteria = it.criteria.iter();
         criteria.filter(|it| it.name.starts_with("base_")).collect()
     });
     let used = |name: &str| {
@@ -102,14 +104,18 @@ fn base(assessed: Option<&Assessed>) -> Place {
             } else {
                 ""
             };
-            let reason = match shares.is_empty() {
+            let mut reason = match shares.is_empty() {
                 true => "no force beyond the load".to_owned(),
                 false => format!("used by {}{plate}", shares.join(", ")),
             };
-            let urgency = if exceeded {
-                Urgency::Exceeded
-            } else {
-                Urgency::Within
+            let is_oblique = impact.is_oblique();
+            if is_oblique {
+                reason += "; moment and uplift across the web are not known";
+            }
+            let urgency = match (exceeded, is_oblique) {
+                (true, _) => Urgency::Exceeded,
+                (false, true) => Urgency::NotChecked,
+                (false, false) => Urgency::Within,
             };
             (urgency, reason)
         }
@@ -122,13 +128,34 @@ fn base(assessed: Option<&Assessed>) -> Place {
     }
 }
 
-fn impact_point(impact: &ReportedImpact) -> Place {
+/// Why the impact point may be as it was.
+const ELASTIC: &str = "stays elastic as a bar; dents are not part of the model";
+
+fn impact_point(impact: &ReportedImpact, assessed: Option<&Assessed>) -> Place {
+    let (urgency, reason) = match assessed.and_then(Assessed::by_beam) {
+        Some(by_beam) => match beam_words::finding(by_beam) {
+            Some(finding) => (Urgency::Exceeded, finding),
+            None => (Urgency::Within, ELASTIC.to_owned()),
+        },
+        None => by_two_bars(impact),
+    };
+    Place {
+        urgency,
+        name: "Impact point, foot, top",
+        signs: "kink, dented flange, buckled flange or web, cracks; measure the bow with a straight line",
+        reason,
+    }
+}
+
+/// How the two bars leave the impact point.
+fn by_two_bars(impact: &ReportedImpact) -> (Urgency, String) {
     let report = &impact.report;
-    let (urgency, reason) = match (report.outcome, report.residual_v1) {
-        (Outcome::Elastic, _) => (
-            Urgency::Within,
-            "stays elastic as a bar; dents are not part of the model".to_owned(),
+    match (report.outcome, report.residual_v1) {
+        (Outcome::Elastic, _) if impact.is_oblique() => (
+            Urgency::NotChecked,
+            "checked for the component of the hit in the direction of the web only".to_owned(),
         ),
+        (Outcome::Elastic, _) => (Urgency::Within, ELASTIC.to_owned()),
         (Outcome::Plastic, Some(residual)) => (
             Urgency::Exceeded,
             format!(
@@ -142,12 +169,6 @@ fn impact_point(impact: &ReportedImpact) -> Place {
             Urgency::Exceeded,
             "collapsed or fractured: look from a safe distance".to_owned(),
         ),
-    };
-    Place {
-        urgency,
-        name: "Impact point, foot, top",
-        signs: "kink, dented flange, buckled flange or web, cracks; measure the bow with a straight line",
-        reason,
     }
 }
 
@@ -163,6 +184,11 @@ fn web(impact: &ReportedImpact, assessed: Option<&Assessed>) -> Place {
         (true, true) => (
             Urgency::Exceeded,
             format!("sheared by {:.1}° beyond yield", angle.to_degrees()),
+        ),
+        (true, false) if impact.is_oblique() => (
+            Urgency::NotChecked,
+            "shear was checked for the component of the hit in the direction of the web only"
+                .to_owned(),
         ),
         (true, false) => (
             Urgency::Within,
@@ -181,13 +207,17 @@ fn web(impact: &ReportedImpact, assessed: Option<&Assessed>) -> Place {
 }
 
 /// The structure above, where the top has become lower.
-fn above(impact: &ReportedImpact) -> Option<Place> {
+fn above(impact: &ReportedImpact, assessed: Option<&Assessed>) -> Option<Place> {
     let report = &impact.report;
-    let reason = match report.outcome {
+    let beam = assessed.and_then(Assessed::beam);
+    let reason = match beam.map_or(report.outcome, SecondOpinion::outcome) {
         Outcome::Collapsed | Outcome::Fractured => {
             "the column gives no support any more".to_owned()
         }
         Outcome::Elastic => return None,
+        Outcome::Plastic if impact.is_oblique() => {
+            "how far the bent column lowers the top was not computed".to_owned()
+        }
         Outcome::Plastic => {
             // A straight column is shortened by its load already.
             let before = impact.samples.first().map_or(0.0, |it| it.u2);

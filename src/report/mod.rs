@@ -14,6 +14,7 @@
 //
 // - assessed.rs: What the impact has left of the column: its residual capacity, judged by the criteria
 // - assessment_section.rs: The residual capacity as a table
+// - beam_words.rs: What the fibre beam says of the column, in the words of the first pages
 // - checks.rs: The checks as a table: the names people use, clause and edition, value, limit, utilisation, and what follows
 // - course.rs: The course of one response, computed from the instant at which the impact begins
 // - details.rs: What an office writes into a report beside the numbers: project, site, author and the like
@@ -49,6 +50,7 @@
 
 mod assessed;
 mod assessment_section;
+mod beam_words;
 mod checks;
 mod course;
 mod details;
@@ -94,4 +96,6 @@ pub(crate) use limits::{FIBRE_AGREEMENT, FibreAgreement};
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedFile, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;
-pub use words::{base_rows, end_in_words, in_kilo, outcome_in_words, short, title};
+pub use words::{
+    base_rows, end_in_words, in_kilo, instead_of_a_residual, outcome_in_words, short, title,
+};

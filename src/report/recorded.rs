@@ -22,8 +22,8 @@ use crate::second_opinion::Movement;
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
 use crate::twin::{
-    ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Output, ReportOutput,
-    StateOutput, Twin, vehicle_name,
+    ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, KnownBeamDamage, Lengths,
+    Output, ReportOutput, StateOutput, Twin, vehicle_name,
 };
 
 /// Maximum number of impacts with a section of their own; of more impacts, the last ones have one.
@@ -40,8 +40,10 @@ pub struct ReportedRecording {
     pub written_by: String,
     /// First and last time \[ns\]; `None` without messages.
     pub span: Option<(Nanos, Nanos)>,
-    /// Why the recording is not complete; `None` if it is.
+    /// What is missing in the recording; `None` if it is complete.
     pub incomplete: Option<String>,
+    /// Whether everything in its files can be read.
+    pub is_whole: bool,
     /// Messages that the recorder declares as lost; `None`: unknown.
     pub lost: Option<u64>,
     /// What its seal proves.
@@ -150,7 +152,6 @@ impl ReportDocument {
         }
         add_commands(&mut events, &gathered.commands);
         check_events(path, &reader, &events, &gathered.detected, event_id)?;
-        let whole = reader.wholeness();
         let reports = gathered.finished.len();
         let impacts: Vec<_> = gathered
             .finished
@@ -166,7 +167,8 @@ impl ReportDocument {
                 .collect(),
             written_by: written_by(&reader),
             span: reader.span(),
-            incomplete: (!whole.is_whole()).then(|| whole.to_string()),
+            incomplete: recording::incompleteness(&reader),
+            is_whole: reader.wholeness().is_whole(),
             lost: reader.lost_messages(),
             seal: SealFinding::of(&reader).with_neighbours(&reader),
             verification: verification.map_err(|error: VerifyError| error.to_string()),
@@ -557,6 +559,11 @@ impl Finished {
         let assessed = self.output.assessed.as_ref();
         reported.second_opinion = assessed.and_then(|it| it.second_opinion.clone());
         reported.beam = self.movement(&reported);
+        // Where the movement is not that of the recorded opinion, the damage is not, either.
+        let before = self.announced.as_ref().and_then(|it| it.before.as_ref());
+        let damage = before.map(ColumnSnapshot::beam_damage);
+        let is_known = |it: &&KnownBeamDamage| reported.beam.is_some() || it.is_undamaged();
+        reported.beam_before = damage.filter(is_known).cloned();
         reported.event = Some((self.output.event_id.to_string(), self.output.stamp));
         if let Some(later) = &self.superseded_by {
             reported.remarks.push(format!(
@@ -584,7 +591,11 @@ impl Finished {
         let reported = ReportedImpact::computed(
             parameters,
             vehicle,
-            (impact, self.output.striking.direction()),
+            impact,
+            (
+                self.output.striking.velocity(),
+                self.output.striking.direction(),
+            ),
             &struck,
         )
         .ok()?;
@@ -623,6 +634,7 @@ impl Finished {
         let announced = announced.as_ref()?;
         let impact = announced.impact?;
         let vehicle = vehicle_of(&announced.command, &parameters);
+        let (velocity, direction) = (output.striking.velocity(), output.striking.direction());
         let mut thinning = HistoryThinning::new(samples.len() as u64, output.report.end_time);
         samples.iter().for_each(|sample| thinning.push(sample));
         let samples = thinning.finish();
@@ -640,13 +652,15 @@ impl Finished {
             title: words::title(
                 &parameters,
                 vehicle,
-                &impact,
+                &Impact { velocity, ..impact },
                 properties.length_below,
-                output.striking.direction(),
+                direction,
             ),
             event: None,
             vehicle: vehicle.to_owned(),
             impact,
+            velocity,
+            direction,
             model,
             samples,
             report: output.report,
@@ -656,6 +670,7 @@ impl Finished {
             struck: None,
             second_opinion: None,
             beam: None,
+            beam_before: None,
             remarks: vec![format!(
                 "{why} The histories have the values that were published, at most {rate} per second, which are too few for the \
                  contact force spectrum; the error of the time step was not estimated."

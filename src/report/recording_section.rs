@@ -159,7 +159,7 @@ fn faults(recorded: &ReportedRecording) -> Option<(String, String)> {
         Ok(_) => recorded.incomplete.as_ref().map(|why| {
             (
                 "This recording is not complete".to_owned(),
-                format!("It is {why}. The report contains the readable part; impacts at the end may be missing."),
+                format!("In detail: {why}. The report contains what can be read; impacts may be missing."),
             )
         }),
     }
@@ -245,7 +245,7 @@ pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
         (fact("Time", recorded.span.map_or("no messages".to_owned(), |(first, last)| {
             format!("{} to {}", instant(first), instant(last))
         })))
-        (fact("Complete", recorded.incomplete.as_deref().unwrap_or("yes")))
+        (fact("Complete", recorded.incomplete.as_ref().map_or("yes".to_owned(), |why| format!("no: {why}"))))
         (fact("Declared losses", recorded.lost.map_or("unknown".to_owned(), |lost| format!("{lost} messages"))))
         @for (index, text) in recorded.seal.texts().iter().enumerate() {
             (fact(if index == 0 { "Seal" } else { "" }, text))

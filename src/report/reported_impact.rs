@@ -6,13 +6,15 @@ use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
     ForceSpectrum, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
-    Support, error_estimate, with_half_the_step,
+    Support, error_estimate, is_direction, with_half_the_step,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
-use crate::second_opinion::{BeamTask, Movement, SecondOpinion};
+use crate::second_opinion::{
+    BeamTask, Movement, SecondOpinion, is_out_of_plane, is_seen_by_the_bars,
+};
 use crate::time::Nanos;
-use crate::twin::Lengths;
+use crate::twin::{KnownBeamDamage, Lengths};
 
 /// One impact with everything that the report needs of it.
 #[derive(Debug, Clone)]
@@ -25,8 +27,12 @@ pub struct ReportedImpact {
     pub parameters: Arc<Parameters>,
     /// Name of the vehicle in the catalogue; empty: given by numbers.
     pub vehicle: String,
-    /// What hit the column.
+    /// What hit the column, with the component of its velocity in the plane of the two bars.
     pub impact: Impact,
+    /// Whole speed of the vehicle, whatever its direction \[m/s\].
+    pub velocity: f64,
+    /// Direction in which it travels \[rad\]: see [`ImpactSpecification::direction`](crate::column::ImpactSpecification::direction).
+    pub direction: f64,
     /// The column that was hit; its lower bar ends at the impact point.
     pub model: Model,
     /// The history, possibly thinned.
@@ -43,6 +49,8 @@ pub struct ReportedImpact {
     pub second_opinion: Option<Arc<SecondOpinion>>,
     /// How the fibre beam moves during it, if that is known.
     pub beam: Option<Movement>,
+    /// The damage of the beam before it, if that is known.
+    pub beam_before: Option<KnownBeamDamage>,
     /// What a reader has to know about the origin of these data.
     pub remarks: Vec<String>,
 }
@@ -67,24 +75,28 @@ impl ReportedImpact {
         let computed = Self::computed(
             Arc::new(parameters.clone()),
             vehicle,
-            (impact, parameters.direction()),
+            impact,
+            (parameters.whole_impact().velocity, parameters.direction()),
             &struck,
         )?;
         let beam = BeamTask::of_parameters(parameters).and_then(|task| task.movement());
         Ok(Self {
             beam: beam.ok(),
+            beam_before: Some(KnownBeamDamage::Undamaged),
             ..computed
         })
     }
 
-    /// An impact of the vehicle of this name, which travels in this direction \[rad\], computed from its beginning.
+    /// An impact of the vehicle of this name, which travels with this whole speed \[m/s\] in this direction \[rad\], computed from its
+    /// beginning.
     ///
     /// # Errors
     /// A step that does not converge.
     pub fn computed(
         parameters: Arc<Parameters>,
         vehicle: &str,
-        (impact, direction): (Impact, f64),
+        impact: Impact,
+        (velocity, direction): (f64, f64),
         struck: &Struck,
     ) -> Result<Self, StepError> {
         let Course {
@@ -97,7 +109,7 @@ impl ReportedImpact {
             title: words::title(
                 &parameters,
                 vehicle,
-                &impact,
+                &Impact { velocity, ..impact },
                 struck.model.properties.length_below,
                 direction,
             ),
@@ -105,6 +117,8 @@ impl ReportedImpact {
             vehicle: vehicle.to_owned(),
             parameters,
             impact,
+            velocity,
+            direction,
             model: struck.model,
             samples,
             report,
@@ -113,6 +127,7 @@ impl ReportedImpact {
             struck: Some(*struck),
             second_opinion: None,
             beam: None,
+            beam_before: None,
             remarks: Vec::new(),
         })
     }
@@ -143,6 +158,16 @@ impl ReportedImpact {
             vehicle: self.impact.vehicle,
             beam: self.beam.as_ref(),
         }
+    }
+
+    /// Whether the vehicle travels out of the plane of the two bars, which then see a component of the hit only.
+    pub(super) fn is_oblique(&self) -> bool {
+        is_direction(self.direction) && is_out_of_plane(self.direction)
+    }
+
+    /// Whether the two bars see the hit at all: at right angles to their plane it has no component in it.
+    pub(super) fn is_seen_by_the_bars(&self) -> bool {
+        is_seen_by_the_bars(self.direction)
     }
 
     /// Height of the column \[m\].

@@ -6,7 +6,7 @@ use super::assessed::Assessed;
 use super::facts::fact;
 use super::numbered_figures::Figures;
 use super::reported_impact::ReportedImpact;
-use super::words::short;
+use super::words::{instead_of_a_residual, millimetres, short};
 use crate::column::Outcome;
 use crate::figures::units::significant;
 use crate::second_opinion::{BAND, SecondOpinion, is_out_of_plane};
@@ -95,8 +95,8 @@ fn agreement(opinion: &SecondOpinion) -> String {
 fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
     let (beam, report) = (&opinion.beam, &impact.report);
     let length = |metres: f64| match metres.is_finite() {
-        true => format!("{} mm", significant(1e3 * metres, 3)),
-        false => "none".to_owned(),
+        true => millimetres(metres),
+        false => instead_of_a_residual(report.outcome).to_owned(),
     };
     let ratio = |ratio: f64| match ratio.is_finite() {
         true => significant(ratio, 3),
@@ -161,6 +161,18 @@ fn comparison(impact: &ReportedImpact, opinion: &SecondOpinion) -> Markup {
             format!("{} kN", short(1e-3 * report.base.peak_shear.shear.abs())),
             format!("{} kN", short(1e-3 * beam.base_shear_n)),
             ratio(beam.base_shear_n / report.base.peak_shear.shear.abs()),
+        ),
+        (
+            "largest moment of the base, over 1 ms",
+            format!(
+                "{} kN m",
+                short(1e-3 * report.base.peak_moment.moment.abs())
+            ),
+            match beam.base_moment_n_m.is_finite() {
+                true => format!("{} kN m", short(1e-3 * beam.base_moment_n_m)),
+                false => "not recorded".to_owned(),
+            },
+            ratio(beam.base_moment_n_m / report.base.peak_moment.moment.abs()),
         ),
     ];
     html! {

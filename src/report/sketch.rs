@@ -1,5 +1,7 @@
 //! The sketch of the first page: elevation and plan of column and hit, each to its scale.
 
+use std::f64::consts::FRAC_PI_2;
+
 use maud::{Markup, html};
 
 use super::reported_impact::ReportedImpact;
@@ -7,9 +9,10 @@ use super::svg::{
     self, FAINT, INK, ORANGE, RED, STEEL, Spot, area, arrow, circle, hatched, height, line,
     scale_bar, text, title,
 };
-use super::words::short;
+use super::words::{degrees, short};
 use crate::assessment::ConnectedBase;
-use crate::column::{BasePlate, Support, VehicleSample};
+use crate::column::{BasePlate, Support, VehicleSample, is_direction};
+use crate::second_opinion::is_out_of_plane;
 use crate::shape::{Outline, VehicleBody, drawn_section};
 
 /// Size of the drawing.
@@ -50,18 +53,47 @@ fn caption(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> String {
         Some(_) => "",
         None => " The base plate is not known.",
     };
-    format!(
-        "Elevation and plan, to scale: {section}; the vehicle hits the flange in the direction of the web and bends the column about \
-         its strong axis y-y.{plate}"
-    )
+    let travel = travel_in_words(travel(impact));
+    format!("Elevation and plan, to scale: {section}; the vehicle travels {travel}.{plate}")
+}
+
+/// The direction of travel \[rad\]; a number that is no direction turns nothing.
+fn travel(impact: &ReportedImpact) -> f64 {
+    match is_direction(impact.direction) {
+        true => impact.direction,
+        false => 0.0,
+    }
+}
+
+/// How the vehicle travels \[rad\] and about which axis it bends the column.
+fn travel_in_words(direction: f64) -> String {
+    let is_along_the_flanges = !is_out_of_plane(direction - FRAC_PI_2);
+    match (is_out_of_plane(direction), is_along_the_flanges) {
+        (false, _) => {
+            "in the direction of the web and bends the column about its strong axis y-y".to_owned()
+        }
+        (true, true) => {
+            "at right angles to the web and bends the column about its weak axis z-z".to_owned()
+        }
+        (true, false) => format!(
+            "at {} to the web and bends the column about both axes, the strong one y-y and the weak one z-z",
+            degrees(direction)
+        ),
+    }
+}
+
+/// How deep the section is as it is seen across the direction of travel \[m\].
+pub(super) fn seen_depth(impact: &ReportedImpact) -> f64 {
+    let section = drawn_section(&impact.parameters);
+    let (sin, cos) = travel(impact).sin_cos();
+    section.depth * cos.abs() + section.width * sin.abs()
 }
 
 fn elevation(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
     let properties = &impact.model.properties;
     let (below, total) = (properties.length_below, impact.height());
     let scale = HIGHEST / total;
-    let section = drawn_section(&impact.parameters);
-    let half = (0.5 * scale * section.depth).max(1.5);
+    let half = (0.5 * scale * seen_depth(impact)).max(1.5);
     let (top, hit) = (GROUND - scale * total, GROUND - scale * below);
     let load = properties.top_load;
     let bar = if total > 12.0 { 5.0 } else { 1.0 };
@@ -86,13 +118,22 @@ fn elevation(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
         (text((AXIS + half + 16.0, top - 9.0), "start", INK, &format!("top {}", in_words(&properties.top))))
         (scale_bar((LEFT, SIZE.1 - 8.0), scale * bar, &format!("{} m", short(bar))))
         (text((LEFT, 34.0), "start", RED, &speed(impact)))
-        (text((LEFT, 48.0), "start", INK, &format!("{} kg", short(impact.impact.mass))))
+        (text((LEFT, 48.0), "start", INK, &mass(impact)))
     }
 }
 
 fn speed(impact: &ReportedImpact) -> String {
-    let velocity = impact.impact.velocity;
+    let velocity = impact.velocity;
     format!("{} km/h ({} m/s)", short(3.6 * velocity), short(velocity))
+}
+
+/// The mass and, where the elevation does not show the plane of the web, how it is turned.
+fn mass(impact: &ReportedImpact) -> String {
+    let mass = short(impact.impact.mass);
+    match impact.is_oblique() {
+        true => format!("{mass} kg, {} to the web", degrees(impact.direction)),
+        false => format!("{mass} kg"),
+    }
 }
 
 /// A support in one or two words.
@@ -225,7 +266,6 @@ fn plan(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
         .map(|[x, y]| place(*x, *y))
         .collect();
     let reach = 0.5 * WIDEST + 14.0;
-    let (left, depth) = (PLAN.0 - 0.5 * scale * section.depth, section.depth);
     html! {
         (title((432.0, 14.0), "Plan: section and base"))
         @if let Some(plate) = plate { (base_plate(plate, scale, base.is_some_and(|it| it.is_assumed))) }
@@ -235,13 +275,43 @@ fn plan(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
         (text((PLAN.0 + 4.0, PLAN.1 - reach + 4.0), "start", INK, "y (strong axis)"))
         (text((PLAN.0 + 4.0, PLAN.1 + reach), "start", INK, "y"))
         (text((PLAN.0 + reach + 3.0, PLAN.1 + 4.0), "start", INK, "z"))
-        (arrow((438.0, PLAN.1), (left, PLAN.1), RED, 3.0))
-        (text((438.0, PLAN.1 - 8.0), "start", RED, "hit"))
-        (text((432.0, 34.0), "start", INK, &format!("h = {} mm, b = {} mm", short(1e3 * depth), short(1e3 * section.width))))
+        (hit(impact, [0.5 * scale * section.depth, 0.5 * scale * section.width]))
+        (text((432.0, 34.0), "start", INK, &format!("h = {} mm, b = {} mm", short(1e3 * section.depth), short(1e3 * section.width))))
         (scale_bar((432.0, SIZE.1 - 8.0), 0.1 * scale, "100 mm"))
         @if let Some(plate) = plate {
             (text((556.0, SIZE.1 - 6.0), "start", INK, &anchors(plate)))
         }
+    }
+}
+
+/// The arrow of the hit in the direction of travel, from the edge of the plan to the section with these halves of its sides.
+fn hit(impact: &ReportedImpact, section: [f64; 2]) -> Markup {
+    let (sin, cos) = travel(impact).sin_cos();
+    // Positive directions turn towards the upper edge.
+    let against = |[half_wide, half_high]: [f64; 2]| {
+        let far = (half_wide / cos.abs()).min(half_high / sin.abs());
+        (PLAN.0 - far * cos, PLAN.1 + far * sin)
+    };
+    let room = match cos > 0.0 {
+        true => PLAN.0 - 438.0,
+        false => 120.0,
+    };
+    let (from, to) = (against([room, 124.0]), against(section));
+    let beside = match sin {
+        it if it > 0.1 => 12.0,
+        _ => -8.0,
+    };
+    let words = match impact.is_oblique() {
+        true => format!("hit, {}", degrees(impact.direction)),
+        false => "hit".to_owned(),
+    };
+    let anchor = match from.0 > PLAN.0 + 1.0 {
+        true => "end",
+        false => "start",
+    };
+    html! {
+        (arrow(from, to, RED, 3.0))
+        (text((from.0, from.1 + beside), anchor, RED, &words))
     }
 }
 

@@ -6,9 +6,9 @@ use maud::{Markup, html};
 use super::assessed::Assessed;
 use super::facts::fact;
 use super::reported_impact::ReportedImpact;
-use super::words::{outcome_in_words, short};
+use super::words::{instead_of_a_residual, outcome_in_words, short};
 use crate::assessment::{ActionRange, Variation, capitalised};
-use crate::column::{Outcome, Report};
+use crate::column::Report;
 use crate::figures::units::Unit;
 
 /// Error of the step, range of the verdict, band of the steel, and where the error of the model is described.
@@ -16,6 +16,12 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
     let range = match assessed {
         Ok(assessed) => assessed.range.as_ref().map_err(|reason| *reason),
         Err(_) => Err("there is no assessment"),
+    };
+    let beam = assessed.as_ref().ok().and_then(Assessed::beam);
+    let error = beam.map(|opinion| opinion.beam.error_estimate);
+    let models = match impact.is_oblique() {
+        true => "Each row is by the model that decides there. ",
+        false => "",
     };
     html! {
         h2 { "How sure this is" }
@@ -29,12 +35,19 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
                     None => "not estimated".to_owned(),
                 }))
                 (fact("Energy balance", format!("largest residual {:.1e} of the energy of the vehicle", impact.report.ledger_residual)))
+                @if let Some(error) = error.filter(|it| it.is_finite()) {
+                    (fact("Fibre beam", format!("{:.1} % of its peak displacement, estimated by a second run with fewer elements", 100.0 * error)))
+                }
                 (fact("Model", "see the limits below"))
             }
         }
         @match range {
             Ok(range) => {
-                (range_table(range))
+                @if range.variations.is_empty() { p { "Range of the verdict: " (range) "." } }
+                @else { (range_table(range, models)) }
+                @for (assumption, reason) in &range.not_varied {
+                    p.note { (capitalised(assumption.in_words())) " was not varied: " (reason) "." }
+                }
             }
             Err(reason) => { p.note { "The range of the verdict was not computed: " (reason) "." } }
         }
@@ -44,6 +57,7 @@ pub(super) fn markup(impact: &ReportedImpact, assessed: &Result<Assessed, String
 /// The band of the steel, for the annex.
 pub(super) fn band(assessed: &Result<Assessed, String>) -> Markup {
     let range = assessed.as_ref().ok().and_then(|it| it.range.as_ref().ok());
+    let range = range.filter(|it| it.band().is_some());
     html! {
         @if let Some(range) = range {
             h3 { "Band of the steel" }
@@ -53,7 +67,7 @@ pub(super) fn band(assessed: &Result<Assessed, String>) -> Markup {
 }
 
 /// One assumption after the other, with the action to which it leads.
-fn range_table(range: &ActionRange) -> Markup {
+fn range_table(range: &ActionRange, models: &str) -> Markup {
     let row = |it: &Variation| {
         let (max, residual) = displacements(&it.report);
         html! {
@@ -63,14 +77,14 @@ fn range_table(range: &ActionRange) -> Markup {
                 td { (outcome_in_words(it.report.outcome)) }
                 td.number { (max) }
                 td.number { (residual) }
-                td { (it.action.name()) }
+                td.word { (it.action.name()) }
             }
         }
     };
     html! {
         table.compact {
             caption {
-                "Range of the verdict: " (range) ". Each assumption is changed alone [A]; two that both err on the unsafe side may lead \
+                "Range of the verdict: " (range) ". " (models) "Each assumption is changed alone [A]; two that both err on the unsafe side may lead \
                  beyond this range."
             }
             thead { tr {
@@ -79,21 +93,19 @@ fn range_table(range: &ActionRange) -> Markup {
             } }
             tbody { @for variation in &range.variations { (row(variation)) } }
         }
-        @for (assumption, reason) in &range.not_varied {
-            p.note { (capitalised(assumption.in_words())) " was not varied: " (reason) "." }
-        }
     }
 }
 
-/// Largest and residual displacement of the impact point; words where there are none.
+/// Largest and residual displacement of the impact point.
 fn displacements(report: &Report) -> (String, String) {
     let unit = Unit::length(report.max_v1);
-    let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-    let residual = report.residual_v1.filter(|_| stands);
-    (
-        unit.show(report.max_v1),
-        residual.map_or("none".to_owned(), |it| unit.show(it)),
-    )
+    (unit.show(report.max_v1), residual(report, unit))
+}
+
+/// The residual displacement of the impact point, or why there is none.
+fn residual(report: &Report, unit: Unit) -> String {
+    let instead = || instead_of_a_residual(report.outcome).to_owned();
+    report.residual_v1.map_or_else(instead, |it| unit.show(it))
 }
 
 fn band_table(range: &ActionRange) -> Markup {
@@ -109,11 +121,6 @@ fn band_table(range: &ActionRange) -> Markup {
         "local buckling"
     } else {
         "no local buckling"
-    };
-    let residual = |report: &Report| {
-        report
-            .residual_v1
-            .map_or("none".to_owned(), |value| length.show(value))
     };
     let rotation = |report: &Report| {
         let rotations = report
@@ -140,7 +147,7 @@ fn band_table(range: &ActionRange) -> Markup {
             } }
             tbody {
                 (row("peak displacement of the impact point", &|report| length.show(report.max_v1)))
-                (row("residual displacement of the impact point", &residual))
+                (row("residual displacement of the impact point", &|report| residual(report, length)))
                 (row("largest plastic rotation", &rotation))
                 (row("peak contact force, without impact impulses", &|report| force.show(report.peak_contact_force)))
                 @if weakest.outcome != strongest.outcome {

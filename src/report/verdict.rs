@@ -3,10 +3,14 @@
 use maud::{Markup, html};
 
 use super::assessed::Assessed;
+use super::beam_words;
 use super::checks::{limit_in_words, value_in_words};
 use super::reported_impact::ReportedImpact;
 use super::words::part_of;
-use crate::assessment::{Action, ActionRange, Assessment, NOT_ASSESSED, Utilisation, capitalised};
+use crate::assessment::{
+    Action, ActionRange, Assessment, MissingKind, NOT_ASSESSED, Utilisation, capitalised,
+    missing_in_words,
+};
 use crate::column::{End, Outcome};
 use crate::figures::units::Unit;
 use crate::shape::WEB_PLACES;
@@ -49,7 +53,7 @@ impl Verdict {
                     class: "warning",
                     headline: format!("NO ASSESSMENT: {NOT_ASSESSED}"),
                     cause: format!("There is no assessment, because {reason}."),
-                    numbers: outcome(impact),
+                    numbers: by_two_bars(impact),
                     model: String::new(),
                     range: String::new(),
                     reservations,
@@ -63,7 +67,7 @@ impl Verdict {
         };
         let assessment = &assessed.assessment;
         if assessment.at_least {
-            reservations.push(missing(assessment));
+            reservations.extend(missing(assessment));
         }
         let range = assessed.range.as_ref().ok();
         Self {
@@ -73,7 +77,7 @@ impl Verdict {
                 _ => class_of(assessment.action),
             },
             headline: headline(assessment),
-            cause: cause(assessment),
+            cause: cause(assessed),
             numbers: numbers(impact, assessed),
             model: model(assessed),
             range: range.map_or(String::new(), |range| {
@@ -116,11 +120,12 @@ fn headline(assessment: &Assessment) -> String {
     format!("{at_least}{action}: {}", assessment.action.order())
 }
 
-fn cause(assessment: &Assessment) -> String {
+fn cause(assessed: &Assessed) -> String {
+    let assessment = &assessed.assessment;
     match assessment.action {
         Action::None => "No limit of the checks that decide is exceeded.".to_owned(),
         action => {
-            let others = assessment.criteria.iter().filter(|it| {
+            let others = assessed.criteria.iter().filter(|it| {
                 let is_as_severe = it.decides && it.exceeded == Some(true) && it.action == action;
                 is_as_severe && it.name != assessment.deciding_criterion
             });
@@ -147,13 +152,21 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
                 text = format!("{name}: {value}; limit {limit}. ");
             }
         }
-        Some(_) if assessment.action == Action::None => {
+        // Of an oblique hit the two bars know a part.
+        Some(_)
+            if assessment.action == Action::None
+                && assessed.beam().is_none()
+                && !impact.is_oblique() =>
+        {
             let utilisation = Utilisation::of_report(&impact.report);
             text = format!("Largest utilisation of the column: {utilisation}. ");
         }
         _ => (),
     }
-    text + &outcome(impact)
+    text + &match assessed.by_beam() {
+        Some(by_beam) => beam_words::outcome(by_beam),
+        None => by_two_bars(impact),
+    }
 }
 
 /// The model that decides, and what the other one says.
@@ -165,8 +178,8 @@ fn model(assessed: &Assessed) -> String {
                 .to_owned()
         }
         Some(Ok(opinion)) if opinion.decides => {
-            let says = capitalised(&opinion.to_string());
-            format!("Model that decides: the fibre beam. {says}")
+            let opinion = capitalised(&opinion.to_string());
+            format!("Model that decides: the fibre beam. {opinion}")
         }
         Some(Ok(opinion)) => {
             let by_beam = opinion.action().map_or("not assessed", Action::name);
@@ -186,7 +199,22 @@ fn model(assessed: &Assessed) -> String {
     }
 }
 
-/// What the model predicts, in one sentence.
+/// What the two bars predict, and where it is not the whole.
+fn by_two_bars(impact: &ReportedImpact) -> String {
+    match (impact.is_seen_by_the_bars(), impact.is_oblique()) {
+        (false, _) => {
+            "What the column does is not known: the two bars do not see a hit at right angles to their plane."
+                .to_owned()
+        }
+        (true, true) => format!(
+            "{} This is by the component of the hit in the plane of the two bars; what the column does across it is not known.",
+            outcome(impact)
+        ),
+        (true, false) => outcome(impact),
+    }
+}
+
+/// What the two bars predict, in one sentence.
 fn outcome(impact: &ReportedImpact) -> String {
     let report = &impact.report;
     let height = impact.height();
@@ -219,29 +247,63 @@ fn outcome(impact: &ReportedImpact) -> String {
     }
 }
 
-/// The checks that are missing and could ask for more.
-fn missing(assessment: &Assessment) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for it in &assessment.not_evaluated {
-        let name = it.title;
-        if it.action > assessment.action && !names.contains(&name) {
-            names.push(name);
+/// What is not known and could ask for more: inputs that nobody has given, and checks that are missing.
+fn missing(assessment: &Assessment) -> Vec<String> {
+    let (mut inputs, mut names): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    let missing = assessment.not_evaluated.iter();
+    for it in missing.filter(|it| it.action > assessment.action) {
+        match it.kind {
+            MissingKind::Input => inputs.push(&it.needs),
+            _ if !names.contains(&it.title) => names.push(it.title),
+            _ => (),
         }
     }
-    format!(
-        "A more severe action may be necessary, because data are missing for: {}. The table of checks lists them.",
-        names.join("; ")
-    )
+    let mut text = Vec::new();
+    if !inputs.is_empty() {
+        text.push(format!(
+            "A more severe action may be necessary.{}",
+            sentences(&inputs)
+        ));
+    }
+    if !names.is_empty() {
+        text.push(format!(
+            "A more severe action may be necessary, because data are missing for: {}. The table of checks lists them.",
+            names.join("; ")
+        ));
+    }
+    text
+}
+
+/// Each text as a sentence behind a space.
+fn sentences(texts: &[&str]) -> String {
+    let texts = texts.iter();
+    texts.map(|it| format!(" {}.", capitalised(it))).collect()
+}
+
+/// Until when nobody goes near a column for which no calm answer is possible.
+fn until_known(assessment: &Assessment) -> String {
+    let missing = assessment.not_evaluated.iter();
+    let missing: Vec<_> = missing.filter(|it| it.action > assessment.action).collect();
+    if missing.iter().any(|it| it.kind != MissingKind::Input) {
+        return "an engineer has made the checks that are missing".to_owned();
+    }
+    let names = missing.iter().map(|it| missing_in_words(it.criterion));
+    let names: Vec<_> = names.map(|it| format!("the {it}")).collect();
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{} {verb} known and given", names.join(" and "))
 }
 
 /// Whether people may stay, and under which condition.
 fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
     let action = assessment.action;
+    let not_answered = format!(
+        "Keep people away from the column until {}.",
+        until_known(assessment)
+    );
     let (answer, condition) = match action {
-        Action::None | Action::Inspect if assessment.at_least => (
-            "Not answered by these checks.",
-            "Keep people away from the column until an engineer has made the checks that are missing.",
-        ),
+        Action::None | Action::Inspect if assessment.at_least => {
+            ("Not answered by these checks.", not_answered.as_str())
+        }
         Action::None => ("Yes.", "No check gives a reason to keep people away."),
         Action::Inspect => (
             "Yes.",
@@ -261,20 +323,24 @@ fn people(assessment: &Assessment, range: Option<&ActionRange>) -> [String; 2] {
         ),
     };
     let mut condition = condition.to_owned();
-    if let Some(range) =
-        range.filter(|it| it.ends.most > action && it.ends.most >= Action::Restrict)
-    {
-        let causes: Vec<_> = range
-            .ends
-            .decided_by
-            .iter()
-            .map(|it| it.in_words())
-            .collect();
-        condition += &format!(
-            " Act as for {} unless this is known well enough to rule it out: {}.",
-            range.ends.most.name().to_uppercase(),
-            causes.join(", ")
-        );
+    let ends = range.map(|it| &it.ends);
+    if let Some(ends) = ends.filter(|it| it.most > action && it.most >= Action::Restrict) {
+        let most = ends.most.name().to_uppercase();
+        let causes: Vec<_> = ends.decided_by.iter().map(|it| it.in_words()).collect();
+        if !causes.is_empty() {
+            condition += &format!(
+                " Act as for {most} unless this is known well enough to rule it out: {}.",
+                causes.join(", ")
+            );
+        }
+        let missing = ends.not_evaluated.iter();
+        let missing: Vec<_> = missing.map(|it| missing_in_words(it)).collect();
+        if !missing.is_empty() {
+            condition += &format!(
+                " Act as for {most} unless what is missing is known well enough to rule it out: {}.",
+                missing.join("; ")
+            );
+        }
     }
     [answer.to_owned(), condition]
 }

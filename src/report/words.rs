@@ -2,7 +2,7 @@
 
 use crate::column::{BaseForces, BaseReport, End, Impact, Outcome};
 use crate::figures::units::significant;
-use crate::parameters::{Parameters, RIGID, component_in_words};
+use crate::parameters::{Parameters, RIGID, component_in_words, readable};
 
 /// The outcome of an impact, for a sentence that is a line of its own.
 #[must_use]
@@ -27,8 +27,17 @@ pub fn end_in_words(end: End) -> &'static str {
     }
 }
 
-/// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base. The velocity is that
-/// of `impact`, of which the line says where it is a component only: where the vehicle travels in another direction \[rad\] than 0.
+/// What takes the place of the residual displacement of a response that leaves none.
+#[must_use]
+pub fn instead_of_a_residual(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Fractured => "fractures",
+        _ => "collapses",
+    }
+}
+
+/// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base. `impact` has the
+/// whole velocity of the vehicle; where it travels in another direction \[rad\] than 0, the line says what the two bars see of it.
 #[must_use]
 pub fn title(
     parameters: &Parameters,
@@ -37,21 +46,42 @@ pub fn title(
     length_below: f64,
     direction: f64,
 ) -> String {
+    let mut text = described(parameters, vehicle, impact, length_below, "");
+    if let Some(component) = component_in_words(direction) {
+        text += "; ";
+        text += &component;
+    }
+    text
+}
+
+/// Column and hit, with `angle` behind the speed.
+pub(super) fn described(
+    parameters: &Parameters,
+    vehicle: &str,
+    impact: &Impact,
+    length_below: f64,
+    angle: &str,
+) -> String {
     let section = parameters.section().name;
-    let mut text = format!(
-        "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
+    format!(
+        "{}: {}, {} kg at {} m/s ({} km/h){angle}, {} m above the base",
         section.unwrap_or(&parameters.settings().column_id),
         vehicle_in_words(vehicle),
         short(impact.mass),
         short(impact.velocity),
         short(3.6 * impact.velocity),
         short(length_below),
-    );
-    if let Some(component) = component_in_words(direction) {
-        text += "; ";
-        text += &component;
-    }
-    text
+    )
+}
+
+/// An angle \[rad\] in degrees.
+pub(super) fn degrees(angle: f64) -> String {
+    format!("{}°", readable((angle.to_degrees() * 1e4).round() / 1e4))
+}
+
+/// A length in millimetres with three digits, as the second opinion has it.
+pub(super) fn millimetres(metres: f64) -> String {
+    format!("{} mm", significant(1e3 * metres, 3))
 }
 
 /// The vehicle of this name in words.

@@ -28,6 +28,17 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
     }
 }
 
+/// How the vehicle travels before it hits the column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Travel {
+    /// Its speed \[m/s\].
+    pub velocity: f64,
+    /// Its direction \[rad\].
+    pub direction: f64,
+    /// The component of its velocity in the plane of the two bars, which they take \[m/s\].
+    pub in_plane: f64,
+}
+
 /// The outcome of one impact for programs, in SI units; the names are a stable interface. A value that does not exist is null.
 #[derive(Debug, Serialize)]
 pub struct ImpactFields<'a> {
@@ -67,6 +78,9 @@ pub struct ImpactFields<'a> {
     error_estimate: Option<f64>,
     max_v1_hardening_band_m: Option<[f64; 2]>,
     vehicle: &'a str,
+    velocity_m_s: f64,
+    direction_rad: f64,
+    velocity_in_plane_m_s: f64,
     crush_max_m: &'a [f64],
     crush_permanent_m: &'a [f64],
     vehicle_dissipated_j: &'a [f64],
@@ -123,8 +137,11 @@ struct WebFields {
 struct RangeFields<'a> {
     least: Action,
     most: Action,
+    /// Only in what earlier programs computed: `most` reaches as far as what is not known.
     at_least: bool,
     decided_by: &'a [Assumption],
+    /// What is not known and could ask for `most`.
+    not_evaluated: &'a [String],
     variations: Vec<VariationFields<'a>>,
     not_varied: BTreeMap<&'static str, &'a str>,
 }
@@ -169,11 +186,12 @@ struct HingeFields {
 
 impl<'a> ImpactFields<'a> {
     /// The fields of this evaluation. `vehicle_name` is empty for a vehicle that is given by numbers; `solve_time` is the
-    /// computing time of the response alone.
+    /// computing time of the response alone. The numbers of the response and its energies are those of the two bars.
     #[must_use]
     pub fn of(
         evaluation: &'a ImpactEvaluation,
         vehicle_name: &'a str,
+        travel: Travel,
         solve_time: Duration,
     ) -> Self {
         let report = &evaluation.report;
@@ -221,6 +239,9 @@ impl<'a> ImpactFields<'a> {
                 .and_then(ActionRange::band)
                 .map(|ends| ends.map(|it| it.report.max_v1)),
             vehicle: vehicle_name,
+            velocity_m_s: travel.velocity,
+            direction_rad: travel.direction,
+            velocity_in_plane_m_s: travel.in_plane,
             crush_max_m: &vehicle.max_crush[..vehicle.masses],
             crush_permanent_m: &vehicle.permanent_crush[..vehicle.masses],
             vehicle_dissipated_j: &vehicle.dissipated[..vehicle.masses],
@@ -300,6 +321,7 @@ impl<'a> From<&'a ActionRange> for RangeFields<'a> {
             most: range.ends.most,
             at_least: range.ends.at_least,
             decided_by: &range.ends.decided_by,
+            not_evaluated: &range.ends.not_evaluated,
             variations: range.variations.iter().map(variation).collect(),
             not_varied: not_varied
                 .map(|(assumption, reason)| (assumption.in_words(), reason.as_str()))

@@ -16,4 +16,4 @@ mod impact_fields;
 pub use beam_fields::BeamAnswer;
 pub use capacity_fields::CapacityFields;
 pub use history_columns::HistoryColumns;
-pub use impact_fields::{ImpactFields, outcome_word};
+pub use impact_fields::{ImpactFields, Travel, outcome_word};

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::clock_watch::ClockWatch;
 use super::given_up::GivenUp;
+use super::lifecycle::Lifecycle;
 use super::lost_peers::LostPeers;
 use super::senders::Senders;
 
@@ -31,6 +32,8 @@ pub(super) struct NodeCounters {
     pub clock: Option<ClockWatch>,
     /// The senders, if the parameters limit them.
     pub senders: Option<Arc<Senders>>,
+    /// The state of a managed node; `None` of one that is always active.
+    pub lifecycle: Option<Arc<Lifecycle>>,
 }
 
 impl NodeCounters {
@@ -38,6 +41,11 @@ impl NodeCounters {
     pub fn rejected_senders(&self) -> u64 {
         let senders = self.senders.as_ref();
         senders.map_or(0, |it| it.not_allowed() + it.too_fast())
+    }
+
+    /// Whether the node publishes the outputs of the columns.
+    pub fn is_active(&self) -> bool {
+        self.lifecycle.as_ref().is_none_or(|it| it.is_active())
     }
 
     pub fn count(counter: &AtomicU64) {

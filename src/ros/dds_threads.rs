@@ -19,13 +19,17 @@ pub(super) const PUBLISHING_THREAD: &str = "column_twin/pub";
 /// Name of the one that creates the topics of single columns.
 pub(super) const TOPICS_THREAD: &str = "column_twin/topics";
 
+/// Name of the one that serves the lifecycle of a managed node.
+pub(super) const LIFECYCLE_THREAD: &str = "column_twin/life";
+
 /// How the names of all of these threads begin, those of the library first.
-const NAMES: [&str; 5] = [
+const NAMES: [&str; 6] = [
     "RustDDS",
     RECEIVING_THREAD,
     SERVING_THREAD,
     PUBLISHING_THREAD,
     TOPICS_THREAD,
+    LIFECYCLE_THREAD,
 ];
 
 /// Maximum time that the node may take to stop without the library.

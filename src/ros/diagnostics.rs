@@ -11,8 +11,10 @@ use crate::outgoing::RecordingHealth;
 
 use super::clock_watch::ClockWatch;
 use super::counters::NodeCounters;
+use super::lifecycle::Lifecycle;
 use super::lines::action_word;
 use super::live_columns::Health;
+use super::metrics::FoxgloveCounts;
 use super::security::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
@@ -34,6 +36,8 @@ pub(super) struct Observed<'a> {
     /// `None` without alarms.
     #[cfg(feature = "alarm")]
     pub alarms: Option<DiagnosticStatus>,
+    /// `None` without a server for Foxglove.
+    pub foxglove: Option<FoxgloveCounts>,
     /// `None` without sensors.
     pub sensors: Option<DiagnosticStatus>,
     /// The columns of a fleet that need somebody.
@@ -54,6 +58,7 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
         security,
         #[cfg(feature = "alarm")]
         alarms,
+        foxglove,
         sensors,
         of_columns,
         is_responding,
@@ -69,10 +74,12 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
+    status.extend(counters.lifecycle.as_deref().map(lifecycle_status));
     let clock = counters.clock.as_ref();
     status.extend(clock.map(|it| clock_status(it, is_responding)));
     #[cfg(feature = "alarm")]
     status.extend(alarms);
+    status.extend(foxglove.map(foxglove_status));
     status.extend(sensors);
     for one in &mut status {
         hardware_id.clone_into(&mut one.hardware_id);
@@ -309,6 +316,43 @@ fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     entry("ros", level, message.to_owned(), values)
 }
 
+fn lifecycle_status(lifecycle: &Lifecycle) -> DiagnosticStatus {
+    let (level, message) = match lifecycle.is_active() {
+        true => (DiagnosticStatus::OK, "active".to_owned()),
+        false => {
+            let state = lifecycle.state().label();
+            (
+                DiagnosticStatus::WARN,
+                format!("{state}: impacts are rejected"),
+            )
+        }
+    };
+    let rejected = lifecycle.rejected().to_string();
+    let values = [("rejected while not active".to_owned(), rejected)];
+    entry("lifecycle", level, message, values)
+}
+
+/// A client that reads too slowly loses messages of its own, which is no fault of the node.
+fn foxglove_status(counts: FoxgloveCounts) -> DiagnosticStatus {
+    let FoxgloveCounts {
+        clients,
+        rejected,
+        dropped,
+    } = counts;
+    let values = [
+        ("clients", clients),
+        ("rejected connections", rejected),
+        ("messages that clients lost", dropped),
+    ];
+    let values = values.map(|(key, count)| (key.to_owned(), count.to_string()));
+    entry(
+        "foxglove",
+        DiagnosticStatus::OK,
+        "serves".to_owned(),
+        values,
+    )
+}
+
 fn senders_status(senders: &Senders) -> DiagnosticStatus {
     let counts = [senders.not_allowed(), senders.too_fast()];
     let (level, message) = match counts {
@@ -405,12 +449,29 @@ mod tests {
             security: None,
             #[cfg(feature = "alarm")]
             alarms: None,
+            foxglove: None,
             sensors: None,
             of_columns: Vec::new(),
             is_responding: !twin.is_at_rest(),
             counters,
         };
         diagnostics(Header::default(), "column_twin", observed)
+    }
+
+    #[test]
+    fn clients_of_foxglove_that_lose_messages_are_counted_and_no_fault() {
+        let counts = FoxgloveCounts {
+            clients: 2,
+            rejected: 1,
+            dropped: 7,
+        };
+        let status = foxglove_status(counts);
+        assert_eq!(
+            (status.name.as_str(), status.level),
+            ("foxglove", DiagnosticStatus::OK)
+        );
+        let values: Vec<_> = status.values.iter().map(|it| it.value.as_str()).collect();
+        assert_eq!(values, ["2", "1", "7"]);
     }
 
     #[test]

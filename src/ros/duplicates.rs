@@ -15,7 +15,7 @@ use rustdds::{
 };
 
 use super::live_columns::LiveColumns;
-use super::qos;
+use super::qos::Qos;
 use crate::messages::column_twin_msgs::TwinStatus;
 
 /// What a node compares with its peers.
@@ -25,6 +25,8 @@ pub(super) struct Duplicates {
     pub node: String,
     /// The topic on which the node publishes its status.
     pub status: Topic,
+    /// With which quality of service it does so: a reader that asks for more would not match a twin that was started like this one.
+    pub qos: Qos,
     /// The columns of the node.
     pub columns: Arc<LiveColumns>,
 }
@@ -71,7 +73,7 @@ impl Duplicates {
         mut other_twins: UnboundedReceiver<GUID>,
     ) -> CreateResult<()> {
         while let Some(twin) = other_twins.next().await {
-            let qos = QosPolicies::from(qos::TWIN_STATUS.qos.profile());
+            let qos = QosPolicies::from(self.qos.profile());
             let subscriber = self.participant.create_subscriber(&qos)?;
             let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> =
                 subscriber.create_simple_datareader_no_key(&self.status, Some(qos))?;

@@ -158,10 +158,43 @@ pub(super) struct Services {
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
     confirm_estimate: Server<ConfirmEstimateRequest, ConfirmEstimateResponse>,
     correct_damage: Server<CorrectDamageRequest, CorrectDamageResponse>,
+    receiving: Receiving,
+}
+
+/// The services that every node of ROS 2 has.
+pub(super) struct NodeServices {
     parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
     receiving: Receiving,
+}
+
+impl NodeServices {
+    /// Offers all services.
+    pub fn new(node: &mut Node, receiving: Receiving) -> Result<Self, NodeError> {
+        let settings = receiving.columns.node_parameters().settings();
+        let describes = settings.start_type_description_service;
+        Ok(Self {
+            parameters: ParameterServers::new(node)?,
+            descriptions: describes
+                .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
+                .transpose()?,
+            receiving,
+        })
+    }
+
+    /// Answers requests until the task is stopped.
+    pub async fn run(self) {
+        join!(
+            self.parameters.run(&self.receiving),
+            answer(
+                &qos::GET_TYPE_DESCRIPTION,
+                self.descriptions.as_ref(),
+                &self.receiving.counters,
+                |request| type_descriptions::describe(&request),
+            ),
+        );
+    }
 }
 
 /// The servers behind `ros2 param`.
@@ -246,15 +279,13 @@ impl ParameterServers {
 }
 
 impl Services {
-    /// Offers all services; `rows` are those of a fleet.
+    /// Offers the services of the columns; `rows` are those of a fleet.
     pub fn new(
         node: &mut Node,
         rows: Option<Arc<RowImpacts>>,
         receiving: Receiving,
     ) -> Result<Self, NodeError> {
-        let settings = receiving.columns.node_parameters().settings();
         let is_fleet = receiving.face().is_fleet();
-        let describes = settings.start_type_description_service;
         let rows = rows.map(|rows| {
             let events = node.subscription(&qos::ROW_IMPACT_EVENT)?;
             Ok::<_, NodeError>((events, rows))
@@ -269,10 +300,6 @@ impl Services {
             predict: node.server(&qos::PREDICT)?,
             confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
             correct_damage: node.server(&qos::CORRECT_DAMAGE)?,
-            parameters: ParameterServers::new(node)?,
-            descriptions: describes
-                .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
-                .transpose()?,
             receiving,
         })
     }
@@ -305,14 +332,7 @@ impl Services {
             ),
             answer_from(&qos::RESET, self.reset.as_ref(), counters, |sender, _| {
                 let admitted = receiving.admit(sender, None, &qos::RESET, "a reset");
-                let outcome = execute(admitted.map(|()| 0), reset_by(&qos::RESET));
-                TriggerResponse {
-                    success: outcome.is_ok(),
-                    message: match outcome {
-                        Ok(_) => "the column is undamaged".to_owned(),
-                        Err(rejection) => rejection.tagged(),
-                    },
-                }
+                requests::was_reset(execute(admitted.map(|()| 0), reset_by(&qos::RESET)))
             }),
             answer_from(
                 &qos::RESET_COLUMN,
@@ -321,17 +341,7 @@ impl Services {
                 |sender, request| {
                     let endpoint = &qos::RESET_COLUMN;
                     let column = column_of(sender, &request.column_id, endpoint, "a reset");
-                    match execute(column, reset_by(endpoint)) {
-                        Ok(_) => ResetColumnResponse {
-                            success: true,
-                            ..ResetColumnResponse::default()
-                        },
-                        Err(Rejection { code, reason }) => ResetColumnResponse {
-                            success: false,
-                            rejection_code: code.number(),
-                            message: reason.to_string(),
-                        },
-                    }
+                    requests::column_was_reset(execute(column, reset_by(endpoint)))
                 }
             ),
             // Other requests are answered while the second opinion on a prediction is computed.
@@ -365,19 +375,12 @@ impl Services {
                     }
                 }
             ),
-            self.parameters.run(receiving),
-            answer(
-                &qos::GET_TYPE_DESCRIPTION,
-                self.descriptions.as_ref(),
-                counters,
-                |request| type_descriptions::describe(&request),
-            ),
         );
     }
 }
 
 /// Answers every request with the result of `reply`.
-async fn answer<Request, Response>(
+pub(super) async fn answer<Request, Response>(
     endpoint: &Endpoint,
     server: Option<&Server<Request, Response>>,
     counters: &NodeCounters,
@@ -390,7 +393,7 @@ async fn answer<Request, Response>(
 }
 
 /// Answers every request with the result of `reply`, which is given the sender too; returns at once if there is no such server.
-async fn answer_from<Request, Response>(
+pub(super) async fn answer_from<Request, Response>(
     endpoint: &Endpoint,
     server: Option<&Server<Request, Response>>,
     counters: &NodeCounters,
@@ -489,7 +492,11 @@ fn reset_by(endpoint: &Endpoint) -> Command {
     Command::Reset { source }
 }
 
-async fn predicted(columns: &LiveColumns, request: &PredictImpactRequest) -> PredictImpactResponse {
+/// Answers a request for a prediction, with its second opinion where that is computed in time.
+pub(super) async fn predicted(
+    columns: &LiveColumns,
+    request: &PredictImpactRequest,
+) -> PredictImpactResponse {
     let face = columns.face();
     let prediction = face.requested(&request.column_id).and_then(|column| {
         let prediction = columns.predict(column, &request.vehicle, &request.into())?;

@@ -7,8 +7,10 @@ use crate::column::{HINGE_NAMES, WEB_NAMES};
 use crate::messages::column_twin_msgs::{
     ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
+use crate::messages::words::{
+    action_alone, estimate_line, phase_word, range_in_words, verdict_in_words,
+};
 pub use crate::messages::words::{action_word, actions_in_words, decision_word, in_unit};
-use crate::messages::words::{estimate_line, phase_word, range_in_words, verdict_in_words};
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -289,7 +291,7 @@ fn range_line(kind: &str, report: &ImpactReport) -> Option<String> {
     Some(format!(
         "{kind} of {}: action {}; range {range}",
         report.event_id,
-        action_word(report.action)
+        action_alone(report.action, &report.action_reason)
     ))
 }
 
@@ -324,19 +326,29 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
         [front, ..] => format!(", front crushed by {:.0} mm", 1e3 * front),
     };
     let range = range_of(report).map_or(String::new(), |it| format!(" Range: {it}."));
+    // A column that collapses or fractures has none.
+    let residual = match report.residual_v1.is_finite() {
+        true => residual_in_words(report.residual_v1),
+        false => String::new(),
+    };
     format!(
-        "{kind} of {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{webs}{crush}, \
+        "{kind} of {}: {}{range} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s{residual}{hinges}{webs}{crush}, \
          push-down {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
         verdict_in_words(report.action, &report.action_reason),
         vehicle_word(&report.vehicle),
         1e3 * report.max_v1,
         report.max_v1_time,
-        1e3 * report.residual_v1,
         1e-3 * report.residual_capacity,
         1e-3 * report.undamaged_capacity,
         1e3 * report.compute_time
     )
+}
+
+/// What remains of an elastic response may be negative by round-off.
+fn residual_in_words(v1: f64) -> String {
+    let text = format!(", residual {:.2} mm", 1e3 * v1);
+    text.replace(" -0.00 ", " 0.00 ")
 }
 
 fn vehicle_word(name: &str) -> &str {
@@ -363,17 +375,29 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
         status.range_at_least,
         &status.range_decided_by,
     );
-    let range = range.map_or(String::new(), |it| format!("; range {it}"));
+    // Of a column that nothing has hit, the reason says nothing new.
+    let verdict = match (status.action, status.impacts_since_reset) {
+        (TwinStatus::ACTION_NONE, 0) => action_alone(status.action, &status.action_reason),
+        (action, _) => verdict_in_words(action, &status.action_reason),
+    };
+    // A verdict with a reason ends its sentence itself.
+    let range = range.map_or(String::new(), |it| match verdict.ends_with('.') {
+        true => format!(" Range: {it}."),
+        false => format!("; range {it}"),
+    });
+    // The displacement at which the response of such a column ended is not one that remains.
+    let residual = match status.phase {
+        TwinStatus::COLLAPSED | TwinStatus::FRACTURED => String::new(),
+        _ => residual_in_words(status.residual_v1),
+    };
+    let impacts = match status.impacts_since_reset {
+        1 => "1 impact".to_owned(),
+        number => format!("{number} impacts"),
+    };
     format!(
-        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm; {}{range}",
+        "{} {}{fault}; {impacts} since the last reset{residual}; {verdict}{range}",
         status.column_id,
         phase_word(status.phase),
-        status.impacts_since_reset,
-        1e3 * status.residual_v1,
-        match status.action {
-            TwinStatus::ACTION_NONE => "NONE".to_owned(),
-            action => verdict_in_words(action, &status.action_reason),
-        }
     )
 }
 
@@ -457,6 +481,35 @@ mod tests {
         assert_eq!(shown(None, 9000), None);
     }
 
+    /// `watch` once gave a fractured column a residual displacement, and its report "residual NaN mm".
+    #[test]
+    fn a_fractured_column_has_no_residual_displacement() {
+        let report = |outcome, residual_v1| ImpactReport {
+            outcome,
+            residual_v1,
+            ..ImpactReport::default()
+        };
+        let line = report_line("result", &report(ImpactReport::FRACTURED, f64::NAN));
+        assert!(
+            line.contains("FRACTURED") && !line.contains("residual"),
+            "{line}"
+        );
+        let line = report_line("result", &report(ImpactReport::PLASTIC, 0.0193));
+        assert!(line.contains("residual 19.30 mm"), "{line}");
+        let status = |phase| TwinStatus {
+            phase,
+            residual_v1: 0.1273,
+            ..TwinStatus::default()
+        };
+        let line = status_line(&status(TwinStatus::FRACTURED), None);
+        assert!(
+            line.contains("FRACTURED") && !line.contains("residual"),
+            "{line}"
+        );
+        let line = status_line(&status(TwinStatus::REST), None);
+        assert!(line.contains("residual 127.30 mm"), "{line}");
+    }
+
     /// A status with so many impacts since the last reset, and its stamp \[s\].
     fn status(sec: i32, impacts: u32) -> Seen {
         let mut status = TwinStatus {
@@ -517,6 +570,12 @@ mod tests {
     }
 
     #[test]
+    fn a_residual_displacement_of_zero_has_no_sign() {
+        assert_eq!(residual_in_words(-4e-7), ", residual 0.00 mm");
+        assert_eq!(residual_in_words(-4e-3), ", residual -4.00 mm");
+    }
+
+    #[test]
     fn the_range_of_a_verdict_has_a_line_of_its_own_once_it_is_known() {
         let mut lines = WatchLines::default();
         let now = Instant::now();
@@ -555,6 +614,52 @@ mod tests {
             line.contains(&format!("Range: {range}.")) && line.contains("v1"),
             "{line}"
         );
+    }
+
+    /// The status said NONE without a reservation, and the last line about a hit the action without "at least".
+    #[test]
+    fn an_action_that_is_a_lower_bound_is_nowhere_shown_without_at_least() {
+        let reason = "At least NONE: No deciding criterion is exceeded.";
+        let mut status = TwinStatus {
+            action: TwinStatus::ACTION_NONE,
+            action_reason: reason.to_owned(),
+            range_least: TwinStatus::ACTION_UNKNOWN,
+            ..TwinStatus::default()
+        };
+        let untouched = status_line(&status, None);
+        assert!(untouched.ends_with("; at least NONE"), "{untouched}");
+        status.impacts_since_reset = 1;
+        let hit = status_line(&status, None);
+        assert!(hit.contains("; 1 impact since the last reset"), "{hit}");
+        assert!(hit.ends_with(reason), "{hit}");
+        let report = ImpactReport {
+            event_id: "e".to_owned(),
+            action: ImpactReport::ACTION_INSPECT,
+            action_reason: "At least INSPECT: Have an engineer examine the column.".to_owned(),
+            range_least: ImpactReport::ACTION_INSPECT,
+            range_most: ImpactReport::ACTION_EVACUATE,
+            range_decided_by: "missing data".to_owned(),
+            ..ImpactReport::default()
+        };
+        let line = range_line("result", &report);
+        let expected = "result of e: action at least INSPECT; range INSPECT to EVACUATE, decided by missing data";
+        assert_eq!(line.as_deref(), Some(expected));
+    }
+
+    /// It was "... and it governs.; range INSPECT to RESTRICT".
+    #[test]
+    fn the_range_in_a_status_follows_a_whole_sentence() {
+        let status = TwinStatus {
+            action: TwinStatus::ACTION_RESTRICT,
+            action_reason: "Keep people away. The bow governs.".to_owned(),
+            range_least: TwinStatus::ACTION_INSPECT,
+            range_most: TwinStatus::ACTION_RESTRICT,
+            range_decided_by: "the load".to_owned(),
+            ..TwinStatus::default()
+        };
+        let line = status_line(&status, None);
+        let expected = "The bow governs. Range: INSPECT to RESTRICT, decided by the load.";
+        assert!(line.ends_with(expected), "{line}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use futures::FutureExt;
 use futures::future::{LocalBoxFuture, join_all};
 use ros2_client::{MessageInfo, Subscription};
 
-use crate::estimation::{BatchRejection, Collector, Intake, SensorHealth};
+use crate::estimation::{BatchRejection, Collector, EstimatorError, Intake, SensorHealth};
 use crate::incoming::raw_batch;
 use crate::live::FleetMeasurements;
 use crate::messages::Message as _;
@@ -67,7 +67,10 @@ impl SensorInputs {
             recording.sensors(face.recorded(column), &intake);
         }
         let of = face.words("of", column);
-        let watch = SensorWatch::new(sensors.len(), columns.now(), of, Arc::clone(log));
+        let too_slow = EstimatorError::unless_fast_enough(&sensors).err();
+        let undetected = too_slow.map(|it| it.to_string());
+        let log = Arc::clone(log);
+        let watch = SensorWatch::new(sensors.len(), undetected, columns.now(), of, log);
         Self {
             column,
             column_id: column_id.to_owned(),
@@ -315,8 +318,10 @@ impl MeasurementSubscriptions {
         let now = || receiving.columns.now().max(0);
         let now = &now;
         let admits = |info: &MessageInfo, topic: &str| {
-            let senders = &receiving.senders;
-            let admitted = senders.admit_stream(info.publisher_gid(), Instant::now());
+            let (senders, at) = (&receiving.senders, Instant::now());
+            let admitted = receiving
+                .check_active(&qos::MEASUREMENTS, at)
+                .and_then(|()| senders.admit_stream(info.publisher_gid(), at));
             let told = |rejected: &Rejected| {
                 let what = format!("a measurement on {topic}");
                 receiving.tell(None, &qos::MEASUREMENTS, &what, rejected);

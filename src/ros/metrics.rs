@@ -24,6 +24,18 @@ pub(super) struct AlarmChannel {
     pub counts: [(&'static str, u64); 4],
 }
 
+/// What the server for Foxglove has done.
+#[cfg_attr(not(feature = "foxglove"), allow(dead_code))] // without it there is none
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FoxgloveCounts {
+    /// Clients that are connected.
+    pub clients: u64,
+    /// Connections that were rejected.
+    pub rejected: u64,
+    /// Messages that clients lost.
+    pub dropped: u64,
+}
+
 /// What is known besides the outputs of the columns.
 pub(super) struct Known<'a> {
     pub health: &'a Health,
@@ -32,6 +44,7 @@ pub(super) struct Known<'a> {
     /// The sensors of each column, by its `column_id`.
     pub sensors: &'a [(String, Vec<SensorHealth>)],
     pub alarms: &'a [AlarmChannel],
+    pub foxglove: Option<FoxgloveCounts>,
 }
 
 /// The metrics of a running node. The publishing thread owns them.
@@ -113,6 +126,9 @@ impl NodeMetrics {
         if !known.alarms.is_empty() {
             of_alarms(&mut page, known.alarms);
         }
+        if let Some(foxglove) = known.foxglove {
+            of_foxglove(&mut page, foxglove);
+        }
         self.server.show(page.into_text());
     }
 
@@ -138,7 +154,7 @@ impl NodeMetrics {
         page.metric(
             Kind::Gauge,
             "column_twin_action",
-            "the required action: 0 none, 1 inspect, 2 restrict, 3 shore, 4 evacuate or not assessed.",
+            "The required action: 0 none, 1 inspect, 2 restrict, 3 shore, 4 evacuate or not assessed.",
             each().filter_map(|(labels, it)| Some((labels, it.action?))),
         );
         page.metric(
@@ -315,5 +331,26 @@ fn of_alarms(page: &mut Page, channels: &[AlarmChannel]) {
         labels
             .iter()
             .map(|(labels, count)| (labels.as_slice(), *count)),
+    );
+}
+
+fn of_foxglove(page: &mut Page, counts: FoxgloveCounts) {
+    page.single(
+        Kind::Gauge,
+        "column_twin_foxglove_clients",
+        "Clients of Foxglove that are connected.",
+        counts.clients,
+    );
+    page.single(
+        Kind::Counter,
+        "column_twin_foxglove_rejected_total",
+        "Connections of clients of Foxglove that were rejected.",
+        counts.rejected,
+    );
+    page.single(
+        Kind::Counter,
+        "column_twin_foxglove_dropped_total",
+        "Messages that clients of Foxglove lost because they read too slowly.",
+        counts.dropped,
     );
 }

@@ -30,12 +30,18 @@
 // - fleet/: What the node of a fleet does besides: topics of single columns while somebody listens there, the status of all
 //   columns in few messages, vehicles that hit several columns, and the diagnostics of many columns
 // - fleet_view.rs: What is known of the columns of fleets, from their statuses
+// - foxglove.rs: Live topics, parameters and services of the node for Foxglove, past DDS
+// - foxglove_absent.rs: Foxglove in a program without the feature `foxglove`: says so if the parameters ask for it
 // - fresh_domain.rs: An unused DDS domain on loopback, for a demonstration or a test
 // - given_up.rs: Messages that are given up because they are too long
 // - guid_prefix.rs: The part of a GUID that names the participant
 // - inputs.rs: The inputs over DDS: impact events, parameters, the clock, and service requests
 // - library_log.rs: The warnings and errors of RustDDS and ros2-client, which write to the `log` crate, in the log of this
 //   program
+// - lifecycle.rs: The state of a managed node, and what it means for inputs and outputs
+// - lifecycle_services.rs: The services and the topic by which others read and change the state of a managed node, as `ros2
+//   lifecycle` does
+// - lifecycle_states.rs: States and transitions of a managed node
 // - lines.rs: Lines that show the twin's messages to people
 // - live_columns.rs: The live columns of a node, one or many: commands, health and clock, from start to stop
 // - log_limit.rs: A limit on how many messages go into a log per period
@@ -59,11 +65,12 @@
 // - parameter_services.rs: The six services behind `ros2 param`, and `/parameter_events`
 // - publishing.rs: The publishing thread: publishes the outputs of all columns
 // - qos.rs: Converts the quality of service of every endpoint for ros2-client
+// - qos_overrides.rs: The quality of service that parameters ask for in the place of the table's, topic by topic
 // - raw.rs: Messages as encoded bytes
 // - receiving.rs: What every input has in common: who may send, what the recording and the log are told, and what cannot be
 //   read or was lost
 // - replay/: `column-twin replay`: publishes a recording over DDS, with its original bytes and timing
-// - requests.rs: The services about what was detected and measured on the column
+// - requests.rs: Answers of services: about what was detected and measured on the column, and about resets
 // - rosout.rs: Log messages: on the terminal in the format of ROS, and on `/rosout`
 // - row_client.rs: Terminal client of a fleet: sends a vehicle that hits several columns
 // - run.rs: `column-twin run` and `column-twin fleet`: run a node from its arguments to a clean stop
@@ -98,11 +105,16 @@ mod exposition;
 mod face;
 mod fleet;
 mod fleet_view;
+#[cfg_attr(not(feature = "foxglove"), path = "foxglove_absent.rs")]
+mod foxglove;
 mod fresh_domain;
 mod given_up;
 mod guid_prefix;
 mod inputs;
 mod library_log;
+mod lifecycle;
+mod lifecycle_services;
+mod lifecycle_states;
 mod lines;
 mod live_columns;
 mod log_limit;
@@ -122,6 +134,7 @@ mod output_log;
 mod parameter_services;
 mod publishing;
 pub mod qos;
+mod qos_overrides;
 mod raw;
 mod receiving;
 #[cfg(feature = "record")]
@@ -166,7 +179,7 @@ pub use row_client::{RowImpactOptions, send_row_impact};
 pub use run::try_alarms;
 pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
 pub use signals::StopSignals;
-pub use twin_node::TwinNode;
+pub use twin_node::{StartOptions, TwinNode};
 
 /// Default name of the node.
 pub const NODE_NAME: &str = "column_twin";

@@ -5,6 +5,12 @@ use std::fmt;
 
 use crate::parameters::{NodeName, full_name_fault, namespace_fault, part_fault};
 
+/// Longest full name of a topic or service, as in rmw.
+const MAX_TOPIC: usize = 247;
+
+/// Longest name of a node, as in rmw.
+const MAX_NODE_NAME: usize = 255;
+
 /// A name is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{name}` is not a valid {what}: {reason}")]
@@ -171,7 +177,9 @@ impl Names {
             None if substituted.starts_with('/') => substituted.clone(),
             None => joined(&self.namespace, &substituted),
         };
+        let too_long = (full.len() > MAX_TOPIC).then_some("it has at most 247 characters");
         full_name_fault(&full)
+            .or(too_long)
             .map_or(Ok(()), Err)
             .map_err(|reason| invalid(name, "topic or service name", reason))
             .map(|()| full)
@@ -198,7 +206,9 @@ fn invalid(name: &str, what: &'static str, reason: &'static str) -> NameError {
 
 /// A node name has a single part: letters, digits and underscores, not beginning with a digit.
 fn check_node_name(name: &str) -> Result<(), NameError> {
-    part_fault(name).map_or(Ok(()), |reason| Err(invalid(name, "node name", reason)))
+    let too_long = (name.len() > MAX_NODE_NAME).then_some("it has at most 255 characters");
+    let fault = part_fault(name).or(too_long);
+    fault.map_or(Ok(()), |reason| Err(invalid(name, "node name", reason)))
 }
 
 fn check_namespace(namespace: &str) -> Result<(), NameError> {
@@ -261,6 +271,26 @@ mod tests {
         }
         for node in ["", "a/b", "1a", "a b"] {
             assert!(Names::new("/", node, &[]).is_err(), "{node:?}");
+        }
+    }
+
+    /// They were accepted, and no node on rcl could talk to this one.
+    #[test]
+    fn names_that_are_too_long_for_rcl_are_rejected() {
+        let long = |length: usize| "a".repeat(length);
+        for (length, is_valid) in [(244, true), (300, false)] {
+            let namespace = format!("/{}", long(length));
+            let found = Names::new(&namespace, "x", &[]);
+            assert_eq!(found.is_ok(), is_valid, "a namespace of {length}");
+        }
+        for (length, is_valid) in [(255, true), (256, false)] {
+            let found = Names::new("/", &long(length), &[]);
+            assert_eq!(found.is_ok(), is_valid, "a node name of {length}");
+        }
+        let names = Names::new("/", "x", &[]).expect("valid");
+        for (length, is_valid) in [(246, true), (247, false)] {
+            let found = names.resolve(NameKind::Topic, &long(length));
+            assert_eq!(found.is_ok(), is_valid, "a topic of {length}");
         }
     }
 

@@ -13,12 +13,15 @@ use rustdds::DomainParticipantBuilder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::parameters::TopicEnd;
+
 use super::duplicates::Duplicates;
 use super::environment::{DiscoveryRange, Environment};
 use super::live_columns::LiveColumns;
 use super::matches::{Discovered, Matches};
 use super::names::{NameError, NameKind, Names};
 use super::qos::{self, Endpoint, Qos, package_and_type};
+use super::qos_overrides::QosOverrides;
 use super::raw::Raw;
 use super::security::{Peers, Protection, SecurityError, protection};
 
@@ -48,6 +51,9 @@ pub enum NodeError {
     /// The metrics cannot be served.
     #[error("{0}")]
     Metrics(String),
+    /// Foxglove cannot be served.
+    #[error("{0}")]
+    Foxglove(String),
     /// The node or an endpoint cannot be created.
     #[error("cannot create {what}: {reason}")]
     Endpoint {
@@ -74,6 +80,7 @@ pub struct Node {
     names: Names,
     matches: Arc<Matches>,
     protection: Arc<Protection>,
+    overrides: QosOverrides,
 }
 
 impl Node {
@@ -90,6 +97,11 @@ impl Node {
             protection: Arc::new(protection),
         };
         siblings.named(names)
+    }
+
+    /// Gives the topics that are created from now on the quality of service that the parameters ask for.
+    pub(super) fn override_qos(&mut self, overrides: QosOverrides) {
+        self.overrides = overrides;
     }
 
     /// The node's names.
@@ -151,10 +163,14 @@ impl Node {
         mut on: F,
     ) -> Result<impl Future<Output = ()> + use<F>, NodeError> {
         let participant = self.context.domain_participant();
+        let (name, status) = self.topic(&qos::TWIN_STATUS)?;
         let duplicates = Duplicates {
             participant,
             node: self.names.fully_qualified(),
-            status: self.topic(&qos::TWIN_STATUS)?.1,
+            status,
+            qos: self
+                .overrides
+                .apply(&name, TopicEnd::Publisher, &qos::TWIN_STATUS.qos),
             columns,
         };
         let (mut on_writer, compare) = duplicates.watch();
@@ -198,9 +214,12 @@ impl Node {
         endpoint: &Endpoint,
     ) -> Result<Publisher<M>, NodeError> {
         let (name, topic) = self.topic(endpoint)?;
+        let qos = self
+            .overrides
+            .apply(&name, TopicEnd::Publisher, &endpoint.qos);
         let publisher = self
             .node
-            .create_publisher(&topic, Some(endpoint.qos.profile()))
+            .create_publisher(&topic, Some(qos.profile()))
             .map_err(|error| not_created(&name, &error))?;
         self.matches.name(publisher.guid(), &name);
         Ok(publisher)
@@ -239,9 +258,12 @@ impl Node {
         endpoint: &Endpoint,
     ) -> Result<Subscription<M>, NodeError> {
         let (name, topic) = self.topic(endpoint)?;
+        let qos = self
+            .overrides
+            .apply(&name, TopicEnd::Subscription, &endpoint.qos);
         let subscription = self
             .node
-            .create_subscription(&topic, Some(endpoint.qos.profile()))
+            .create_subscription(&topic, Some(qos.profile()))
             .map_err(|error| not_created(&name, &error))?;
         self.matches.name(subscription.guid(), &name);
         Ok(subscription)
@@ -258,6 +280,7 @@ impl Node {
         qos: &Qos,
     ) -> Result<Subscription<M>, NodeError> {
         let full = self.names.resolve(NameKind::Topic, topic)?;
+        let qos = self.overrides.apply(&full, TopicEnd::Subscription, qos);
         let name = Name::parse(&full).map_err(|error| not_created(&full, &error))?;
         let (package, bare) = package_and_type(type_name);
         let topic = self
@@ -384,6 +407,7 @@ impl Siblings {
             names,
             matches: Arc::clone(&self.matches),
             protection: Arc::clone(&self.protection),
+            overrides: QosOverrides::default(),
         })
     }
 }

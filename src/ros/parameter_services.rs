@@ -127,13 +127,15 @@ pub(super) fn get(
     columns: &impl Configurable,
     request: &GetParametersRequest,
 ) -> GetParametersResponse {
-    let value = |name: &String| {
-        let value = place(columns, name).and_then(|it| it.parameters.get(it.name));
-        value.map_or_else(not_set, raw_value)
-    };
+    let value = |name: &String| value_of(columns, name).map_or_else(not_set, raw_value);
     GetParametersResponse {
         values: each(&request.names, value, |_| not_set()),
     }
+}
+
+/// The value of a parameter that holds; `None` if there is no such parameter.
+pub(super) fn value_of(columns: &impl Configurable, name: &str) -> Option<Value> {
+    place(columns, name).and_then(|it| it.parameters.get(it.name))
 }
 
 /// `~/get_parameter_types`
@@ -613,7 +615,7 @@ fn type_code(kind: Kind) -> u8 {
     }
 }
 
-fn raw_value(value: Value) -> raw::ParameterValue {
+pub(super) fn raw_value(value: Value) -> raw::ParameterValue {
     let mut raw = not_set();
     raw.ptype = type_code(value.kind());
     match value {

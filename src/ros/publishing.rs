@@ -20,6 +20,7 @@ use crate::parameters::Parameters;
 use crate::twin::{Accepted, Output, ParametersChanged, TwinPhase};
 
 use super::clock_watch::SeldomWarning;
+use super::counters::NodeCounters;
 use super::diagnostics::{Observed, diagnostics, same_state, sensors_status, twin_status};
 use super::fleet::FleetPublishing;
 use super::loss_log::LossLog;
@@ -40,6 +41,10 @@ const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 /// Maximum wait for a first reader of `/parameter_events` before the parameters are announced without one. Discovery between ROS 2
 /// programs takes up to 3.5 s.
 const MAX_WAIT_FOR_READER: Duration = Duration::from_secs(5);
+
+/// How long the status is published after the last response of a managed node that is not active: until that of a fleet has been told
+/// as well.
+const LAST_STATUS_TIME: Duration = Duration::from_secs(2);
 
 /// Maximum time to publish queued outputs after the stop.
 const FINAL_PUBLISHING_TIME: Duration = Duration::from_millis(300);
@@ -75,6 +80,8 @@ pub(super) struct Publishing {
     /// The status of a single twin.
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
+    /// When a column of a managed node was seen to respond last.
+    last_response: Option<Instant>,
     clock_warning: SeldomWarning,
     loss_log: LossLog,
     log: OutputLog,
@@ -126,6 +133,7 @@ impl Publishing {
                 ..TwinStatus::default()
             },
             last_diagnostics: None,
+            last_response: None,
             clock_warning: SeldomWarning::default(),
             loss_log: LossLog::default(),
             log: OutputLog::new(columns),
@@ -140,6 +148,7 @@ impl Publishing {
         loop {
             let is_stopping = stop.load(Ordering::Relaxed);
             self.announce_parameters(is_stopping);
+            self.look_at_lifecycle();
             if is_stopping {
                 let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
                 if Instant::now() >= end && !self.sending.is_over {
@@ -185,9 +194,12 @@ impl Publishing {
         let mut channels = Vec::new();
         #[cfg(feature = "alarm")]
         if let Some(alarms) = &mut self.sending.alarms {
-            alarms.sign_of_life();
-            for (column_id, health) in &sensors {
-                alarms.sensors(column_id, health);
+            // While impacts are rejected, whoever waits for signs of life must be told.
+            if self.sending.counters.is_active() {
+                alarms.sign_of_life();
+                for (column_id, health) in &sensors {
+                    alarms.sensors(column_id, health);
+                }
             }
             channels = alarms.channels();
         }
@@ -201,6 +213,7 @@ impl Publishing {
                 counters: &self.sending.counters,
                 sensors: &sensors,
                 alarms: &channels,
+                foxglove: self.sending.foxglove_counts(),
             });
         }
     }
@@ -345,6 +358,34 @@ impl Publishing {
         }
     }
 
+    /// Decides whether a managed node is silent: while it is not active, except for the end of a response. Publishes the status of a
+    /// single twin when the silence ends: its readers have got nothing until then. It has been recorded already.
+    fn look_at_lifecycle(&mut self) {
+        if self.sending.counters.lifecycle.is_none() {
+            return;
+        }
+        let now = Instant::now();
+        if self.is_responding() {
+            self.last_response = Some(now);
+        }
+        let since = self.last_response.map(|it| now.duration_since(it));
+        let is_silent =
+            !self.sending.counters.is_active() && since.is_none_or(|it| it >= LAST_STATUS_TIME);
+        let was_silent = std::mem::replace(&mut self.sending.is_silent, is_silent);
+        let has_status = self.fleet.is_none() && self.converters.contains_key(&0);
+        if is_silent || !was_silent || !has_status {
+            return;
+        }
+        let status = Message::TwinStatus(self.status.clone());
+        let publisher = self.publishers[status.topic().index()].as_ref();
+        let raw = encoded(status.encode());
+        if let (Some(publisher), Some(raw)) = (publisher, raw)
+            && !self.sending.publish(publisher, raw)
+        {
+            NodeCounters::count(&self.sending.counters.unpublished);
+        }
+    }
+
     /// Publishes all parameters as new, once: as soon as there is a reader, which is only then matched, or after a while
     /// without one, for the recording. `at_once` does not wait.
     fn announce_parameters(&mut self, at_once: bool) {
@@ -401,6 +442,12 @@ impl Publishing {
             }
             it.name.insert_str(0, &prefix);
         }
+        #[cfg(feature = "foxglove")]
+        if let Some(foxglove) = &self.sending.foxglove {
+            let changed = event.changed_parameters.iter();
+            let names: Vec<_> = changed.map(|it| it.name.clone()).collect();
+            foxglove.changed(&names);
+        }
         self.sending.send(
             &self.parameter_events,
             &qos::PARAMETER_EVENTS,
@@ -447,6 +494,7 @@ impl Publishing {
                 security: self.protection.health(&self.peers),
                 #[cfg(feature = "alarm")]
                 alarms: self.sending.alarms.as_ref().map(|it| it.status()),
+                foxglove: self.sending.foxglove_counts(),
                 sensors,
                 of_columns,
                 is_responding: self.is_responding(),

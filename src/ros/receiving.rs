@@ -52,7 +52,7 @@ impl Receiving {
     /// Asks whether a message or a request about a column may be taken from its sender; logs and records that it is not.
     ///
     /// # Errors
-    /// The sender is not allowed, or too fast.
+    /// The node is not active, or the sender is not allowed or too fast.
     pub fn admit(
         &self,
         sender: Gid,
@@ -60,11 +60,25 @@ impl Receiving {
         endpoint: &Endpoint,
         what: &str,
     ) -> Result<(), Rejection> {
-        let admitted = self.senders.admit(sender, Instant::now());
+        let now = Instant::now();
+        let admitted = self
+            .check_active(endpoint, now)
+            .and_then(|()| self.senders.admit(sender, now));
         admitted.map_err(|rejected| {
             self.tell(column, endpoint, what, &rejected);
             rejected.rejection
         })
+    }
+
+    /// Checks that the node takes what comes in on this endpoint, which a managed one may not.
+    ///
+    /// # Errors
+    /// The node is managed and not active.
+    pub fn check_active(&self, endpoint: &Endpoint, now: Instant) -> Result<(), Rejected> {
+        match &self.counters.lifecycle {
+            Some(it) => it.check_active(endpoint, now),
+            None => Ok(()),
+        }
     }
 
     /// Logs and records that a message of a sender was rejected.

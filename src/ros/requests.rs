@@ -1,8 +1,10 @@
-//! The services about what was detected and measured on the column.
+//! Answers of services: about what was detected and measured on the column, and about resets.
 
 use crate::messages::column_twin_msgs::{
     ConfirmEstimateRequest, ConfirmEstimateResponse, CorrectDamageRequest, CorrectDamageResponse,
+    ResetColumnResponse,
 };
+use crate::messages::std_srvs::TriggerResponse;
 use crate::sensors::Quantity;
 use crate::twin::{
     Accepted, Command, EstimateDecision, Rejection, RejectionCode, ResidualMeasurement,
@@ -14,6 +16,32 @@ impl ros2_client::Message for ConfirmEstimateRequest {}
 impl ros2_client::Message for ConfirmEstimateResponse {}
 impl ros2_client::Message for CorrectDamageRequest {}
 impl ros2_client::Message for CorrectDamageResponse {}
+
+/// The answer to the reset of a single twin.
+pub(super) fn was_reset(outcome: Result<Accepted, Rejection>) -> TriggerResponse {
+    TriggerResponse {
+        success: outcome.is_ok(),
+        message: match outcome {
+            Ok(_) => "the column is undamaged".to_owned(),
+            Err(rejection) => rejection.tagged(),
+        },
+    }
+}
+
+/// The answer to the reset of a column of a fleet.
+pub(super) fn column_was_reset(outcome: Result<Accepted, Rejection>) -> ResetColumnResponse {
+    match outcome {
+        Ok(_) => ResetColumnResponse {
+            success: true,
+            ..ResetColumnResponse::default()
+        },
+        Err(Rejection { code, reason }) => ResetColumnResponse {
+            success: false,
+            rejection_code: code.number(),
+            message: reason.to_string(),
+        },
+    }
+}
 
 /// Passes a decision about an estimate to a twin.
 pub(super) fn confirm_estimate(

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use signal_hook::consts::SIGTERM;
 
 #[cfg(feature = "record")]
 use crate::endpoints::Endpoint;
@@ -26,10 +27,11 @@ use super::live_columns::{LiveColumns, StartError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
 use super::qos::check_types;
+use super::qos_overrides::{OverrideError, check_overrides};
 use super::rosout::start_logging;
 use super::security::{SecurityError, protection};
 use super::signals::StopSignals;
-use super::twin_node::TwinNode;
+use super::twin_node::{StartOptions, TwinNode};
 
 /// Files that a fleet may have open: those of the shared endpoints and of all columns that may have topics of their own.
 const WANTED_FILES: u64 = 4096;
@@ -45,6 +47,8 @@ pub struct RunOptions {
     pub parameter_files: Vec<PathBuf>,
     /// The table of the columns of a fleet.
     pub columns: Option<PathBuf>,
+    /// Whether the node is a managed one, which starts unconfigured.
+    pub managed: bool,
 }
 
 /// How a run ended.
@@ -88,6 +92,15 @@ pub enum RunError {
     /// Logging or signal handling cannot be set up.
     #[error("{0}; a program can run only one node")]
     Process(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl From<OverrideError> for RunError {
+    fn from(error: OverrideError) -> Self {
+        match error {
+            OverrideError::Name(error) => Self::Name(error),
+            OverrideError::Parameters(faults) => Self::Parameters(faults),
+        }
+    }
 }
 
 /// What is to be run.
@@ -175,7 +188,14 @@ fn run_loaded(
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     check_types(&names)?;
-    let (loaded, warnings) = load(&names.for_parameters())?;
+    let (loaded, mut warnings) = load(&names.for_parameters())?;
+    warnings.extend(match &loaded {
+        Loaded::One(parameters) => check_overrides(parameters, [parameters.settings()], &names)?,
+        Loaded::Many(fleet) => {
+            let columns = fleet.columns.iter().map(|it| it.parameters.settings());
+            check_overrides(&fleet.node, columns, &names)?
+        }
+    });
     // Before anything starts or is written.
     check_address_space()?;
     protection(&environment.security, environment.domain_id)?;
@@ -208,7 +228,13 @@ fn run_loaded(
         error => error,
     })?;
     let (live, tap) = (Arc::clone(&columns), recording.tap());
-    let node = TwinNode::start(environment, names, live, outputs, log, tap)?;
+    let start = StartOptions {
+        managed: options
+            .managed
+            .then(|| Box::new(stop_process) as Box<dyn Fn() + Send>),
+        ..StartOptions::default()
+    };
+    let node = TwinNode::start_with(environment, names, live, outputs, log, tap, start)?;
     let reach = match environment.discovery_range {
         DiscoveryRange::Localhost => "this machine only",
         DiscoveryRange::Subnet => "every network of this machine",
@@ -221,8 +247,12 @@ fn run_loaded(
             columns.threads()
         ),
     };
+    let state = match options.managed {
+        true => "; it is managed and unconfigured, and rejects impacts until it is active",
+        false => "",
+    };
     tracing::info!(
-        "{} is ready in domain {}, on {reach}{what}",
+        "{} is ready in domain {}, on {reach}{what}{state}",
         node.names(),
         environment.domain_id
     );
@@ -235,6 +265,13 @@ fn run_loaded(
         unsaved_states: health.unsaved_states,
         has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
+}
+
+/// Ends the process as SIGTERM does.
+fn stop_process() {
+    if let Err(error) = signal_hook::low_level::raise(SIGTERM) {
+        tracing::error!("the process cannot stop itself: {error}; end it with SIGTERM");
+    }
 }
 
 /// Says where the damage and the recordings go, and warns where that depends on the folder from which the node is started.

@@ -11,7 +11,17 @@ use crate::outgoing::{RecordingHealth, RecordingTap};
 
 use super::counters::NodeCounters;
 use super::live_columns::{Health, LiveColumns};
+use super::metrics::FoxgloveCounts;
+use super::qos;
 use super::raw::Raw;
+
+/// The topics that show the columns at rest as well, again and again. The others tell what follows from an impact.
+const SHOWN_AT_REST: [&str; 4] = [
+    qos::TWIN_STATUS.name,
+    qos::FLEET_STATUS.name,
+    qos::JOINT_STATES.name,
+    qos::MARKERS.name,
+];
 
 /// Publishes messages, counts those that are not published, and passes the same bytes to the recording.
 pub(super) struct Sending {
@@ -23,6 +33,11 @@ pub(super) struct Sending {
     pub alarms: Option<super::alarms::NodeAlarms>,
     /// Metrics, if the parameters ask for them.
     pub metrics: Option<super::metrics::NodeMetrics>,
+    /// Foxglove, if the parameters ask for it.
+    #[cfg(feature = "foxglove")]
+    pub foxglove: Option<super::foxglove::NodeFoxglove>,
+    /// A managed node is not active, and no column responds: what shows the columns at rest is only recorded.
+    pub is_silent: bool,
     /// The time to publish is over: what remains is only recorded.
     pub is_over: bool,
 }
@@ -42,7 +57,12 @@ impl Sending {
 
     /// The same of an encoded message; `None` is one that could not be encoded.
     pub fn send_raw(&self, publisher: &Publisher<Raw>, endpoint: &Endpoint, raw: Option<&Raw>) {
-        let is_sent = raw.is_some_and(|raw| self.publish(publisher, raw.clone()));
+        let is_withheld = self.withholds(endpoint);
+        let is_sent = match raw {
+            Some(_) if is_withheld => true,
+            Some(raw) => self.publish(publisher, raw.clone()),
+            None => false,
+        };
         if !is_sent {
             NodeCounters::count(&self.counters.unpublished);
             tracing::debug!("a message on {} was not published", endpoint.name);
@@ -50,6 +70,15 @@ impl Sending {
         if let (Some(recording), Some(raw)) = (&self.recording, raw) {
             recording.sent(endpoint, raw.bytes());
         }
+        #[cfg(feature = "foxglove")]
+        if let (Some(foxglove), Some(raw), false) = (&self.foxglove, raw, is_withheld) {
+            foxglove.sent(endpoint, raw.bytes());
+        }
+    }
+
+    /// Whether a message on this endpoint is only recorded now, because the node is managed and not active.
+    pub fn withholds(&self, endpoint: &Endpoint) -> bool {
+        self.is_silent && SHOWN_AT_REST.contains(&endpoint.name)
     }
 
     /// Publishes a message that is not recorded; returns whether it is sent.
@@ -67,6 +96,19 @@ impl Sending {
         status.dropped_states = health.dropped_states;
         status.dropped_recording = self.recording_health(&health).map_or(0, |it| it.lost);
         status.dropped_viewer = health.dropped_viewer;
+    }
+
+    /// What the server for Foxglove has done; `None` without one.
+    #[cfg(feature = "foxglove")]
+    pub fn foxglove_counts(&self) -> Option<FoxgloveCounts> {
+        self.foxglove.as_ref().map(|it| it.counts())
+    }
+
+    /// What the server for Foxglove has done: this program has none.
+    #[cfg(not(feature = "foxglove"))]
+    #[allow(clippy::unused_self)] // as with the feature
+    pub fn foxglove_counts(&self) -> Option<FoxgloveCounts> {
+        None
     }
 
     /// Outputs that the queue to the publishing thread dropped are missing in the recording too, which receives its messages there.

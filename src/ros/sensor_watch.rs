@@ -55,6 +55,8 @@ pub(super) struct SensorWatch {
     /// Batches that the queue had dropped.
     lost_by_queue: u64,
     unknown: u64,
+    /// Why these sensors show no impact.
+    undetected: Option<String>,
     /// Names the column of a fleet in a line about a sensor; empty for a single twin.
     of: String,
     log: Arc<SensorLog>,
@@ -72,8 +74,15 @@ struct Watched {
 }
 
 impl SensorWatch {
-    /// `of` names the column of a fleet in a line about a sensor, and is empty for a single twin; the columns share a log.
-    pub fn new(sensors: usize, started: Nanos, of: String, log: Arc<SensorLog>) -> Self {
+    /// `undetected` says why these sensors show no impact, if they are too slow, which the sensing logs. `of` names the column of a
+    /// fleet in a line about a sensor, and is empty for a single twin; the columns share a log.
+    pub fn new(
+        sensors: usize,
+        undetected: Option<String>,
+        started: Nanos,
+        of: String,
+        log: Arc<SensorLog>,
+    ) -> Self {
         let watched = Watched {
             condition: SensorCondition::Waiting,
             counts: SensorCounts::default(),
@@ -87,6 +96,7 @@ impl SensorWatch {
             sensors: vec![watched; sensors],
             lost_by_queue: 0,
             unknown: 0,
+            undetected,
             of,
             log,
         }
@@ -118,6 +128,8 @@ impl SensorWatch {
             unknown_sensor,
             last,
         } = strays;
+        let detected = self.undetected.as_deref().unwrap_or("yes");
+        values.push(("impacts are detected".to_owned(), detected.to_owned()));
         let count = |key: &str, count: u64| (key.to_owned(), count.to_string());
         values.push(count("batches for other columns", *other_column));
         values.push(count("batches of unknown sensors", *unknown_sensor));
@@ -153,7 +165,7 @@ impl SensorWatch {
                 )
             });
         }
-        let mut problems = Vec::new();
+        let mut problems = Vec::from_iter(self.undetected.clone());
         for (index, health) in sensors.iter().enumerate() {
             self.tell_changes(index, health, now);
             problems.extend(problem(health, &self.sensors[index], now));
@@ -321,7 +333,7 @@ mod tests {
     use super::*;
 
     fn watch(sensors: usize) -> SensorWatch {
-        SensorWatch::new(sensors, 0, String::new(), Arc::default())
+        SensorWatch::new(sensors, None, 0, String::new(), Arc::default())
     }
 
     fn health(condition: SensorCondition, counts: SensorCounts) -> SensorHealth {
@@ -378,6 +390,20 @@ mod tests {
             warn("samples of laser are lost")
         );
         assert_eq!(status(alive, lossy, RECENT + 6), ok);
+    }
+
+    #[test]
+    fn sensors_that_are_too_slow_for_an_impact_are_a_warning() {
+        let slow = "no sensor is fast enough".to_owned();
+        let mut watch = SensorWatch::new(1, Some(slow.clone()), 0, String::new(), Arc::default());
+        let sensors = [health(SensorCondition::Alive, SensorCounts::default())];
+        let status = watch.status(&sensors, &Strays::default(), 0, 0);
+        assert_eq!(
+            (status.level, &status.message),
+            (DiagnosticStatus::WARN, &slow)
+        );
+        let expected = ("impacts are detected".to_owned(), slow);
+        assert!(status.values.contains(&expected), "{:?}", status.values);
     }
 
     #[test]

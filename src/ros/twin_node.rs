@@ -7,14 +7,16 @@
 //! | `column_twin/pub` | publishes the outputs of the columns, and diagnostics |
 //! | `column_twin/log` | publishes `/rosout` |
 //! | `column_twin/topics` | creates and removes the topics of single columns of a fleet |
+//! | `column_twin/life` | answers about the lifecycle and the parameters of a managed node, tracks peers |
 //!
 //! RustDDS adds two or three threads.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use futures::future::Either;
 use ros2_client::Publisher;
 
 use crate::fleet::LINGER;
@@ -28,10 +30,16 @@ use super::alarms::NodeAlarms;
 use super::alarms::none_wanted;
 use super::clock_watch::ClockWatch;
 use super::counters::NodeCounters;
-use super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
+use super::dds_threads::{LIFECYCLE_THREAD, PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
 use super::environment::Environment;
 use super::fleet::{ColumnTopics, FleetPublishing, RowImpacts, TopicCounts};
-use super::inputs::{Services, Subscriptions};
+#[cfg(feature = "foxglove")]
+use super::foxglove::NodeFoxglove;
+#[cfg(not(feature = "foxglove"))]
+use super::foxglove::not_wanted;
+use super::inputs::{NodeServices, Services, Subscriptions};
+use super::lifecycle::Lifecycle;
+use super::lifecycle_services::{Actions, LifecycleServers};
 use super::live_columns::LiveColumns;
 use super::matches::Matches;
 use super::measurements::SensedColumns;
@@ -40,6 +48,7 @@ use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
 use super::qos;
+use super::qos_overrides::QosOverrides;
 use super::raw::Raw;
 use super::receiving::Receiving;
 use super::rosout::{LogEnd, RosoutQueue};
@@ -47,18 +56,42 @@ use super::senders::{Identities, Senders};
 use super::sending::Sending;
 use super::task::{Task, spawn};
 
+/// How a node starts.
+pub struct StartOptions {
+    /// How long the topics of a single column of a fleet stay when their last reader has gone.
+    pub linger: Duration,
+    /// Makes a managed node, which starts unconfigured. The function is called when the node is asked to shut down.
+    pub managed: Option<Box<dyn Fn() + Send>>,
+}
+
+impl Default for StartOptions {
+    fn default() -> Self {
+        Self {
+            linger: LINGER,
+            managed: None,
+        }
+    }
+}
+
+/// The tasks of the inputs; those of a managed node start when it is configured.
+type InputTasks = Arc<Mutex<Vec<Task>>>;
+
 /// A running node of one column or many, until [`stop`](Self::stop).
 pub struct TwinNode {
+    names: Names,
+    matches: Arc<Matches>,
     // In the order in which they are stopped.
-    inputs: Vec<Task>,
+    inputs: InputTasks,
     /// Those of a fleet.
     column_topics: Option<ColumnTopics>,
     columns: Arc<LiveColumns>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
     waker: Waker,
+    /// Of a managed node.
+    lifecycle: Option<Task>,
     log: Option<(LogEnd, JoinHandle<()>)>,
-    node: Node,
+    node: Arc<Mutex<Node>>,
 }
 
 impl TwinNode {
@@ -74,10 +107,19 @@ impl TwinNode {
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
-        Self::start_with(environment, names, columns, outputs, log, recording, LINGER)
+        let options = StartOptions::default();
+        Self::start_with(
+            environment,
+            names,
+            columns,
+            outputs,
+            log,
+            recording,
+            options,
+        )
     }
 
-    /// As [`start`](Self::start); the topics of a single column of a fleet stay for `linger` when their last reader has gone.
+    /// As [`start`](Self::start), with options.
     ///
     /// # Errors
     /// See [`start`](Self::start).
@@ -88,15 +130,23 @@ impl TwinNode {
         outputs: impl OutputSource,
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
-        linger: Duration,
+        options: StartOptions,
     ) -> Result<Self, NodeError> {
+        let StartOptions { linger, managed } = options;
+        let managed = managed.map(|it| (it, Arc::new(Lifecycle::unconfigured())));
+        let lifecycle = managed.as_ref().map(|it| Arc::clone(&it.1));
         let mut node = Node::new(environment, names)?;
         let settings = columns.node_parameters().settings();
+        node.override_qos(QosOverrides::new(&settings.qos_overrides));
         let metrics = NodeMetrics::start(&settings.metrics.address)?;
         #[cfg(feature = "alarm")]
         let alarms = NodeAlarms::start(&settings.alarm, &node.names().fully_qualified())?;
         #[cfg(not(feature = "alarm"))]
         none_wanted(&settings.alarm)?;
+        #[cfg(feature = "foxglove")]
+        let foxglove = NodeFoxglove::start(&columns, node.names(), lifecycle.clone())?;
+        #[cfg(not(feature = "foxglove"))]
+        not_wanted(&settings.foxglove)?;
         let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
         let senders = Senders::new(&settings.senders, identities);
         senders.warn_of_enclaves();
@@ -108,11 +158,19 @@ impl TwinNode {
             clock: settings
                 .use_sim_time
                 .then(|| ClockWatch::new(Instant::now())),
+            lifecycle,
             ..NodeCounters::default()
         });
         let stop = Arc::new(AtomicBool::new(false));
         let log = log
-            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone()))
+            .map(|queue| {
+                let copies = LogCopies {
+                    recording: recording.clone(),
+                    #[cfg(feature = "foxglove")]
+                    foxglove: foxglove.clone(),
+                };
+                publish_log(&mut node, queue, &counters, copies)
+            })
             .transpose()?;
         let sensed = SensedColumns::new(&columns, recording.as_ref());
         let receiving = Receiving {
@@ -147,11 +205,23 @@ impl TwinNode {
             #[cfg(feature = "alarm")]
             alarms,
             metrics,
+            #[cfg(feature = "foxglove")]
+            foxglove,
+            is_silent: false,
             is_over: false,
         };
         let publishing = Publishing::new(&mut node, sending, sensed.clone(), fleet)?;
-        let subscriptions = Subscriptions::new(&mut node, sensed, receiving.clone())?;
-        let services = Services::new(&mut node, rows, receiving)?;
+        let inputs = Inputs {
+            sensed,
+            rows,
+            receiving,
+        };
+        // Before the thread that publishes, which would run on if one of them failed.
+        let start = match managed {
+            None => Either::Left(inputs.offer(&mut node)?),
+            Some(managed) => Either::Right(managed),
+        };
+        let own = NodeServices::new(&mut node, inputs.receiving.clone())?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
         let real_time = RealTime::of(columns.node_parameters());
@@ -165,19 +235,34 @@ impl TwinNode {
                 watch(discovered);
             }
         })?;
-        let inputs = vec![
-            Task::start(RECEIVING_THREAD, move || async move {
-                futures::join!(events, subscriptions.run());
-            })?,
-            Task::start(SERVING_THREAD, move || services.run())?,
-        ];
+        let (names, matches) = (node.names().clone(), node.matches());
+        let node = Arc::new(Mutex::new(node));
+        let tasks = InputTasks::default();
+        let lifecycle = match start {
+            Either::Left((subscriptions, services)) => {
+                let receive = move || async move {
+                    futures::join!(events, subscriptions.run());
+                };
+                let serve = move || async move {
+                    futures::join!(services.run(), own.run());
+                };
+                start_both(&tasks, receive, serve)?;
+                None
+            }
+            Either::Right(managed) => {
+                Some(inputs.start_managed(&node, &tasks, own, events, managed)?)
+            }
+        };
         Ok(Self {
-            inputs,
+            names,
+            matches,
+            inputs: tasks,
             column_topics,
             columns,
             publisher,
             stop,
             waker,
+            lifecycle,
             log,
             node,
         })
@@ -186,55 +271,135 @@ impl TwinNode {
     /// The node's names.
     #[must_use]
     pub fn names(&self) -> &Names {
-        self.node.names()
+        &self.names
     }
 
     /// The known peers.
     #[must_use]
     pub fn matches(&self) -> Arc<Matches> {
-        self.node.matches()
+        Arc::clone(&self.matches)
     }
 
     /// Stops receiving, stops the columns, publishes queued outputs, and leaves the network.
     pub fn stop(self) {
-        for task in self.inputs {
-            task.stop();
-        }
+        stop_all(&self.inputs);
         if let Some(topics) = self.column_topics {
             topics.stop();
         }
         self.columns.stop();
-        stop_publishing_threads(&self.stop, &self.waker, self.publisher, self.log);
+        stop_publishing(&self.stop, &self.waker, self.publisher);
+        // Late, so that the answer to a shutdown is sent.
+        if let Some(task) = self.lifecycle {
+            task.stop();
+        }
+        // It may have been configured meanwhile.
+        stop_all(&self.inputs);
+        stop_log(self.log);
         // All threads have ended, and with them all endpoints.
         drop(self.node);
     }
 }
 
-/// Ends the threads that publish, after what is queued.
-fn stop_publishing_threads(
-    stop: &AtomicBool,
-    waker: &Waker,
-    publisher: JoinHandle<()>,
-    log: Option<(LogEnd, JoinHandle<()>)>,
-) {
+/// What takes the inputs of the columns.
+struct Inputs {
+    sensed: Option<Arc<SensedColumns>>,
+    rows: Option<Arc<RowImpacts>>,
+    receiving: Receiving,
+}
+
+impl Inputs {
+    /// Creates the endpoints.
+    fn offer(&self, node: &mut Node) -> Result<(Subscriptions, Services), NodeError> {
+        let receiving = || self.receiving.clone();
+        let subscriptions = Subscriptions::new(node, self.sensed.clone(), receiving())?;
+        let services = Services::new(node, self.rows.clone(), receiving())?;
+        Ok((subscriptions, services))
+    }
+
+    /// Starts the task of a managed node, which starts the others when the node is configured.
+    fn start_managed(
+        self,
+        node: &Arc<Mutex<Node>>,
+        tasks: &InputTasks,
+        own: NodeServices,
+        events: impl Future<Output = ()> + Send + 'static,
+        (shut_down, lifecycle): (Box<dyn Fn() + Send>, Arc<Lifecycle>),
+    ) -> Result<Task, NodeError> {
+        let receiving = self.receiving.clone();
+        let (of_inputs, tasks) = (Arc::clone(node), Arc::clone(tasks));
+        let configure = move || -> Result<(), NodeError> {
+            let (subscriptions, services) = self.offer(&mut lock(&of_inputs))?;
+            start_both(&tasks, move || subscriptions.run(), move || services.run())
+        };
+        let actions = Actions {
+            configure: Box::new(configure),
+            shut_down,
+        };
+        let servers = LifecycleServers::new(&mut lock(node), lifecycle, actions)?;
+        Task::start(LIFECYCLE_THREAD, move || async move {
+            futures::join!(events, own.run(), servers.run(&receiving));
+        })
+    }
+}
+
+/// Starts the tasks of the inputs; if one fails, none runs on.
+fn start_both<R: Future<Output = ()>, S: Future<Output = ()>>(
+    tasks: &InputTasks,
+    receive: impl FnOnce() -> R + Send + 'static,
+    serve: impl FnOnce() -> S + Send + 'static,
+) -> Result<(), NodeError> {
+    let receiving = Task::start(RECEIVING_THREAD, receive)?;
+    match Task::start(SERVING_THREAD, serve) {
+        Ok(serving) => {
+            lock(tasks).extend([receiving, serving]);
+            Ok(())
+        }
+        Err(error) => {
+            receiving.stop();
+            Err(error)
+        }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn stop_all(tasks: &Mutex<Vec<Task>>) {
+    let tasks = std::mem::take(&mut *lock(tasks));
+    tasks.into_iter().for_each(Task::stop);
+}
+
+/// Ends the thread that publishes, after what is queued.
+fn stop_publishing(stop: &AtomicBool, waker: &Waker, publisher: JoinHandle<()>) {
     stop.store(true, Ordering::Relaxed);
     waker.wake();
-    let mut has_panicked = publisher.join().is_err();
-    // Last, so that the log messages of the other threads are published.
-    if let Some((end, log)) = log {
-        end.send();
-        has_panicked |= log.join().is_err();
+    if publisher.join().is_err() {
+        tracing::error!("the publishing thread panicked");
     }
-    if has_panicked {
-        tracing::error!("a publishing thread panicked");
+}
+
+/// Ends the thread that publishes the log: last, so that the log messages of the other threads are published.
+fn stop_log(log: Option<(LogEnd, JoinHandle<()>)>) {
+    let Some((end, thread)) = log else { return };
+    end.send();
+    if thread.join().is_err() {
+        tracing::error!("the thread that publishes the log panicked");
     }
+}
+
+/// Where log messages go besides their readers.
+struct LogCopies {
+    recording: Option<Arc<dyn RecordingTap>>,
+    #[cfg(feature = "foxglove")]
+    foxglove: Option<NodeFoxglove>,
 }
 
 fn publish_log(
     node: &mut Node,
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
-    recording: Option<Arc<dyn RecordingTap>>,
+    copies: LogCopies,
 ) -> Result<(LogEnd, JoinHandle<()>), NodeError> {
     let publisher: Publisher<Raw> = node.publisher(&qos::ROSOUT)?;
     let logger = node.names().logger();
@@ -253,8 +418,12 @@ fn publish_log(
                 NodeCounters::count(&counters.unpublished);
                 continue;
             };
-            if let Some(recording) = &recording {
+            if let Some(recording) = &copies.recording {
                 recording.sent(&qos::ROSOUT, raw.bytes());
+            }
+            #[cfg(feature = "foxglove")]
+            if let Some(foxglove) = &copies.foxglove {
+                foxglove.sent(&qos::ROSOUT, raw.bytes());
             }
             counters.lost_peers.count_published();
             if publisher.publish(raw).is_err() {

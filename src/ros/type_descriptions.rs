@@ -203,6 +203,10 @@ mod tests {
             "column_twin_msgs/srv/ConfirmEstimate",
             "column_twin_msgs/srv/PredictImpact",
             "column_twin_msgs/srv/ResetColumn",
+            "lifecycle_msgs/srv/ChangeState",
+            "lifecycle_msgs/srv/GetAvailableStates",
+            "lifecycle_msgs/srv/GetAvailableTransitions",
+            "lifecycle_msgs/srv/GetState",
             "std_srvs/srv/Trigger",
         ];
         assert_eq!(DESCRIPTIONS.len(), INTERFACES.len() + services.len());

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use column_beam::{
-    BeamColumn, BeamModel, BeamOutcome, BowAxes, Damage, Hit, Measurement, Movement,
-    Outcome as BeamEnd,
+    BeamColumn, BeamModel, BeamOutcome, Damage, Hit, InTurn, Measurement, Movement, Pair,
 };
 use serde::{Deserialize, Serialize};
 
 use super::beam::{NoSecondOpinion, beam_column};
+use super::known_columns;
+use super::two_threads::TwoThreads;
 use crate::column::Impact;
 use crate::parameters::{BeamMode, Parameters};
 
@@ -132,7 +133,7 @@ impl BeamTask {
     /// # Errors
     /// Why there is no second opinion.
     pub fn movement(&self) -> Result<Movement, NoSecondOpinion> {
-        let model = BeamModel::new(&self.column)?;
+        let model = known_columns::model(&self.column)?;
         let before = self.damage_before(&model)?;
         Ok(model.movement(&self.hit, before.as_deref())?)
     }
@@ -148,32 +149,65 @@ impl BeamTask {
         }))
     }
 
-    /// Computes it.
+    /// Computes it with two threads.
     ///
     /// # Errors
     /// Why there is no second opinion.
     pub fn compute(&self) -> Result<BeamAnswer, NoSecondOpinion> {
-        let Self { column, hit, .. } = self;
-        let model = BeamModel::new(column)?;
+        self.compute_by(&TwoThreads)
+    }
+
+    /// Computes it with one thread, bit for bit the same: for studies, which keep all processors busy.
+    ///
+    /// # Errors
+    /// Why there is no second opinion.
+    pub fn compute_in_turn(&self) -> Result<BeamAnswer, NoSecondOpinion> {
+        self.compute_by(&InTurn)
+    }
+
+    fn compute_by(&self, pair: &impl Pair) -> Result<BeamAnswer, NoSecondOpinion> {
+        let model = known_columns::model(&self.column)?;
         let before = self.damage_before(&model)?;
-        let (beam, damage) = model.simulate(hit, before.as_deref())?;
-        let capacity = match column.bow_axes {
-            BowAxes::Strong => [beam.undamaged_capacity_n[0], beam.residual_capacity_n[0]],
-            BowAxes::Weak => [beam.undamaged_capacity_n[1], beam.residual_capacity_n[1]],
-            BowAxes::Both => {
-                let undamaged = model.capacity_bowed(column.bows());
-                let left = match (beam.outcome, &damage) {
-                    (BeamEnd::Elastic, _) => undamaged,
-                    (BeamEnd::Plastic, Some(damage)) => model.capacity_left(column.bows(), damage),
-                    _ => 0.0,
-                };
-                [undamaged, left]
-            }
-        };
+        let opinion = model.opinion(&self.hit, before.as_deref(), pair)?;
+        known_columns::keep(&self.column, opinion.undamaged);
         Ok(BeamAnswer {
-            beam,
-            capacity,
-            damage: damage.map(Arc::new),
+            beam: opinion.outcome,
+            capacity: opinion.capacity,
+            damage: opinion.damage.map(Arc::new),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Value;
+
+    #[test]
+    fn two_threads_give_the_answer_of_one_bit_for_bit() {
+        let parameters = Parameters::default()
+            .with_changes([
+                ("beam.elements", Value::Integer(12)),
+                ("beam.bow_axes", Value::from("both")),
+                ("vehicle.name", Value::from("rigid")),
+                ("impact.mass", Value::from(1500.0)),
+                ("impact.velocity", Value::from(5.0)),
+                ("impact.direction", Value::from(0.2)),
+            ])
+            .expect("admissible");
+        let task = BeamTask::of_parameters(&parameters).expect("a task");
+        let text = |answer: Result<BeamAnswer, NoSecondOpinion>| {
+            let answer = answer.expect("an answer");
+            // Every digit of every number, also of the damage.
+            (format!("{answer:?}"), answer.damage)
+        };
+        let [(both, damage), (one, _)] = [task.compute(), task.compute_in_turn()].map(text);
+        assert_eq!(both, one);
+        // The next hit begins with that damage.
+        let before = damage.map(BeamDamageBefore::from);
+        assert!(before.is_some());
+        let task = BeamTask { before, ..task };
+        let [(both, _), (one, _)] = [task.compute(), task.compute_in_turn()].map(text);
+        assert_eq!(both, one);
     }
 }

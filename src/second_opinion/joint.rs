@@ -2,10 +2,12 @@
 
 use thiserror::Error;
 
-use super::answer::BeamTask;
+use super::answer::{BeamDamageBefore, BeamTask};
 use super::beam::NoSecondOpinion;
 use super::opinion::SecondOpinion;
-use crate::assessment::{Assessment, AssessmentInput, assess, input_of_response, respond_and_rest};
+use crate::assessment::{
+    Assessment, AssessmentInput, EarlierImpacts, assess, input_of_response, respond_and_rest,
+};
 use crate::column::{CapacityError, Impact, Model, Report, SimulationError};
 use crate::parameters::Parameters;
 
@@ -59,15 +61,37 @@ impl JointVerdict {
         whole: Impact,
         direction: f64,
     ) -> Result<Self, JudgeError> {
+        Self::after(parameters, in_plane, whole, direction, (None, None))
+    }
+
+    /// As [`on`](Self::on), after earlier impacts: what they have left, as the two bars and as the beam know it.
+    ///
+    /// # Errors
+    /// As [`of_parameters`](Self::of_parameters).
+    pub fn after(
+        parameters: &Parameters,
+        in_plane: &Impact,
+        whole: Impact,
+        direction: f64,
+        (earlier, beam_before): (Option<&EarlierImpacts>, Option<BeamDamageBefore>),
+    ) -> Result<Self, JudgeError> {
         let properties = parameters.column_properties();
-        let (report, rest) =
-            respond_and_rest(&properties, in_plane, parameters.response_duration())?;
+        let duration = parameters.response_duration();
+        let (report, rest) = match earlier {
+            Some(earlier) => earlier.respond_and_rest(&properties, in_plane, duration),
+            None => respond_and_rest(&properties, in_plane, duration),
+        }?;
         let model = Model::new(&properties.before(in_plane)).map_err(SimulationError::from)?;
-        let input = input_of_response(parameters, &model, in_plane, &report, rest.as_ref())?;
+        let mut input = input_of_response(parameters, &model, in_plane, &report, rest.as_ref())?;
+        if let Some(impact) = &mut input.impact {
+            impact.direction = direction;
+        }
+        let base_before = earlier.and_then(|it| it.base.as_ref());
+        input.base_demand = input.base_demand.map(|demand| demand.after(base_before));
         let mut assessment = assess(&input);
         let lengths = [properties.length_below, properties.length_above];
-        let answer = BeamTask::new(parameters, lengths, whole, direction, None)
-            .and_then(|task| task.compute());
+        let answer = BeamTask::new(parameters, lengths, whole, direction, beam_before)
+            .and_then(|task| task.compute_in_turn());
         let second_opinion = answer.map(|answer| {
             SecondOpinion::new(&answer, direction, parameters, &report).weighed(
                 &input,

@@ -9,10 +9,9 @@ use super::answer::{BeamAnswer, BeamTask};
 use super::beam::NoSecondOpinion;
 use super::criteria::input_of;
 use crate::assessment::{
-    Action, ActionRange, Assessment, AssessmentInput, ImpactEvaluation, OtherModel,
-    ResidualCapacity, assess, respond_and_rest,
+    Action, ActionRange, Assessment, AssessmentInput, OtherModel, ResidualCapacity, assess,
 };
-use crate::column::{Outcome, Report, SimulationError, share_in_plane};
+use crate::column::{Outcome, Report, share_in_plane};
 use crate::parameters::{BeamMode, Parameters, readable};
 
 /// Factor by which the peak displacements of both models may differ, up or down, before the verdict of the beam counts for that
@@ -28,6 +27,9 @@ const BOW_OF_NEW: f64 = 1e-3;
 
 /// Least share of the velocity in the plane of the two bars at which their peak can be compared with that of the beam.
 const LEAST_SHARE: f64 = 1e-3;
+
+/// Bow of earlier impacts from which on it is said that a hit bends the column back \[m\].
+const LEAST_BOW: f64 = 1e-3;
 
 /// Plastic shear angle of a web from which on shear governs \[rad\].
 const SHEAR_GOVERNS: f64 = 1e-3;
@@ -78,48 +80,7 @@ pub enum WhyItCounts {
     Capacity,
 }
 
-/// An impact by both models.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Evaluated {
-    /// The two bars, with the verdict of both models.
-    pub evaluation: ImpactEvaluation,
-    /// The beam, or why there is none.
-    pub second_opinion: Result<SecondOpinion, NoSecondOpinion>,
-}
-
-/// The impact that the parameters describe on the undamaged column, by both models. The verdict is the more severe one of both, where
-/// that of the beam counts.
-///
-/// # Errors
-/// What the two bars do not compute. Where the beam has no result, the evaluation is that of the two bars alone.
-pub fn evaluate(parameters: &Parameters) -> Result<Evaluated, SimulationError> {
-    let (properties, impact) = (parameters.column_properties(), parameters.impact());
-    let ended = respond_and_rest(&properties, &impact, parameters.response_duration())?;
-    let mut evaluation = ImpactEvaluation::complete(parameters, &properties, &impact, ended)?;
-    let second_opinion = SecondOpinion::on(parameters, &mut evaluation);
-    Ok(Evaluated {
-        evaluation,
-        second_opinion,
-    })
-}
-
 impl SecondOpinion {
-    /// The beam's opinion on the impact of these parameters, which the two bars have evaluated. Where its verdict counts and is more
-    /// severe, the assessment and the range of `evaluation` become those of both models; nothing else changes.
-    ///
-    /// # Errors
-    /// Why there is no second opinion; nothing changes then.
-    pub fn on(
-        parameters: &Parameters,
-        evaluation: &mut ImpactEvaluation,
-    ) -> Result<Self, NoSecondOpinion> {
-        let mut opinion = Self::beside(parameters, &evaluation.report, evaluation.remaining)?;
-        if let Some(assessment) = &mut evaluation.assessment {
-            opinion.weigh(assessment, evaluation.range.as_mut());
-        }
-        Ok(opinion)
-    }
-
     /// The beam's opinion on the impact of these parameters beside this report of the two bars and the capacity that they find; its
     /// verdict is still to be weighed.
     ///
@@ -179,7 +140,7 @@ impl SecondOpinion {
         };
         let [[peak, _], _] = opinion.from_undamaged();
         let ratio = peak / report.max_v1;
-        let is_seen = share_in_plane(direction) > LEAST_SHARE && ratio.is_finite();
+        let is_seen = is_seen_by_the_bars(direction) && ratio.is_finite();
         opinion.ratio_to_two_bars = is_seen.then_some(ratio);
         opinion.counts = opinion.why(parameters.settings().beam.mode, report);
         opinion
@@ -209,6 +170,9 @@ impl SecondOpinion {
             return;
         };
         self.decides = bars.yield_to(verdict, &self.counts_because());
+        if !self.decides {
+            bars.seen_in_space();
+        }
         if let Some(range) = range.filter(|_| self.decides) {
             range.with_another_model(verdict);
         }
@@ -219,10 +183,7 @@ impl SecondOpinion {
             matches!(report.outcome, Outcome::Collapsed | Outcome::Fractured),
             self.beam.outcome == BeamEnd::Collapse,
         ];
-        let yields = [
-            report.outcome != Outcome::Elastic,
-            self.beam.outcome != BeamEnd::Elastic,
-        ];
+        let yields = [report.outcome != Outcome::Elastic, self.has_yielded()];
         let has_another_peak = self
             .ratio_to_two_bars
             .is_some_and(|ratio| !(1.0 / BAND..=BAND).contains(&ratio));
@@ -251,7 +212,7 @@ impl SecondOpinion {
         let [peak, residual] = self.from_undamaged().map(|[x, y]| libm::hypot(x, y));
         bars.by_another_model(&OtherModel {
             collapsed: !stands,
-            yielded: beam.outcome != BeamEnd::Elastic,
+            yielded: self.has_yielded(),
             residual: stands.then_some(residual),
             bow: stands.then_some(beam.residual_bow_m),
             peak,
@@ -271,6 +232,26 @@ impl SecondOpinion {
             [beam.residual_displacement_m, beam.residual_sideways_m],
         ]
         .map(|[there, sideways]| [along + there, across.abs() + sideways])
+    }
+
+    /// Two displacements of the impact point \[m\] in words, of which the one across the hit is named where the vehicle travels out of the
+    /// plane of the two bars.
+    #[must_use]
+    pub fn along_and_across(&self, [along, across]: [f64; 2]) -> String {
+        match self.is_out_of_plane() {
+            true => format!(
+                "{} along the hit and {} across it",
+                millimetres(along),
+                millimetres(across)
+            ),
+            false => millimetres(along),
+        }
+    }
+
+    /// How far earlier impacts had left the impact point on the side from which the vehicle came \[m\]; `None` where they had not.
+    fn bent_back(&self) -> Option<f64> {
+        let bow = -self.beam.displaced_before_m[0];
+        (bow > LEAST_BOW).then_some(bow)
     }
 
     /// Whether the vehicle travels out of the plane of the two bars.
@@ -318,6 +299,12 @@ impl SecondOpinion {
         }
     }
 
+    /// Whether a fibre has yielded, now or in an earlier impact.
+    #[must_use]
+    pub fn has_yielded(&self) -> bool {
+        self.beam.outcome != BeamEnd::Elastic
+    }
+
     /// How the response of the beam ends, in the words of the two bars.
     #[must_use]
     pub fn outcome(&self) -> Outcome {
@@ -354,6 +341,12 @@ pub fn is_out_of_plane(direction: f64) -> bool {
     !is_in_plane(direction)
 }
 
+/// Whether the two bars see a hit in this direction \[rad\] at all: at right angles to their plane it has no component in it.
+#[must_use]
+pub fn is_seen_by_the_bars(direction: f64) -> bool {
+    share_in_plane(direction) > LEAST_SHARE
+}
+
 /// A length in millimetres with three digits.
 fn millimetres(metres: f64) -> String {
     let value = 1e3 * metres;
@@ -369,19 +362,11 @@ fn millimetres(metres: f64) -> String {
 impl Display for SecondOpinion {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let beam = &self.beam;
-        let across = |along: f64, across: f64| match self.is_out_of_plane() {
-            true => format!(
-                "{} along the hit and {} across it",
-                millimetres(along),
-                millimetres(across)
-            ),
-            false => millimetres(along),
-        };
         let [peak, residual] = self.from_undamaged();
         write!(
             f,
             "the fibre beam has a peak of {}",
-            across(peak[0], peak[1])
+            self.along_and_across(peak)
         )?;
         match beam.outcome {
             BeamEnd::Collapse => f.write_str(" and COLLAPSES")?,
@@ -389,7 +374,7 @@ impl Display for SecondOpinion {
             BeamEnd::Plastic => write!(
                 f,
                 ", keeps {} and {:.0} % of its axial capacity",
-                across(residual[0], residual[1]),
+                self.along_and_across(residual),
                 100.0 * (self.capacity[1] / self.capacity[0]).min(1.0),
             )?,
         }
@@ -397,9 +382,20 @@ impl Display for SecondOpinion {
             Some(ratio) => write!(f, "; its peak is {ratio:.2} times that of the two bars")?,
             None => f.write_str("; the two bars do not see this hit")?,
         }
+        if let Some(bow) = self.bent_back() {
+            write!(
+                f,
+                ". Earlier impacts had left the impact point {} on the side from which the vehicle came: the beam bends the column \
+                 back, while the two bars add each impact to the bow",
+                millimetres(bow)
+            )?;
+        }
         let action = self.action().map_or("no", Action::name);
         if self.counts.is_empty() {
-            return f.write_str(". Both agree, and the verdict is that of the two bars.");
+            return f.write_str(match self.bent_back() {
+                Some(_) => ". The verdict is that of the two bars.",
+                None => ". Both agree, and the verdict is that of the two bars.",
+            });
         }
         write!(
             f,

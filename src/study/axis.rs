@@ -400,7 +400,7 @@ impl MapAxis {
         Some([self.number(0)?, self.number(self.len() - 1)?])
     }
 
-    /// Whether both axes determine the same parameter.
+    /// Whether two axes determine the same parameter.
     #[must_use]
     pub fn excludes(&self, other: &Self) -> bool {
         self.quantity.excludes(&other.quantity)
@@ -751,7 +751,8 @@ mod tests {
         let changed = base
             .with_changes(axis.changes(&base, axis.value(1)))
             .expect("admissible");
-        let wanted = Parameters::from_values([("section.name", Value::from("HEB240"))]);
+        // Of both nobody has given load, steel and supports.
+        let wanted = Parameters::default().with_changes([("section.name", Value::from("HEB240"))]);
         assert_eq!(changed, wanted.expect("admissible"));
     }
 

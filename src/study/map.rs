@@ -1,16 +1,18 @@
 //! Damage maps: what an impact leads to, over a plane of two quantities.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::axis::{self, AxisValue, MapAxis, MapQuantity};
-use super::axis_problem::{AxisError, MAX_CELLS};
+use super::axis_problem::MAX_CELLS;
 use super::batch::{Batch, BatchEnd};
+use super::map_error::MapError;
+use super::map_variants::{Variant, check_compared, precedence, with_mass_of_rigid, with_vehicle};
 use super::study_column::{Assumed, Evaluation, Glance, StudyColumn, StudyError};
-use super::verdict_model::{BeamSwitchedOff, StudyOpinion, VerdictModel};
+use super::verdict_model::{StudyOpinion, VerdictModel};
 use crate::column::Impact;
-use crate::parameters::{ParameterFaults, Parameters, RIGID, Value};
+use crate::parameters::{Parameters, RIGID, Value};
 use crate::second_opinion::JointVerdict;
 
 /// Columns that are kept for the cells that follow. A map has one per value of an axis of the column, and cells that follow one
@@ -46,8 +48,9 @@ pub struct DamageMap {
     model: VerdictModel,
     /// What each variant has that its parameters do not say; empty where that is nothing.
     assumed: Vec<Assumed>,
-    /// The column that earlier impacts have damaged; `None`: every cell is an impact on an undamaged one.
-    damaged: Option<Box<StudyColumn>>,
+    /// The column that earlier impacts have damaged, before the vehicle of each variant; empty where every cell is an impact on an
+    /// undamaged one.
+    damaged: Vec<StudyColumn>,
     /// The columns that were needed last.
     kept: Mutex<VecDeque<(ColumnKey, KeptColumn)>>,
 }
@@ -56,15 +59,6 @@ pub struct DamageMap {
 type ColumnKey = (usize, Option<u64>, Option<u64>);
 /// A column, or why there is none; empty until the first cell that needs it computes it.
 type KeptColumn = Arc<OnceLock<Result<StudyColumn, String>>>;
-
-/// One of the columns that a map compares, with its vehicle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Variant {
-    /// Its name in files and figures.
-    pub label: String,
-    /// The column, and the impact as far as the axes leave it open.
-    pub parameters: Parameters,
-}
 
 /// The place of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,61 +111,6 @@ pub struct MapTable {
     pub max_plastic_rotation: Vec<f64>,
 }
 
-/// Why there is no map.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MapError {
-    /// An axis.
-    #[error(transparent)]
-    Axis(#[from] AxisError),
-    /// Too many cells.
-    #[error(
-        "{rows} x {columns} cells of {variants} columns are too many; a map has at most {MAX_CELLS} cells"
-    )]
-    TooManyCells {
-        /// Number of variants.
-        variants: usize,
-        /// Number of rows.
-        rows: u64,
-        /// Number of columns.
-        columns: u64,
-    },
-    /// Two axes of the same quantity, or of quantities of which one determines the other.
-    #[error("both axes determine the same parameter: {0} and {1}; vary two that are independent")]
-    SameQuantity(&'static str, &'static str),
-    /// A comparison varies what an axis varies, too.
-    #[error("{0} is compared and varies along an axis, too; do one of both")]
-    ComparedAndVaried(&'static str),
-    /// There is no variant.
-    #[error("there is no column to compare")]
-    NoVariant,
-    /// Two variants have the same label.
-    #[error(
-        "two of the compared columns are called {0}; give each one a name of its own (column_id)"
-    )]
-    SameLabel(String),
-    /// The damage belongs to the column as it is.
-    #[error(
-        "{0} cannot vary, because an impact has damaged the column, and its damage belongs to the column as it is; vary mass, velocity, \
-         vehicle or direction, or map the undamaged column"
-    )]
-    DamagedColumnVaries(&'static str),
-    /// The fibre beam judges no map of a damaged column.
-    #[error(
-        "the map of a damaged column is judged by the two bars alone; omit the model {}, or compute its impacts one by one",
-        .0.name()
-    )]
-    DamagedByBeam(VerdictModel),
-    /// A model that the parameters of a column switch off.
-    #[error(transparent)]
-    BeamSwitchedOff(#[from] BeamSwitchedOff),
-    /// The parameters.
-    #[error("{}", .0.in_one_line())]
-    Parameters(#[from] ParameterFaults),
-    /// A damaged column that cannot be prepared.
-    #[error(transparent)]
-    Column(#[from] StudyError),
-}
-
 impl DamageMap {
     /// The map of one column. The vehicle is that of the parameters where none is named; what no axis varies has the value
     /// of the parameters. Of the two axes, the one that belongs to the column makes the rows, then a vehicle, then the mass.
@@ -183,25 +122,23 @@ impl DamageMap {
         vehicle: Option<&str>,
         axes: [MapAxis; 2],
     ) -> Result<Self, MapError> {
-        let parameters = with_vehicle(parameters, vehicle)?;
-        let label = parameters.settings().column_id.clone();
-        Self::of_variants(vec![Variant { label, parameters }], axes)
+        Self::comparing(parameters, vehicle, &[], axes)
     }
 
-    /// The map of the same column with each of some values, such as sections, to compare them.
+    /// The map of the same column with each combination of some values, such as sections and loads, to compare them. Each of them
+    /// is a variant.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and a comparison of what an axis varies.
+    /// As [`new`](Self::new), too many combinations, and a comparison of what an axis varies.
     pub fn comparing(
         parameters: &Parameters,
         vehicle: Option<&str>,
-        compared: &MapAxis,
+        compared: &[MapAxis],
         axes: [MapAxis; 2],
     ) -> Result<Self, MapError> {
-        if axes.iter().any(|axis| axis.excludes(compared)) {
-            return Err(MapError::ComparedAndVaried(compared.quantity().name()));
-        }
-        let parameters = with_vehicle(parameters, vehicle)?;
+        check_compared(compared, &axes)?;
+        let with_mass = with_mass_of_rigid(parameters, vehicle, compared.iter().chain(&axes))?;
+        let parameters = with_vehicle(with_mass.as_ref().unwrap_or(parameters), vehicle)?;
         Self::of_variants(Variant::of_values(&parameters, compared)?, axes)
     }
 
@@ -209,7 +146,7 @@ impl DamageMap {
     ///
     /// # Errors
     /// As [`new`](Self::new), and two columns of the same label.
-    pub fn of_variants(variants: Vec<Variant>, axes: [MapAxis; 2]) -> Result<Self, MapError> {
+    pub fn of_variants(mut variants: Vec<Variant>, axes: [MapAxis; 2]) -> Result<Self, MapError> {
         let [first, second] = &axes;
         if first.excludes(second) {
             let [first, second] = [first, second].map(|axis| axis.quantity().name());
@@ -232,12 +169,17 @@ impl DamageMap {
                 columns: columns.len(),
             });
         }
-        for (number, variant) in variants.iter().enumerate() {
-            if variants[..number]
-                .iter()
-                .any(|it| it.label == variant.label)
-            {
-                return Err(MapError::SameLabel(variant.label.clone()));
+        let twice = {
+            let mut labels = HashSet::new();
+            variants.iter().find(|it| !labels.insert(it.label.as_str()))
+        };
+        if let Some(twice) = twice {
+            return Err(MapError::SameLabel(twice.label.clone()));
+        }
+        for variant in &mut variants {
+            let varied = [&rows, &columns].into_iter();
+            if let Some(with_mass) = with_mass_of_rigid(&variant.parameters, None, varied)? {
+                variant.parameters = with_mass;
             }
             rows.check_on(&variant.parameters)?;
             columns.check_on(&variant.parameters)?;
@@ -248,7 +190,7 @@ impl DamageMap {
             columns,
             model: VerdictModel::Bars,
             assumed: Vec::new(),
-            damaged: None,
+            damaged: Vec::new(),
             kept: Mutex::default(),
         })
     }
@@ -256,31 +198,30 @@ impl DamageMap {
     /// The map of a column that earlier impacts have damaged: every cell is one more impact on it, at the height of its hinges.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and an axis that belongs to the column.
+    /// As [`comparing`](Self::comparing), and an axis that belongs to the column.
     pub fn of_damaged(
         column: &StudyColumn,
         vehicle: Option<&str>,
+        compared: &[MapAxis],
         axes: [MapAxis; 2],
     ) -> Result<Self, MapError> {
-        let of_the_column = axes.iter().map(MapAxis::quantity);
-        if let Some(varied) = of_the_column
-            .into_iter()
-            .find(MapQuantity::is_of_the_column)
-        {
+        let mut varied = axes.iter().chain(compared).map(MapAxis::quantity);
+        if let Some(varied) = varied.find(MapQuantity::is_of_the_column) {
             return Err(MapError::DamagedColumnVaries(varied.name()));
         }
-        let map = Self::new(column.parameters(), vehicle, axes)?;
-        let damaged = column.with_impact_of(&map.variants[0].parameters)?;
-        Ok(Self {
-            damaged: Some(Box::new(damaged)),
-            ..map
-        })
+        let map = Self::comparing(column.parameters(), vehicle, compared, axes)?;
+        let damaged = map
+            .variants
+            .iter()
+            .map(|it| column.with_impact_of(&it.parameters));
+        let damaged = damaged.collect::<Result<_, _>>()?;
+        Ok(Self { damaged, ..map })
     }
 
     /// Whether earlier impacts have damaged the column.
     #[must_use]
     pub fn is_of_damaged(&self) -> bool {
-        self.damaged.is_some()
+        !self.damaged.is_empty()
     }
 
     /// The same map, judged by another model than the two bars.
@@ -311,7 +252,7 @@ impl DamageMap {
             columns: self.columns.clone(),
             model: self.model,
             assumed,
-            damaged: None,
+            damaged: Vec::new(),
             kept: Mutex::default(),
         }
     }
@@ -528,8 +469,8 @@ impl DamageMap {
         variant: usize,
         values: [AxisValue<'_>; 2],
     ) -> Result<StudyColumn, String> {
-        if let Some(damaged) = &self.damaged {
-            return Ok(StudyColumn::clone(damaged));
+        if let Some(damaged) = self.damaged.get(variant) {
+            return Ok(damaged.clone());
         }
         let base = &self.variants[variant].parameters;
         let axes = [&self.rows, &self.columns].into_iter().zip(values);
@@ -617,51 +558,5 @@ impl MapTable {
         self.max_plastic_rotation
             .push(number(|it| it.max_plastic_rotation));
         self.result.push(cell.result);
-    }
-}
-
-/// What makes the rows: the smaller one.
-fn precedence(quantity: MapQuantity) -> u8 {
-    match quantity {
-        MapQuantity::Velocity => 3,
-        MapQuantity::Mass => 2,
-        MapQuantity::Vehicle | MapQuantity::Direction => 1,
-        MapQuantity::Parameter(it) if it.name == axis::DIRECTION => 1,
-        _ => 0,
-    }
-}
-
-/// The parameters with the vehicle that is named, if one is, and with its own mass.
-fn with_vehicle(
-    parameters: &Parameters,
-    vehicle: Option<&str>,
-) -> Result<Parameters, ParameterFaults> {
-    let Some(name) = vehicle else {
-        return Ok(parameters.clone());
-    };
-    let changes = axis::changes(MapQuantity::Vehicle, parameters, AxisValue::Name(name));
-    parameters.with_changes(changes)
-}
-
-impl Variant {
-    /// The columns to compare: the same one with each of these values.
-    ///
-    /// # Errors
-    /// Values that the parameters do not admit.
-    pub fn of_values(base: &Parameters, compared: &MapAxis) -> Result<Vec<Self>, MapError> {
-        compared.check_on(base)?;
-        let variant = |index| {
-            let value = compared.value(index);
-            let quantity = compared.quantity();
-            let label = match value {
-                AxisValue::Name(name) => name.to_owned(),
-                number => format!("{} {number} {}", quantity.name(), quantity.unit()),
-            };
-            Ok(Self {
-                label: label.trim_end().to_owned(),
-                parameters: base.with_changes(compared.changes(base, value))?,
-            })
-        };
-        (0..compared.len()).map(variant).collect()
     }
 }

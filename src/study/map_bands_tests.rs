@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::assessment::{
-    Action, ActionRange, AssessmentInput, Assumption, ResidualCapacity, assess, respond_and_rest,
+    Action, ActionRange, AssessmentInput, Assumption, OpenVerdict, ResidualCapacity, assess,
+    respond_and_rest,
 };
 use crate::column::{Impact, Model, Report};
 use crate::parameters::{Parameters, parse_override};
@@ -118,20 +119,24 @@ fn a_band_ends_where_the_range_of_the_verdict_does() {
                 .impact(None, Some(1800.0), velocity)
                 .expect("an impact");
             let properties = parameters.column_properties();
-            let verdict = (column.action(&impact).expect("a response"), false);
+            let verdict = OpenVerdict {
+                action: column.action(&impact).expect("a response"),
+                not_evaluated: Vec::new(),
+            };
             let range = ActionRange::of_action(
                 &parameters,
                 &properties,
                 &impact,
+                0.0,
                 None,
-                verdict,
+                &verdict,
                 &mut || true,
             );
             let all = range.expect("a range").variations;
             let changed = all.iter().filter(|it| it.assumption != Assumption::Speed);
             let reached: Vec<bool> = changed.map(|it| it.action >= action).collect();
             (
-                reached.contains(&true) || verdict.0 >= action,
+                reached.contains(&true) || verdict.action >= action,
                 reached.contains(&false),
             )
         };

@@ -28,7 +28,9 @@
 // - map_bands.rs: The bands of the boundaries between actions: between which values each of them lies if what is not known
 //   exactly of the impact and of the column differs
 // - map_columns.rs: The columns of a map in files: one table of names, units and values for every format
+// - map_error.rs: Why there is no map
 // - map_grid.rs: The cells of a map as pictures need them, in a bounded memory
+// - map_variants.rs: The columns of a map: one for each combination of the values of what its rows and columns do not show
 // - refine.rs: The boundaries of the action classes of a map, computed only where the classes change
 // - risk/: Risk: how often does a vehicle damage the column, and how severely?
 // - row_search.rs: The search for the boundaries of the classes in one row of a map
@@ -47,7 +49,9 @@ mod map_bands;
 #[cfg(test)]
 mod map_bands_tests;
 mod map_columns;
+mod map_error;
 mod map_grid;
+mod map_variants;
 mod refine;
 pub mod risk;
 mod row_search;
@@ -63,10 +67,12 @@ pub use critical::{
     ACTIONS, CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity,
 };
 pub use fleet_kinds::{FleetKinds, part_of};
-pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
+pub use map::{CellPlace, DamageMap, MapCell, MapTable};
 pub use map_bands::{BandPoint, BoundaryBand, MapBands};
 pub use map_columns::{ColumnKind, TableColumn, TableValue};
+pub use map_error::{MAX_VARIANTS, MapError};
 pub use map_grid::{GridCell, MapGrid};
+pub use map_variants::{Variant, arranged_axes};
 pub use refine::{BoundaryPoint, ClassBoundary, LimitBoundary, RefinedMap, RowFault};
 pub use row_search::{Limit, RefineError, RowBoundary};
 pub use study_column::{Evaluation, Glance, StudyColumn, StudyError, VehicleImpacts};

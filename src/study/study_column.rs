@@ -335,15 +335,18 @@ impl StudyColumn {
     /// A vehicle that is not known.
     pub fn impacts_of(&self, vehicle: Option<&str>) -> Result<VehicleImpacts, StudyError> {
         let defaults = self.parameters.whole_impact();
-        // The rigid mass has none of its own.
-        let own_mass = vehicle.is_some_and(|name| CatalogueVehicle::named(name).is_some());
-        let default_mass = if own_mass { f64::NAN } else { defaults.mass };
         let name = vehicle.unwrap_or("");
+        let named = self.parameters.vehicle_named(name)?;
+        let own_mass = vehicle.is_some_and(|name| CatalogueVehicle::named(name).is_some());
+        // A rigid vehicle has the mass of the parameters, but not the own mass of their vehicle.
+        let given_mass = self.parameters.settings().impact.mass;
+        let lacks_mass = vehicle.is_some() && named.is_none() && given_mass == 0.0;
+        let has_default = !(own_mass || lacks_mass);
         Ok(VehicleImpacts {
+            default_mass: if has_default { defaults.mass } else { f64::NAN },
             defaults,
-            default_mass,
             direction: self.parameters.direction(),
-            vehicle: self.parameters.vehicle_named(name)?,
+            vehicle: named,
             bumper_height: self.parameters.bumper_named(name),
         })
     }
@@ -611,7 +614,7 @@ impl StudyColumn {
 pub struct VehicleImpacts {
     /// What an impact leaves open.
     defaults: Impact,
-    /// Its mass where none is given \[kg\]; NaN for the vehicle's own.
+    /// Its mass where none is given \[kg\]; NaN for the vehicle's own, and where a rigid vehicle has none.
     default_mass: f64,
     /// Direction of travel \[rad\].
     direction: f64,

@@ -25,6 +25,10 @@ pub struct LastImpact {
     pub impact: AssessedImpact,
     /// Peak `v1` of its response \[m\].
     pub max_v1: f64,
+    /// `v1` that its response has left \[m\], before the bumper, as in its report; `None` where there is no equilibrium, and after
+    /// a correction of the damage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual_v1: Option<f64>,
     /// Which part of the column came closest to its strength.
     // Absent in recordings and states of programs that do not keep it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,6 +61,7 @@ impl LastImpact {
                 ..AssessedImpact::from(&striking.impact)
             },
             max_v1: report.max_v1,
+            residual_v1: report.residual_v1,
             utilisation: Some(Utilisation::of_report(report)),
             vehicle: report.vehicle,
             error_estimate,
@@ -216,6 +221,11 @@ pub(super) fn assessed(
         input.residual_v1 = None;
     }
     if let Some(last) = last {
+        // Without the bumper the webs are longer, and the same angles stand for a little less: the report and the verdict give one
+        // value.
+        if let (Some(now), Some(left)) = (&mut input.residual_v1, last.residual_v1) {
+            *now = if left.abs() > now.abs() { left } else { *now };
+        }
         input.max_v1 = input.max_v1.max(last.max_v1.abs());
         input = input.struck_by(model, state, last.impact);
         input.base_demand = last.base;

@@ -3,6 +3,7 @@
 //! The plastic deformation of all hinges is multiplied by one factor, so that the mechanism remains that of the impacts, and
 //! the column is brought into its new equilibrium; the factor is the one with which the model reads what was measured.
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -36,7 +37,7 @@ pub struct ResidualMeasurement {
     /// What was measured.
     #[serde(with = "exact_number")]
     pub value: f64,
-    /// Its standard deviation, > 0.
+    /// Its standard deviation, > 0; at most the height of the column, or a right angle.
     #[serde(with = "exact_number")]
     pub deviation: f64,
     /// The sender, for logs.
@@ -127,9 +128,15 @@ pub(super) fn correct(
     if !value.is_finite() {
         return implausible(format!("value = {value}: expected a finite number"));
     }
-    if !(deviation.is_finite() && deviation > 0.0) {
+    let unit = quantity.unit();
+    // What may be off by more says nothing, and would agree with every column.
+    let most = match quantity {
+        Quantity::Displacement => whole,
+        _ => FRAC_PI_2,
+    };
+    if !(deviation > 0.0 && deviation <= most) {
         return implausible(format!(
-            "deviation = {deviation}: expected the standard deviation of the measurement, a finite number > 0"
+            "deviation = {deviation} {unit}: expected the standard deviation of the measurement, above 0 and at most {most} {unit}"
         ));
     }
     let probe = Probe::ideal(&at_rest.model, quantity, height);
@@ -147,7 +154,6 @@ pub(super) fn correct(
     if (value - before).abs() <= deviation {
         return Ok((correction, None));
     }
-    let unit = quantity.unit();
     let differs = format!(
         "the model has a {quantity} of {before} {unit} at {height} m, measured are {value} {unit}"
     );

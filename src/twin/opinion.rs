@@ -12,7 +12,7 @@ use super::begun_impact::BegunImpact;
 use super::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
 use super::plant::Plant;
 use super::striking::Striking;
-use crate::column::{ColumnProperties, Impact, Report};
+use crate::column::{ColumnProperties, Report};
 use crate::parameters::Parameters;
 use crate::second_opinion::{BeamTask, Movement, NoSecondOpinion, SecondOpinion};
 
@@ -56,11 +56,7 @@ impl OpinionTask {
         before: &KnownBeamDamage,
     ) -> Result<Self, Arc<str>> {
         let lengths = [struck.length_below, struck.length_above];
-        let impact = Impact {
-            velocity: striking.velocity(),
-            transverse_force: parameters.whole_impact().transverse_force,
-            ..striking.impact
-        };
+        let impact = parameters.whole_impact_of(striking.impact, striking.velocity());
         let in_words = |reason: NoSecondOpinion| Arc::from(reason.to_string());
         let task = BeamTask::new(
             parameters,

@@ -69,9 +69,11 @@ impl KnownBeamDamage {
         *self == Self::Undamaged
     }
 
+    /// What the next hit finds; `None` of an undamaged column.
+    ///
     /// # Errors
     /// Why the damage is not known.
-    pub(super) fn before(&self) -> Result<Option<BeamDamageBefore>, Arc<str>> {
+    pub fn before(&self) -> Result<Option<BeamDamageBefore>, Arc<str>> {
         let known = |damage: &Arc<BeamDamage>, measured| {
             Ok(Some(BeamDamageBefore {
                 damage: Arc::clone(damage),

@@ -12,6 +12,10 @@ use crate::column::{
 };
 use crate::standing::{StandingColumn, is_same_height, with_impact_height};
 
+/// Why a damaged column keeps its properties.
+pub(super) const OF_ITS_MAKE: &str = "the column is damaged, and the damage belongs to its lengths, section, steel, resistances, \
+                                      hinges and supports; reset the twin before changing them (~/reset)";
+
 /// Whether the column can take an impact.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -127,9 +131,7 @@ impl Plant {
             return Self::undamaged(to).map_err(impossible);
         }
         if make_of(from) != make_of(to) {
-            let reason = "the column is damaged, and the damage belongs to its lengths, section, steel, resistances, hinges and \
-                          supports; reset the twin before changing them (~/reset)";
-            return Err(Rejection::new(RejectionCode::ColumnDamaged, reason));
+            return Err(Rejection::new(RejectionCode::ColumnDamaged, OF_ITS_MAKE));
         }
         let model =
             Model::new(&with_impact_height(to, self.impact_height())).map_err(impossible)?;

@@ -14,9 +14,11 @@ use super::judged_impact::JudgedImpact;
 use super::opinion_state::{KnownBeamDamage, OpinionState};
 use super::output::ReportOutput;
 use super::plant::{Condition, Plant};
-use crate::assessment::{Action, ActionRange, EarlierImpacts, VerdictRange};
+use super::striking::Striking;
+use crate::assessment::{ActionRange, EarlierImpacts, OpenVerdict, VerdictRange};
 use crate::column::{ColumnProperties, Impact};
 use crate::parameters::Parameters;
+use crate::second_opinion::ObliqueHit;
 use crate::standing::StandingColumn;
 
 /// All on which the range of a verdict depends, as plain data for another thread.
@@ -27,10 +29,16 @@ pub struct RangeTask {
     parameters: Arc<Parameters>,
     properties: ColumnProperties,
     impact: Impact,
+    /// The whole speed of the vehicle \[m/s\], and the direction in which it travels \[rad\].
+    travel: (f64, f64),
     /// What the impacts before it have left.
     earlier: Option<Arc<EarlierImpacts>>,
-    /// The action of the verdict, and whether more than that may have to be done.
-    verdict: (Action, bool),
+    /// The damage of the beam before it, where the verdict has the beam's opinion.
+    beam: Option<KnownBeamDamage>,
+    /// Whether the beam yields by that opinion.
+    yields: bool,
+    /// The verdict.
+    verdict: OpenVerdict,
 }
 
 impl RangeTask {
@@ -41,13 +49,36 @@ impl RangeTask {
             parameters,
             properties,
             impact,
+            travel: (velocity, direction),
             earlier,
+            beam,
+            yields,
             verdict,
             ..
         } = self;
         let earlier = earlier.as_deref();
-        let range =
-            ActionRange::of_action(parameters, properties, impact, earlier, *verdict, go_on)?;
+        let before = beam.as_ref().and_then(|beam| beam.before().ok());
+        let by_both = before.as_ref().map(|before| ObliqueHit {
+            parameters,
+            struck: properties,
+            in_plane: *impact,
+            whole: parameters.whole_impact_of(*impact, *velocity),
+            direction: *direction,
+            earlier,
+            beam_before: before.as_ref(),
+        });
+        if let Some(range) = by_both.and_then(|hit| hit.range(verdict, go_on)) {
+            return Some(Arc::new(range.ends));
+        }
+        let mut range = ActionRange::of_action(
+            parameters, properties, impact, *direction, earlier, verdict, go_on,
+        )?;
+        if let Some(hit) = by_both {
+            if !go_on() {
+                return None;
+            }
+            hit.include_hardening(&mut range, verdict, *yields);
+        }
         Some(Arc::new(range.ends))
     }
 
@@ -56,7 +87,10 @@ impl RangeTask {
     pub fn has_the_result_of(&self, other: &Self) -> bool {
         self.properties == other.properties
             && self.impact == other.impact
+            && self.travel == other.travel
             && self.earlier == other.earlier
+            && self.beam == other.beam
+            && self.yields == other.yields
             && self.verdict == other.verdict
             && self.parameters.differs_by_names_only(&other.parameters)
     }
@@ -65,11 +99,12 @@ impl RangeTask {
         response: u64,
         parameters: &Arc<Parameters>,
         struck: &ColumnProperties,
-        impact: Impact,
+        striking: &Striking,
         earlier: Option<&Arc<EarlierImpacts>>,
+        (opinion, beam): (&OpinionState, &KnownBeamDamage),
         assessed: &Assessed,
     ) -> Self {
-        let assessment = &assessed.assessment;
+        let is_by_both = *opinion == OpinionState::Known;
         Self {
             response,
             parameters: Arc::clone(parameters),
@@ -78,9 +113,16 @@ impl RangeTask {
                 length_above: struck.length_above,
                 ..parameters.column_properties()
             },
-            impact,
+            impact: striking.impact,
+            travel: (striking.velocity(), striking.direction()),
             earlier: earlier.cloned(),
-            verdict: (assessment.action, assessment.at_least),
+            beam: is_by_both.then(|| beam.clone()),
+            yields: is_by_both
+                && assessed
+                    .second_opinion
+                    .as_ref()
+                    .is_some_and(|it| it.has_yielded()),
+            verdict: OpenVerdict::from(&assessed.assessment),
         }
     }
 }
@@ -182,7 +224,8 @@ impl ActiveResponse {
         self.forecast.predicted()?.assessed.as_ref()
     }
 
-    pub(super) fn range_task(&self, response: u64) -> Option<RangeTask> {
+    /// `beam` is the damage of the beam before the impact.
+    pub(super) fn range_task(&self, response: u64, beam: &KnownBeamDamage) -> Option<RangeTask> {
         let assessed = self.assessed_without_range()?;
         let BegunImpact {
             parameters,
@@ -194,8 +237,9 @@ impl ActiveResponse {
             response,
             parameters,
             struck,
-            striking.impact,
+            striking,
             self.earlier_impacts().as_ref(),
+            (&self.impact.opinion, beam),
             assessed,
         ))
     }

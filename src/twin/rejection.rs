@@ -90,6 +90,8 @@ rejection_codes! {
     NotAtRest = 27 "not_at_rest";
     /// The measurement is not one of this column, or differs so much from the model that its damage cannot be corrected.
     MeasurementImplausible = 28 "measurement_implausible";
+    /// The node is managed and not active.
+    NotActive = 29 "not_active";
 }
 
 impl RejectionCode {
@@ -102,6 +104,7 @@ impl RejectionCode {
             Self::QueueFull
                 | Self::NoAnswer
                 | Self::Stopping
+                | Self::NotActive
                 | Self::SenderNotAllowed
                 | Self::SenderTooFast
         )

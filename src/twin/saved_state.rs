@@ -13,7 +13,7 @@ use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
 use crate::hexadecimal::Hexadecimal;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, SectionShape};
 use crate::standing::{Damage, StandingColumn};
 use crate::time::Nanos;
 
@@ -274,11 +274,48 @@ fn is_zero(number: &u32) -> bool {
 
 /// Digest of the properties to which a damage belongs: lengths, section, steel, resistances, hinges and supports.
 pub(super) fn fingerprint(parameters: &Parameters) -> String {
-    let json = serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
+    let mut json =
+        serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
+    // The fibres of an I section and of a hollow one may be equal in number, and so may the properties of the two bars.
+    let shape = &parameters.settings().section.shape;
+    if *shape != SectionShape::IOrH {
+        json += &serde_json::to_string(shape).unwrap_or_default();
+    }
     Hexadecimal(&Sha256::digest(json)).to_string()
 }
 
 fn checksum(content: &SavedState) -> Result<String, serde_json::Error> {
     let digest = Sha256::digest(serde_json::to_vec(content)?);
     Ok(Hexadecimal(&digest).to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Value;
+
+    /// Without the shear of the web, the two bars of both have the same properties.
+    #[test]
+    fn a_damage_belongs_to_the_shape_of_the_section() {
+        let with_shape = |shape: &str| {
+            let by_numbers = [
+                ("section.name", Value::from("")),
+                ("section.shape", shape.into()),
+                ("section.area", 74.9e-4.into()),
+                ("section.second_moment", 4471e-8.into()),
+                ("section.mass_per_length", 58.8.into()),
+                ("section.height", 0.2.into()),
+                ("section.width", 0.2.into()),
+                ("section.web_thickness", 0.01.into()),
+                ("resistance.moment", 1.885e5.into()),
+                ("shear.model", "none".into()),
+                ("softening.model", "none".into()),
+            ];
+            let column = Parameters::default().with_changes(by_numbers);
+            column.expect("consistent")
+        };
+        let [i_or_h, hollow] = ["i_or_h", "rectangular_hollow"].map(with_shape);
+        assert_eq!(i_or_h.column_properties(), hollow.column_properties());
+        assert_ne!(fingerprint(&i_or_h), fingerprint(&hollow));
+    }
 }

@@ -234,6 +234,12 @@ impl ColumnSnapshot {
         OpinionTask::new(0, &self.parameters, properties, striking, &self.beam)
     }
 
+    /// The damage of the column as the beam knows it.
+    #[must_use]
+    pub fn beam_damage(&self) -> &KnownBeamDamage {
+        &self.beam
+    }
+
     /// How the fibre beam moves during this impact, for drawings; `None` where there is no second opinion.
     #[must_use]
     pub fn movement(&self, struck: &ColumnProperties, striking: &Striking) -> Option<Movement> {

@@ -410,6 +410,9 @@ impl Blueprint {
         let plot = &plots::ALL[usize::from(number)];
         let id = FIRST_PLOT + number;
         let mut contents = vec![self.content(plot.entity)];
+        if usize::from(number) == plots::DISPLACEMENT {
+            contents.push(self.content(plots::VEHICLE_PATH));
+        }
         if usize::from(number) == plots::CONTACT_FORCE {
             contents.push(self.content(plots::IMPACT_IMPULSES));
             contents.push(self.content(plots::SPRING_FORCES));
@@ -442,7 +445,7 @@ impl Blueprint {
     /// Shows the whole path up to the present time; everything else at the present time.
     fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
         let id = FIRST_HINGE + hinge as u8;
-        let title = format!("Hinge {}: M-N [-]", HINGE_NAMES[hinge]);
+        let title = format!("Hinge {}: yield surface", HINGE_NAMES[hinge]);
         let origin = entity(&self.root, &format!("yield/{}", HINGE_NAMES[hinge]));
         self.view(id, "2D", &title, &origin, &["+ $origin/**".to_owned()])?;
         let bounds = VisualBounds::new(VisualBounds2D(Range2D {

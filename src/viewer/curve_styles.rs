@@ -9,6 +9,9 @@ use super::rerun_types::color;
 use super::static_scene;
 use crate::column::HINGES;
 
+/// Width of the path of the vehicle \[points\]: it shows on both sides of that of the column, which lies on it in contact.
+const VEHICLE_WIDTH: f32 = 5.0;
+
 /// Writes names, colours and widths of the curves.
 pub(super) fn send(stream: &Branch) -> RecordingStreamResult<()> {
     for plot in &plots::ALL {
@@ -20,6 +23,12 @@ pub(super) fn send(stream: &Branch) -> RecordingStreamResult<()> {
             .with_widths(widths);
         stream.log_static(plot.entity, &lines)?;
     }
+    let (name, rgb) = plots::VEHICLE;
+    let vehicle = SeriesLines::new()
+        .with_names([name])
+        .with_colors([color(rgb)])
+        .with_widths([VEHICLE_WIDTH]);
+    stream.log_static(plots::VEHICLE_PATH, &vehicle)?;
     let springs = plots::SPRINGS_BEHIND;
     let lines = SeriesLines::new()
         .with_names(springs.map(|(name, _)| name))

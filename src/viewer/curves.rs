@@ -19,6 +19,8 @@ pub(super) struct Curves<'a> {
     pub drawing: &'a Drawing,
     /// The last state of the impact that the curves contain, from which their paths go on.
     pub plotted: Option<Sample>,
+    /// Ends of the axis of the displacement at the impact.
+    pub displacement_axis: [f64; 2],
     /// Where an impact impulse is marked in its plot.
     pub impact_impulse_mark: f64,
 }
@@ -30,6 +32,7 @@ impl Curves<'_> {
     /// The stream rejects the data.
     pub fn send(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         self.curves(batch)?;
+        self.vehicle_path(batch)?;
         self.impact_impulses(batch)?;
         self.stresses(batch)
     }
@@ -49,6 +52,22 @@ impl Curves<'_> {
             forces.map(|force| per_si * force).collect()
         })?;
         self.force_crush(&times, batch)
+    }
+
+    /// The path of the vehicle's front, where it is on its axis.
+    fn vehicle_path(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+        let on_axis = batch.iter().filter_map(|(moment, state)| {
+            let front = plots::vehicle_front(&state.sample, self.displacement_axis)?;
+            Some((*moment, front))
+        });
+        let (moments, fronts): (Vec<_>, Vec<_>) = on_axis.unzip();
+        if fronts.is_empty() {
+            return Ok(());
+        }
+        let ones = vec![1; fronts.len()];
+        let scalars = Scalars::new(fronts).columns(ones)?;
+        self.branch
+            .send_columns(plots::VEHICLE_PATH, time_columns(moments), scalars)
     }
 
     /// Writes some curves, unless none has a value.

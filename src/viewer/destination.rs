@@ -11,6 +11,7 @@ use super::blueprint::APPLICATION;
 use super::connection::{self, Connection};
 use super::error::{ViewerError, ViewerLogger};
 use super::frame_budget::FrameBudget;
+use super::guard::Guard;
 use super::picture::Picture;
 use super::plots::Ranges;
 use super::rerun_types::batching;
@@ -36,8 +37,15 @@ const SAVED_FRAMES: f64 = 120.0;
 
 /// Where items are shown.
 pub enum Destination<P: Picture> {
-    /// A file, or a server for viewers.
+    /// A file.
     Stream(Box<P>),
+    /// A server for viewers.
+    Served {
+        /// Lets viewers in.
+        _guard: Guard,
+        /// What they see.
+        stream: Box<P>,
+    },
     /// A running viewer.
     Connection(Box<Connection<P>>),
     /// A viewer that this program started.
@@ -86,10 +94,13 @@ impl<P: Picture + Send + 'static> Destination<P> {
             }
             ViewerMode::Serve => {
                 let address = server::loopback(&viewer.address, viewer.port)?;
-                let stream = server::stream(address, memory_limit)?;
+                let (stream, guard) = server::stream(address, memory_limit, log)?;
                 let url = server::url(address);
                 log(NoticeLevel::Info, format!("to watch: rerun {url}"));
-                Self::Stream(Box::new(P::open(stream, &subject, options)?))
+                Self::Served {
+                    _guard: guard,
+                    stream: Box::new(P::open(stream, &subject, options)?),
+                }
             }
             ViewerMode::Connect => {
                 let address = connection::resolve(&viewer.address, viewer.port)?;
@@ -110,7 +121,7 @@ impl<P: Picture + Send + 'static> Destination<P> {
     /// The destination has failed.
     pub fn show(&mut self, items: Vec<P::Item>) -> Result<(), ViewerError> {
         match self {
-            Self::Stream(stream) => stream.show_items(items)?,
+            Self::Stream(stream) | Self::Served { stream, .. } => stream.show_items(items)?,
             Self::Connection(connection) => connection.show(items),
             Self::Spawned(spawned, connection) => {
                 spawned.check();

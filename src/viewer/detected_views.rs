@@ -127,7 +127,11 @@ impl DetectedCurves {
             names: Corner2D::RightTop,
         };
         let mut views = vec![
-            view("Forecast of v1 [mm]", &[FORECAST, OUTCOME], forecast),
+            view(
+                "Forecast of the displacement [mm]",
+                &[FORECAST, OUTCOME],
+                forecast,
+            ),
             view("Momentum [kN s]", &[MOMENTUM], momentum),
             view("Action [% probable]", &[ACTION], Some([-2.0, 102.0])),
         ];

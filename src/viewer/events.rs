@@ -170,12 +170,15 @@ pub fn summary(report: &ImpactReport) -> String {
         ImpactReport::FRACTURED => "FRACTURED",
         _ => "COLLAPSED",
     };
+    // A column that collapses or fractures has none.
+    let residual = match report.residual_v1.is_finite() {
+        true => format!(", residual v1 {:.1} mm", 1e3 * report.residual_v1),
+        false => String::new(),
+    };
     format!(
-        "{outcome}: peak v1 {:.1} mm at {:.2} ms, residual v1 {:.1} mm, max u2 {:.1} mm, peak contact force {}, plastic work \
-         {:.1} kJ",
+        "{outcome}: peak v1 {:.1} mm at {:.2} ms{residual}, max u2 {:.1} mm, peak contact force {}, plastic work {:.1} kJ",
         1e3 * report.max_v1,
         1e3 * report.max_v1_time,
-        1e3 * report.residual_v1,
         1e3 * report.max_u2,
         force(report.peak_contact_force),
         1e-3 * report.plastic_work,

@@ -10,7 +10,7 @@
 //! Nothing flows back: a viewer that is slow, stopped or gone loses frames, which are counted, and never delays the solver.
 //! The code guards against these properties of Rerun 0.36.3: a client without a viewer buffers data and then blocks for
 //! ever, also in its destructor; it never reconnects; a server on a port in use fails silently; by default it listens on
-//! every interface.
+//! every interface; it answers to any host name.
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
@@ -37,6 +37,8 @@
 // - force_crush.rs: The springs of the vehicle in a diagram of force over crush: their envelopes, paths and present positions
 // - frame_budget.rs: How many frames of the scene are drawn
 // - frames.rs: Frames of the scene in a Rerun stream: the column, its hinges, its top and the vehicle
+// - guard.rs: Keeps web pages away from the server for viewers, which belongs to Rerun and answers to any host name (DNS
+//   rebinding)
 // - item.rs: The items that are shown in the viewer; they come from a running twin, a simulation or a recording
 // - labels.rs: Labels that do not cover one another
 // - live_viewer.rs: The viewer of a running twin: a thread of its own that reads a queue of its own
@@ -74,6 +76,7 @@ mod fleet;
 mod force_crush;
 mod frame_budget;
 mod frames;
+mod guard;
 mod item;
 mod labels;
 mod live_viewer;

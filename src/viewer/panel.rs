@@ -1,6 +1,7 @@
 //! The panel beside the scene, as Markdown: what the impact does to the column, what hits it, and what the colours mean.
 
 use super::item::Announcement;
+use super::plots;
 use super::scene::{Drawing, force};
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::messages::column_twin_msgs::ImpactReport;
@@ -205,7 +206,14 @@ fn legend(drawing: &Drawing) -> String {
         ),
         ("Displacements", scale),
     ];
+    let crushes = drawing.vehicle.is_real();
+    let plots = plots::ALL.iter().filter(|plot| crushes || !plot.of_vehicle);
+    let plots = plots.filter_map(|plot| {
+        let (title, _unit) = plot.title.split_once(" [")?;
+        Some([title.to_owned(), plot.symbols.to_owned()])
+    });
     let rows = rows.map(|(sign, meaning)| [sign.to_owned(), meaning]);
+    let rows: Vec<_> = rows.into_iter().chain(plots).collect();
     format!("**Legend**\n\n{}", table(["Sign", "Meaning"], &rows))
 }
 
@@ -355,6 +363,7 @@ mod tests {
             "1 m = 1000 kN",
             "270° = M_p = 294 kN m",
             "| Displacements | to scale |",
+            "| Shortening | u1 at the impact, u2 at the top, both downwards (Figure 6) |",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }

@@ -4,7 +4,7 @@ use rerun::blueprint::components::Corner2D;
 
 use super::colour::{self, Rgb};
 use super::timeline::nanos;
-use crate::column::{HINGES, Impact, MAX_MASSES, Sample, simulate};
+use crate::column::{HINGES, Impact, MAX_MASSES, Phase, Sample, simulate};
 use crate::messages::column_twin_msgs::ImpactReport;
 use crate::parameters::Parameters;
 use crate::shape::round_number;
@@ -17,8 +17,10 @@ pub const PLOTS: usize = 7;
 pub struct Plot {
     /// Entity of its values.
     pub entity: &'static str,
-    /// Title, with the unit.
+    /// Title in plain words, with the unit.
     pub title: &'static str,
+    /// What it shows in the symbols of the paper, for the legend.
+    pub symbols: &'static str,
     /// Factor from the SI unit to the unit of the plot.
     pub per_si: f64,
     /// Names and colours of its curves.
@@ -50,8 +52,26 @@ pub fn spring_forces(sample: &Sample) -> &[f64] {
     vehicle.force.get(1..vehicle.masses).unwrap_or_default()
 }
 
+/// Entity of the path of the vehicle's front, in the plot of the displacement. Curves are drawn in the order of their entities:
+/// this one lies below that of the column, with which it coincides in contact.
+pub const VEHICLE_PATH: &str = "plots/displacement_of_vehicle";
+
+/// Name and colour of the curve of [`VEHICLE_PATH`].
+pub const VEHICLE: (&str, Rgb) = ("vehicle", colour::IMPACTOR);
+
+/// Position of the vehicle's front in the unit of its plot, where the axis from `low` to `high` holds it: it comes from far and
+/// travels without limit, so that an axis that held all of its path would show nothing of the column.
+#[must_use]
+pub fn vehicle_front(sample: &Sample, [low, high]: [f64; 2]) -> Option<f64> {
+    let front = ALL[DISPLACEMENT].per_si * sample.impactor_position;
+    (sample.phase != Phase::Idle && (low..=high).contains(&front)).then_some(front)
+}
+
 /// Entity of the impact impulses, which are marked in the plot of the contact force.
 pub const IMPACT_IMPULSES: &str = "plots/contact_force/impact_impulses";
+
+/// Index of the plot of the displacement at the impact.
+pub const DISPLACEMENT: usize = 0;
 
 /// Index of the plot of the contact force.
 pub const CONTACT_FORCE: usize = 4;
@@ -59,28 +79,27 @@ pub const CONTACT_FORCE: usize = 4;
 /// Index of the plot of the crush.
 const CRUSH: usize = 6;
 
-/// The paper's Figures 5 to 8, the contact force and the energy ledger.
+/// Figures 5 to 8 of the paper, the contact force, the energy ledger and the crush.
 pub const ALL: [Plot; PLOTS] = [
     Plot {
         entity: "plots/horizontal_displacement",
-        title: "Fig. 5: v1, v_c [mm]",
+        title: "Displacement at the impact [mm]",
+        symbols: "v1 of the column, v_c of the vehicle's front (Figure 5 of the paper)",
         per_si: 1e3,
-        curves: &[
-            ("v_c impactor", colour::IMPACTOR),
-            ("v1 impact point", colour::IMPACT_POINT),
-        ],
+        curves: &[("column", colour::IMPACT_POINT)],
         names: Corner2D::RightBottom,
         last_width: 2.0,
-        values: |it| vec![it.impactor_position, it.v1],
+        values: |it| vec![it.v1],
         of_vehicle: false,
     },
     Plot {
         entity: "plots/vertical_displacement",
-        title: "Fig. 6: u1, u2, down [mm]",
+        title: "Shortening [mm]",
+        symbols: "u1 at the impact, u2 at the top, both downwards (Figure 6)",
         per_si: 1e3,
         curves: &[
-            ("u1 impact point", colour::IMPACT_POINT),
-            ("u2 top", colour::TOP),
+            ("at the impact", colour::IMPACT_POINT),
+            ("at the top", colour::TOP),
         ],
         names: Corner2D::RightBottom,
         last_width: 2.0,
@@ -89,9 +108,13 @@ pub const ALL: [Plot; PLOTS] = [
     },
     Plot {
         entity: "plots/normal_force",
-        title: "Fig. 7: N, tension + [kN]",
+        title: "Axial forces [kN]",
+        symbols: "N_a below and N_b above the impact, tension positive (Figure 7)",
         per_si: 1e-3,
-        curves: &[("N_a below", colour::BAR_A), ("N_b above", colour::BAR_B)],
+        curves: &[
+            ("below the impact", colour::BAR_A),
+            ("above the impact", colour::BAR_B),
+        ],
         names: Corner2D::RightTop,
         last_width: 1.5,
         values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
@@ -99,13 +122,14 @@ pub const ALL: [Plot; PLOTS] = [
     },
     Plot {
         entity: "plots/bending_moment",
-        title: "Fig. 8: M [kN m]",
+        title: "Moments [kN m]",
+        symbols: "M of the hinges: 1a below, 1b above the impact, 2 top, 3 base (Figure 8)",
         per_si: 1e-3,
         curves: &[
-            ("1a", colour::HINGE[0]),
-            ("1b", colour::HINGE[1]),
-            ("2", colour::HINGE[2]),
-            ("3", colour::HINGE[3]),
+            ("hinge 1a", colour::HINGE[0]),
+            ("hinge 1b", colour::HINGE[1]),
+            ("hinge 2", colour::HINGE[2]),
+            ("hinge 3", colour::HINGE[3]),
         ],
         names: Corner2D::LeftBottom,
         last_width: 1.5,
@@ -114,7 +138,8 @@ pub const ALL: [Plot; PLOTS] = [
     },
     Plot {
         entity: "plots/contact_force/smooth",
-        title: "Contact and spring forces [kN]",
+        title: "Contact force [kN]",
+        symbols: "of the vehicle on the column; with several masses, the forces of the springs behind it, too",
         per_si: 1e-3,
         curves: &[("contact force", colour::CONTACT)],
         names: Corner2D::RightTop,
@@ -124,15 +149,16 @@ pub const ALL: [Plot; PLOTS] = [
     },
     Plot {
         entity: "plots/energy",
-        title: "Energy, stacked [kJ]",
+        title: "Energy [kJ]",
+        symbols: "stacked: the topmost line stays level as long as the balance closes",
         per_si: 1e-3,
         curves: &[
             ("impact impulses", colour::ENERGIES[0]),
             ("+ vehicle's crush", colour::ENERGIES[1]),
             ("+ damping", colour::ENERGIES[2]),
-            ("+ plastic", colour::ENERGIES[3]),
+            ("+ plastic work", colour::ENERGIES[3]),
             ("+ elastic - load", colour::ENERGIES[4]),
-            ("+ kinetic = level", colour::ENERGIES[5]),
+            ("+ motion = total", colour::ENERGIES[5]),
         ],
         names: Corner2D::LeftBottom,
         last_width: 3.0,
@@ -142,6 +168,7 @@ pub const ALL: [Plot; PLOTS] = [
     Plot {
         entity: "plots/crush",
         title: "Crush of the vehicle [mm]",
+        symbols: "of each spring, front first",
         per_si: 1e3,
         curves: &[
             ("spring 1, front", colour::SPRING[0]),
@@ -221,9 +248,7 @@ impl Ranges {
     pub fn include(&mut self, sample: &Sample) {
         for (plot, reached) in ALL.iter().zip(&mut self.reached) {
             let values = (plot.values)(sample);
-            // The column sets the range of the displacements: the impactor travels without limit.
-            let first = usize::from(plot.entity == ALL[0].entity);
-            for value in values.iter().skip(first).filter(|it| it.is_finite()) {
+            for value in values.iter().filter(|it| it.is_finite()) {
                 reached[0] = reached[0].min(plot.per_si * value);
                 reached[1] = reached[1].max(plot.per_si * value);
             }
@@ -243,7 +268,7 @@ impl Ranges {
                 self.reached[plot][1] = self.reached[plot][1].max(value);
             }
         };
-        include(0, report.max_v1);
+        include(DISPLACEMENT, report.max_v1);
         include(1, report.max_u2);
         include(CONTACT_FORCE, report.peak_contact_force);
         for crush in report.max_crush.iter() {
@@ -384,6 +409,45 @@ mod tests {
             ..Sample::default()
         });
         assert!(ranges.cover(&reached) && ranges.axes()[0][1] > 1e3);
+    }
+
+    /// The axis holds the column; the path of the vehicle, which comes from half a metre away, is drawn while it is on the axis.
+    #[test]
+    fn the_path_of_the_vehicle_does_not_leave_its_axis() {
+        let samples = samples_with(0.5);
+        let mut ranges = Ranges::default();
+        for sample in &samples {
+            ranges.include(sample);
+        }
+        let axis = ranges.axes()[DISPLACEMENT];
+        assert!(axis[0] > -100.0 && axis[1] < 500.0, "{axis:?}");
+        assert_eq!(vehicle_front(&samples[0], axis), None);
+        let touches = |it: &&Sample| it.phase == Phase::Contact;
+        let in_contact = samples.iter().filter(touches);
+        assert!(in_contact.clone().count() > 0);
+        for sample in in_contact {
+            let front = vehicle_front(sample, axis).expect("is on the axis");
+            assert!((front - 1e3 * sample.v1).abs() < 1e-3, "{front}");
+        }
+        let away = Sample {
+            impactor_position: -0.5,
+            ..samples[samples.len() - 1]
+        };
+        assert_eq!(vehicle_front(&away, axis), None);
+        assert_eq!(vehicle_front(&Sample::default(), axis), None);
+    }
+
+    /// Symbols and numbers of figures are for the legend.
+    #[test]
+    fn titles_and_curves_are_in_plain_words() {
+        for plot in &ALL {
+            let names = plot.curves.iter().map(|(name, _)| *name);
+            for text in names.chain([plot.title]) {
+                let words = ["Fig", "v1", "u1", "u2", "v_c", "N_a", "N_b", "impactor"];
+                assert!(!words.iter().any(|it| text.contains(it)), "{text}");
+            }
+            assert!(!plot.symbols.is_empty(), "{}", plot.title);
+        }
     }
 
     #[test]

@@ -9,8 +9,9 @@ use rerun::{
 };
 
 use super::blueprint::APPLICATION;
-use super::error::ViewerError;
+use super::error::{ViewerError, ViewerLogger};
 use super::file;
+use super::guard::{self, Guard};
 use super::item::ViewerItem;
 use super::rerun_types::batching;
 use super::stream::ViewerStream;
@@ -39,20 +40,24 @@ pub fn loopback(address: &str, port: u16) -> Result<SocketAddr, ViewerError> {
 }
 
 /// A stream with a server that keeps at most `memory_limit` bytes for viewers that connect later; the oldest data are dropped
-/// first.
+/// first. Viewers reach it as long as the guard lives.
 ///
 /// # Errors
 /// The port is in use, or the server cannot listen.
-pub fn stream(address: SocketAddr, memory_limit: u64) -> Result<RecordingStream, ViewerError> {
+pub fn stream(
+    address: SocketAddr,
+    memory_limit: u64,
+    log: &ViewerLogger,
+) -> Result<(RecordingStream, Guard), ViewerError> {
     let fault = |reason| ViewerError::Serve { address, reason };
-    // Rerun's own server fails silently if the port is in use.
-    match TcpListener::bind(address) {
-        Ok(listener) => drop(listener),
+    let listener = match TcpListener::bind(address) {
+        Ok(listener) => listener,
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
             return Err(ViewerError::PortTaken { address });
         }
         Err(error) => return Err(fault(error)),
-    }
+    };
+    let hidden = guard::hidden_address().map_err(fault)?;
     let options = ServerOptions {
         playback_behavior: PlaybackBehavior::OldestFirst,
         memory_limit: MemoryLimit::from_bytes(memory_limit),
@@ -61,11 +66,15 @@ pub fn stream(address: SocketAddr, memory_limit: u64) -> Result<RecordingStream,
     let stream = RecordingStreamBuilder::new(APPLICATION)
         .enabled(true)
         .batcher_config(batching())
-        .serve_grpc_opts(address.ip().to_string(), address.port(), options)?;
+        .serve_grpc_opts(hidden.ip().to_string(), hidden.port(), options)?;
+    // Rerun's own server fails silently if it cannot listen.
     let deadline = Instant::now() + LISTEN_TIMEOUT;
     loop {
-        match TcpStream::connect_timeout(&address, LISTEN_TIMEOUT) {
-            Ok(_) => return Ok(stream),
+        match TcpStream::connect_timeout(&hidden, LISTEN_TIMEOUT) {
+            Ok(_) => {
+                let guard = Guard::start(listener, hidden, Arc::clone(log)).map_err(fault)?;
+                return Ok((stream, guard));
+            }
             Err(error) if Instant::now() >= deadline => return Err(fault(error)),
             Err(_) => std::thread::sleep(Duration::from_millis(5)),
         }
@@ -75,6 +84,7 @@ pub fn stream(address: SocketAddr, memory_limit: u64) -> Result<RecordingStream,
 /// A server that runs until it is dropped.
 pub struct Served {
     address: SocketAddr,
+    _guard: Guard,
     _stream: ViewerStream,
 }
 
@@ -90,15 +100,20 @@ impl Served {
 ///
 /// # Errors
 /// The port is in use, or the address does not belong to this machine.
-pub fn serve(parameters: &Arc<Parameters>, items: Vec<ViewerItem>) -> Result<Served, ViewerError> {
+pub fn serve(
+    parameters: &Arc<Parameters>,
+    items: Vec<ViewerItem>,
+    log: &ViewerLogger,
+) -> Result<Served, ViewerError> {
     let viewer = &parameters.settings().viewer;
     let address = loopback(&viewer.address, viewer.port)?;
-    let stream = stream(address, viewer.memory_limit)?;
+    let (stream, guard) = stream(address, viewer.memory_limit, log)?;
     let options = file::options(&items, false);
     let mut stream = ViewerStream::new(stream, Arc::clone(parameters), options)?;
     stream.show(items)?;
     Ok(Served {
         address,
+        _guard: guard,
         _stream: stream,
     })
 }
@@ -111,6 +126,8 @@ pub fn url(address: SocketAddr) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{Read as _, Write as _};
+
     use super::*;
 
     #[test]
@@ -126,11 +143,40 @@ mod tests {
         }
     }
 
+    fn silent() -> ViewerLogger {
+        Arc::new(|_, _| {})
+    }
+
+    /// Rerun's server answered both.
+    #[test]
+    fn the_server_for_viewers_rejects_a_foreign_host() {
+        let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+        let address = free.local_addr().expect("its address");
+        drop(free);
+        let (_stream, _guard) = stream(address, 1_000_000, &silent()).expect("it serves");
+        for (host, is_rejected) in [("column.example", true), ("localhost", false)] {
+            let mut connection = TcpStream::connect(address).expect("it listens");
+            let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+            connection.write_all(request.as_bytes()).expect("is sent");
+            let mut answer = Vec::new();
+            connection.read_to_end(&mut answer).expect("is answered");
+            let text = String::from_utf8_lossy(&answer);
+            assert!(text.starts_with("HTTP/1.1 "), "{host}: {text}");
+            assert_eq!(
+                text.starts_with("HTTP/1.1 403"),
+                is_rejected,
+                "{host}: {text}"
+            );
+        }
+    }
+
     #[test]
     fn a_port_in_use_is_reported() {
         let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
         let address = taken.local_addr().expect("its address");
-        let error = stream(address, 1_000_000).map(drop).expect_err("taken");
+        let error = stream(address, 1_000_000, &silent())
+            .map(drop)
+            .expect_err("taken");
         assert!(matches!(error, ViewerError::PortTaken { .. }), "{error}");
         assert!(error.to_string().contains(&address.to_string()), "{error}");
     }

@@ -28,21 +28,7 @@ impl Spawned {
     ) -> Result<Self, ViewerError> {
         let fault = |reason| ViewerError::Spawn { reason };
         check_version(&log).map_err(fault)?;
-        let mut command = Command::new(PROGRAM);
-        command
-            .arg(format!("--port={}", address.port()))
-            .arg(format!("--bind={}", address.ip()))
-            .arg(format!("--server-memory-limit={memory_limit}B"))
-            .arg("--expect-data-soon")
-            .arg("--hide-welcome-screen")
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            // The viewer outlives this program: a reader of an inherited stream would wait for the viewer's end.
-            .stderr(Stdio::null());
-        // Ctrl-C in the terminal stops the twin only.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let child = command.spawn().map_err(fault)?;
+        let child = command(address, memory_limit).spawn().map_err(fault)?;
         Ok(Self {
             child: Some(child),
             log,
@@ -70,6 +56,25 @@ impl Spawned {
     }
 }
 
+fn command(address: SocketAddr, memory_limit: u64) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command
+        .arg(format!("--port={}", address.port()))
+        // Without it, the viewer listens on every interface.
+        .arg(format!("--bind={}", address.ip()))
+        .arg(format!("--server-memory-limit={memory_limit}B"))
+        .arg("--expect-data-soon")
+        .arg("--hide-welcome-screen")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        // The viewer outlives this program: a reader of an inherited stream would wait for the viewer's end.
+        .stderr(Stdio::null());
+    // Ctrl-C in the terminal stops the twin only.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    command
+}
+
 /// Warns if the installed viewer has another version: it may show nothing, or something wrong.
 fn check_version(log: &ViewerLogger) -> io::Result<()> {
     let output = Command::new(PROGRAM)
@@ -90,4 +95,21 @@ fn check_version(log: &ViewerLogger) -> io::Result<()> {
         );
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_viewer_that_the_node_starts_listens_on_the_address_of_the_parameter_only() {
+        for address in ["127.0.0.1:9877", "[::1]:9877"] {
+            let address: SocketAddr = address.parse().expect("valid");
+            let command = command(address, 1_000_000);
+            let arguments: Vec<_> = command.get_args().collect();
+            let bind = format!("--bind={}", address.ip());
+            assert!(arguments.contains(&bind.as_ref()), "{arguments:?}");
+            assert!(arguments.contains(&"--port=9877".as_ref()), "{arguments:?}");
+        }
+    }
 }

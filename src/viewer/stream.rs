@@ -548,6 +548,7 @@ impl ViewerStream {
             branch: &self.branch,
             drawing: &self.drawing,
             plotted: self.progress.plotted,
+            displacement_axis: self.ranges.axes()[plots::DISPLACEMENT],
             impact_impulse_mark: self.ranges.impact_impulse_mark(),
         };
         curves.send(&batch)?;

@@ -70,6 +70,7 @@ fn is_within(interval: &CredibleInterval, truth: f64) -> bool {
 }
 
 #[test]
+#[ignore = "slow: estimates of many impacts take minutes"]
 fn live_estimates_reach_what_those_of_recordings_do() {
     let (mut held, mut total) = (0, 0);
     for name in NAMES {

@@ -162,6 +162,7 @@ fn cases(count: u32, seed: u64, draw: fn(&mut Normal) -> Impact) -> Vec<Case> {
 }
 
 #[test]
+#[ignore = "slow: estimates of many impacts take minutes"]
 fn ten_milliseconds_tell_what_rigid_mass_has_struck_a_column_that_is_not_quite_as_known() {
     let cases = cases(RIGID, 15, rigid);
     let errors: Vec<[f64; 4]> = cases
@@ -185,6 +186,7 @@ fn ten_milliseconds_tell_what_rigid_mass_has_struck_a_column_that_is_not_quite_a
 }
 
 #[test]
+#[ignore = "slow: estimates of many impacts take minutes"]
 fn intervals_hold_what_elastic_front_has_struck_a_column_that_is_not_quite_as_known() {
     assert!(coverage(&cases(DEFORMABLE, 16, deformable)) >= 0.8);
 }

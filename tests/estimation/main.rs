@@ -7,4 +7,5 @@ mod live;
 mod made_impacts;
 mod readings;
 mod signals;
+mod sway;
 mod unseen_impacts;

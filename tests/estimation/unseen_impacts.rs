@@ -3,13 +3,14 @@
 use std::sync::OnceLock;
 
 use column_twin::estimation::{
-    Estimator, EstimatorError, ImpactEstimate, Readings, RecordedImpact, estimate_prepared,
-    hypotheses,
+    Estimator, EstimatorError, ImpactEstimate, Readings, RecordedImpact, Sensing, Work,
+    estimate_prepared, hypotheses,
 };
 use column_twin::sensors::Sensor;
 use column_twin::standing::StandingColumn;
 
 use super::beam_signals::{AFTER, BEFORE, BeamSignal, parameters, sensors};
+use super::signals::{START, batches, with_sensors};
 
 fn unprepared(sensors: Vec<Sensor>) -> Estimator {
     let parameters = parameters();
@@ -169,9 +170,8 @@ fn sensors_that_are_too_slow_for_an_impact_are_named() {
     );
 }
 
-/// The second of two impacts was lost, and the estimate of the first one explained the readings of both.
-#[test]
-fn a_second_impact_soon_after_the_first_one_is_told() {
+/// Readings of one impact, those of it and of a second one soon after, and when this strikes \[s\].
+fn struck_twice() -> (Readings, Readings, f64) {
     let sensors = sensors();
     let signal = BeamSignal::make("light_rigid_12", &sensors, 0.4);
     let first = signal.readings(&sensors, BEFORE, 1);
@@ -186,16 +186,57 @@ fn a_second_impact_soon_after_the_first_one_is_told() {
             both.values.push(value + if is_level { *left } else { 0.0 });
         }
     }
+    let struck = first.times[first.times.len() - 1] + BEFORE;
+    (first, both, struck)
+}
+
+/// The second of two impacts was lost, and the estimate of the first one explained the readings of both.
+#[test]
+fn a_second_impact_soon_after_the_first_one_is_told() {
+    let (first, both, struck) = struck_twice();
     let find = |readings: &Readings| {
         let found = estimate_prepared(&mut prepared(), readings).expect("sensors");
         found.expect("an impact")
     };
-    let struck = first.times[first.times.len() - 1] + BEFORE;
     let found = find(&both);
     let further = found.further.expect("a second impact");
     assert!((further - struck).abs() < 0.01, "{further} {struck}");
     assert!(last(&found).data_until <= further + 1e-9);
     assert_eq!(find(&first).further, None);
+}
+
+/// Only recorded readings told it: a running twin lost the second impact without a word.
+#[test]
+fn a_second_impact_is_told_live_and_once() {
+    let (first, both, struck) = struck_twice();
+    let told = |readings: &Readings| {
+        let parameters = with_sensors(&parameters(), &sensors());
+        let column = StandingColumn::undamaged(&parameters);
+        let mut sensing = Sensing::new(&parameters, column).expect("sensors");
+        while sensing.prepared() == 0 {
+            sensing.step();
+        }
+        let mut told = Vec::new();
+        for (number, batch) in batches(readings, 100) {
+            sensing.push(number, batch);
+            while matches!(
+                sensing.step(),
+                Work::More { is_urgent: true } | Work::Estimate(_)
+            ) {}
+            told.extend(sensing.take_further_impact());
+        }
+        told
+    };
+    let found = told(&both);
+    let [[begun, at]] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    let since = 1e-9 * (at - START) as f64;
+    assert!((since - struck).abs() < 0.01, "{since} {struck}");
+    // The log says how long after the first one, and once gave seconds since 1970.
+    let after = 1e-9 * (at - begun) as f64;
+    assert!(0.0 < after && after <= since + 0.01, "{after} {since}");
+    assert!(told(&first).is_empty());
 }
 
 /// A hard mass ahead of a crushed front was taken for a rigid hit by this mass with a probability of 1, and the interval of the

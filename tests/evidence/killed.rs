@@ -15,7 +15,7 @@ use super::incoming::reader;
 use super::node::{Bytes, program, slow_impact};
 use super::recorded_twin::the_one_recording;
 
-const KILLS: u64 = 20;
+const KILLS: u64 = 30;
 
 fn stamps(states: impl Iterator<Item = Vec<u8>>) -> Vec<i64> {
     let state = |bytes: Vec<u8>| cdr::decode::<ColumnState>(&bytes).unwrap();
@@ -78,8 +78,8 @@ fn assert_sealed_up_to_the_last_flush(path: &Path) {
 }
 
 #[test]
-#[ignore = "slow: 20 nodes on loopback are killed"]
-fn recordings_of_twenty_killed_nodes_are_verified() {
+#[ignore = "slow: 30 nodes on loopback are killed"]
+fn recordings_of_thirty_killed_nodes_are_verified() {
     let mut all: Vec<_> = (0..KILLS)
         // From 0.06 s to 0.3 s of a response of a third of a second, at irregular times.
         .map(|kill| missing_after_a_kill(Duration::from_micros(60_000 + (kill * 79_193) % 240_000)))

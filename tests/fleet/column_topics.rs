@@ -11,7 +11,7 @@ use column_twin::messages::cdr;
 use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
 use column_twin::messages::visualization_msgs::MarkerArray;
 use column_twin::outgoing::Topic;
-use column_twin::ros::{LiveColumns, Names, TwinNode, qos};
+use column_twin::ros::{LiveColumns, Names, StartOptions, TwinNode, qos};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
 use rustdds::{
@@ -35,7 +35,10 @@ pub fn start(domain: &Domain, columns: usize) -> Running {
         outputs,
         None,
         None,
-        LINGER,
+        StartOptions {
+            linger: LINGER,
+            ..StartOptions::default()
+        },
     );
     Running {
         node: node.expect("a node"),

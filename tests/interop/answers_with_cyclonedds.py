@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """As answers_with_rclpy.py, on Cyclone DDS without ROS:
 
-    answers_with_cyclonedds.py COLUMN_ID
+    answers_with_cyclonedds.py COLUMN_ID [PERIOD]
 """
 
 import math
@@ -52,16 +52,32 @@ class ImpactReport(IdlStruct, typename="column_twin_msgs::msg::dds_::ImpactRepor
     event_id: str
 
 
+@dataclass
+class TwinStatus(IdlStruct, typename="column_twin_msgs::msg::dds_::TwinStatus_"):
+    """Only its beginning, too."""
+
+    header: Header
+    column_id: str
+    phase: types.uint8
+    event_id: str
+    events_accepted: types.uint64
+
+
 def main():
     participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
     events = DataWriter(participant, Topic(participant, "rt/impact_event", ImpactEvent), qos=RELIABLE)
-    reports = DataReader(participant, Topic(participant, "rt/impact_forecast", ImpactReport), qos=MANY)
+    forecasts = DataReader(participant, Topic(participant, "rt/impact_forecast", ImpactReport), qos=MANY)
+    reports = DataReader(participant, Topic(participant, "rt/impact_report", ImpactReport), qos=MANY)
+    statuses = DataReader(participant, Topic(participant, "rt/twin_status", TwinStatus), qos=MANY)
     waitset = WaitSet(participant)
-    waitset.attach(ReadCondition(reports, ViewState.Any | InstanceState.Any | SampleState.Any))
+    for reader in (forecasts, reports, statuses):
+        waitset.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
+    period = float(sys.argv[2]) if len(sys.argv) > 2 else PERIOD
     number, due = 0, time.monotonic()
+    accepted = 0
     while True:
         if time.monotonic() >= due:
-            due += PERIOD
+            due += period
             number += 1
             now = time.time_ns()
             print("sent", number, flush=True)
@@ -69,10 +85,17 @@ def main():
                 Header(Time(now // 10**9, now % 10**9), ""), sys.argv[1], str(number), "", 10.0, 0.5,
                 math.nan, math.nan, math.nan, math.nan))
         waitset.wait(duration(milliseconds=50))
-        for report in reports.take(N=100):
-            # Not one when the node's writer is lost.
+        # Not a message when the node's writer is lost.
+        for report in forecasts.take(N=100):
             if isinstance(report, ImpactReport):
                 print("forecast", report.event_id, flush=True)
+        for report in reports.take(N=100):
+            if isinstance(report, ImpactReport):
+                print("report", report.event_id, flush=True)
+        for status in statuses.take(N=100):
+            if isinstance(status, TwinStatus) and status.column_id == sys.argv[1] and status.events_accepted > accepted:
+                accepted = status.events_accepted
+                print("accepted", accepted, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Sends a light impact to a column every half second, and tells which forecasts arrive, until it is ended.
+"""Sends a light impact to a column every half second or so, and tells which forecasts arrive, until it is ended.
 
 Started by tests/partition with a running node in the domain of ROS_DOMAIN_ID:
 
-    answers_with_rclpy.py COLUMN_ID
+    answers_with_rclpy.py COLUMN_ID [PERIOD]
 
-Prints `sent NUMBER` before it sends an event, `forecast NUMBER` when the forecast of one has arrived, `rejected COUNT` when the column
-has rejected more of them, and `diagnostics TEXT` when /diagnostics says something else of the messages of the node.
+PERIOD is the time between two impacts [s].
+Prints `sent NUMBER` before it sends an event, `forecast NUMBER` and `report NUMBER` when the forecast and the report of one have
+arrived, `accepted COUNT` and `rejected COUNT` when a status says that the column has accepted or rejected more of them, and
+`diagnostics TEXT` when /diagnostics says something else of the messages of the node.
 """
 
 import sys
@@ -27,7 +29,7 @@ def main():
     node = rclpy.create_node("persistent_peer")
     events = node.create_publisher(ImpactEvent, "impact_event", QoSProfile(depth=10))
     number = 0
-    last, rejected = None, 0
+    last, accepted, rejected = None, 0, 0
 
     def send():
         nonlocal number
@@ -42,6 +44,9 @@ def main():
     def receive(report):
         print("forecast", report.event_id, flush=True)
 
+    def complete(report):
+        print("report", report.event_id, flush=True)
+
     def diagnose(array):
         nonlocal last
         for status in array.status:
@@ -50,15 +55,19 @@ def main():
                 print("diagnostics", last, flush=True)
 
     def count(status):
-        nonlocal rejected
+        nonlocal accepted, rejected
+        if status.column_id == sys.argv[1] and status.events_accepted > accepted:
+            accepted = status.events_accepted
+            print("accepted", accepted, flush=True)
         if status.column_id == sys.argv[1] and status.events_rejected > rejected:
             rejected = status.events_rejected
             print("rejected", rejected, flush=True)
 
     node.create_subscription(ImpactReport, "impact_forecast", receive, MANY)
+    node.create_subscription(ImpactReport, "impact_report", complete, MANY)
     node.create_subscription(DiagnosticArray, "/diagnostics", diagnose, QoSProfile(depth=10))
     node.create_subscription(TwinStatus, "twin_status", count, QoSProfile(depth=10))
-    node.create_timer(PERIOD, send)
+    node.create_timer(float(sys.argv[2]) if len(sys.argv) > 2 else PERIOD, send)
     rclpy.spin(node)
 
 

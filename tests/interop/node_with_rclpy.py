@@ -53,6 +53,18 @@ SERVICES = {
     "/column_twin/confirm_estimate": "column_twin_msgs/srv/ConfirmEstimate",
     "/column_twin/correct_damage": "column_twin_msgs/srv/CorrectDamage",
 }
+# Those that every node of ROS 2 has.
+NODE_SERVICES = {
+    f"/column_twin/{name}": kind for name, kind in {
+        "get_parameters": "rcl_interfaces/srv/GetParameters",
+        "get_parameter_types": "rcl_interfaces/srv/GetParameterTypes",
+        "list_parameters": "rcl_interfaces/srv/ListParameters",
+        "describe_parameters": "rcl_interfaces/srv/DescribeParameters",
+        "set_parameters": "rcl_interfaces/srv/SetParameters",
+        "set_parameters_atomically": "rcl_interfaces/srv/SetParametersAtomically",
+        "get_type_description": "type_description_interfaces/srv/GetTypeDescription",
+    }.items()
+}
 
 faults = []
 
@@ -166,9 +178,12 @@ def graph(peer):
     for name, type_name in TOPICS.items():
         check(name, topics().get(name), [type_name])
     services = lambda: dict(node.get_service_names_and_types_by_node(NODE, "/"))
-    peer.until("all services", lambda: SERVICES.keys() <= services().keys())
-    for name, type_name in SERVICES.items():
-        check(name, services().get(name), [type_name])
+    expected = {name: [type_name] for name, type_name in (SERVICES | NODE_SERVICES).items()}
+    peer.until("all services", lambda: expected.keys() <= services().keys())
+    # What `ros2 node info` shows is complete, and nothing else: a node that is not managed has no services of a lifecycle.
+    check("services", services(), expected)
+    check("topics", set(topics()), set(TOPICS))
+    check("clients", node.get_client_names_and_types_by_node(NODE, "/"), [])
     check_that("/clock is not subscribed without use_sim_time", "/clock" not in topics())
     # This node's publishers and subscriptions must be matched before anything is sent.
     for name in ["/impact_event", "/column_parameters"]:

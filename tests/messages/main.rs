@@ -3,13 +3,14 @@
 mod bounded_reading;
 mod conversions;
 mod definitions;
+mod foxglove_layout;
 mod golden_bytes;
 mod idl;
 mod ros2_itself;
 
 use column_twin::messages::{
     Message, builtin_interfaces, column_twin_msgs as ours, diagnostic_msgs, geometry_msgs,
-    rcl_interfaces, rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs,
+    lifecycle_msgs, rcl_interfaces, rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs,
     visualization_msgs,
 };
 
@@ -59,6 +60,18 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         geometry_msgs::Pose,
         geometry_msgs::Quaternion,
         geometry_msgs::Vector3,
+        lifecycle_msgs::ChangeStateRequest,
+        lifecycle_msgs::ChangeStateResponse,
+        lifecycle_msgs::GetAvailableStatesRequest,
+        lifecycle_msgs::GetAvailableStatesResponse,
+        lifecycle_msgs::GetAvailableTransitionsRequest,
+        lifecycle_msgs::GetAvailableTransitionsResponse,
+        lifecycle_msgs::GetStateRequest,
+        lifecycle_msgs::GetStateResponse,
+        lifecycle_msgs::State,
+        lifecycle_msgs::Transition,
+        lifecycle_msgs::TransitionDescription,
+        lifecycle_msgs::TransitionEvent,
         rcl_interfaces::Log,
         rcl_interfaces::Parameter,
         rcl_interfaces::ParameterEvent,

@@ -8,6 +8,7 @@
 #[path = "../ros/domain.rs"]
 #[allow(dead_code)] // the tests of the node use more of it
 mod domain;
+mod lossy;
 #[path = "../ros/network.rs"]
 mod network;
 mod peers;
@@ -21,7 +22,7 @@ use std::time::{Duration, Instant};
 
 use domain::Domain;
 use network::Network;
-use peers::{Kind, Peer};
+use peers::{INTERVAL, Kind, Peer};
 use program::Program;
 use stop::{By, stop_for};
 
@@ -136,9 +137,9 @@ impl Healing {
         let network = Network::connected()?;
         let domain = Domain::fresh();
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
-        let mut node = kind.node(&network, &domain, folder.path());
+        let mut node = kind.node(&network, &domain, folder.path(), &[]);
         node.wait_for("is ready in domain");
-        let mut peer = Peer::start(kind, &network, &domain, folder.path());
+        let mut peer = Peer::start(kind, &network, &domain, folder.path(), INTERVAL);
         peer.wait_for_answer(None, Instant::now() + domain::PATIENCE)
             .ok_or("the peer does not hear the node before the trouble")?;
         let began = Instant::now();
@@ -247,6 +248,31 @@ fn known_peers_hear_each_other_again_after_a_partition() {
         Kind::RclpyOfFleet,
         Kind::OwnWatch,
     ]));
+}
+
+/// With 10 % loss and 100 ms delay in both directions.
+#[test]
+#[ignore = "needs root, iproute2 and the Python environment of tests/interop"]
+fn forecasts_reports_and_statuses_arrive_over_a_network_that_loses_a_tenth() {
+    let kinds = [
+        Kind::Rclpy,
+        Kind::Cyclone,
+        Kind::RclpyOfFleet,
+        Kind::OwnWatch,
+    ];
+    let networks: Vec<_> = (1..)
+        .zip(kinds)
+        .map(|(seed, kind)| std::thread::spawn(move || lossy::all_arrives(kind, seed)))
+        .collect();
+    let mut faults = Vec::new();
+    for network in networks {
+        match network.join() {
+            Ok(Ok(text)) => println!("{text}"),
+            Ok(Err(fault)) => faults.push(fault),
+            Err(_) => faults.push("a network panicked".to_owned()),
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 /// As a suspended virtual machine, whose peers go on; and debuggers that look at a fleet.

@@ -20,8 +20,8 @@ pub const PEER: usize = 1;
 /// The column that is hit.
 const COLUMN: &str = "c1";
 
-/// Interval between the impacts of the command line.
-const INTERVAL: Duration = Duration::from_millis(500);
+/// Interval between impacts.
+pub const INTERVAL: Duration = Duration::from_millis(500);
 
 /// Who talks to whom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,8 +51,14 @@ impl Kind {
         })
     }
 
-    /// The node, in a folder of its own.
-    pub fn node(self, network: &Network, domain: &Domain, folder: &Path) -> Program {
+    /// The node with these parameters, in a folder of its own.
+    pub fn node(
+        self,
+        network: &Network,
+        domain: &Domain,
+        folder: &Path,
+        parameters: &[&str],
+    ) -> Program {
         self.make_keystore(domain, folder);
         let mut command = self.own_program(network, NODE, folder);
         match self {
@@ -69,6 +75,9 @@ impl Kind {
         command.args(["-p", "state.directory:=''", "-p", "real_time.priority:=0"]);
         // Long enough for a vehicle that comes from afar.
         command.args(["-p", "response.duration:=10.0"]);
+        for parameter in parameters {
+            command.args(["-p", parameter]);
+        }
         if self != Self::RclpyOfFleet {
             command.args(["-p", &format!("column_id:={COLUMN}")]);
         }
@@ -140,7 +149,8 @@ fn python() -> &'static Path {
     })
 }
 
-fn interop(file: &str) -> PathBuf {
+/// A program of `tests/interop`.
+pub fn interop(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/interop")
         .join(file)
@@ -155,6 +165,10 @@ pub struct Peer<'a> {
     sent: BTreeMap<String, Instant>,
     /// Impacts whose forecasts have arrived.
     answered: BTreeSet<String>,
+    /// Impacts whose reports have arrived.
+    reported: BTreeSet<String>,
+    /// Impacts that the column has accepted, by its last status.
+    accepted: u64,
     /// The last thing that `/diagnostics` said of the messages of the node.
     diagnostics: Option<String>,
     /// Forecasts that the peer itself said were lost, or impacts that the column rejected.
@@ -168,17 +182,25 @@ struct Sender<'a> {
     network: &'a Network,
     domain: &'a Domain,
     folder: &'a Path,
+    interval: Duration,
     due: Instant,
 }
 
 impl<'a> Peer<'a> {
-    /// Starts it.
-    pub fn start(kind: Kind, network: &'a Network, domain: &'a Domain, folder: &'a Path) -> Self {
+    /// Starts it; there is an impact in every interval.
+    pub fn start(
+        kind: Kind,
+        network: &'a Network,
+        domain: &'a Domain,
+        folder: &'a Path,
+        interval: Duration,
+    ) -> Self {
         let mut command = match kind.script() {
             Some(script) => {
                 let mut command = network.on(PEER, "env");
                 command.args(["ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET", "CYCLONEDDS_URI="]);
                 command.arg(python()).arg(interop(script)).arg(COLUMN);
+                command.arg(interval.as_secs_f64().to_string());
                 command
             }
             None => {
@@ -208,12 +230,15 @@ impl<'a> Peer<'a> {
             lines,
             sent: BTreeMap::new(),
             answered: BTreeSet::new(),
+            reported: BTreeSet::new(),
+            accepted: 0,
             diagnostics: None,
             missed: 0,
             sender: kind.script().is_none().then(|| Sender {
                 network,
                 domain,
                 folder,
+                interval,
                 due: Instant::now(),
             }),
         }
@@ -253,10 +278,28 @@ impl<'a> Peer<'a> {
 
     /// Number of impacts sent between two instants whose forecasts have not arrived.
     pub fn unanswered(&self, from: Instant, until: Instant) -> u64 {
+        self.count(from, until, |id| !self.answered.contains(id))
+    }
+
+    /// Number of impacts sent between two instants whose reports have not arrived.
+    pub fn unreported(&self, from: Instant, until: Instant) -> u64 {
+        self.count(from, until, |id| !self.reported.contains(id))
+    }
+
+    /// Number of impacts sent between two instants.
+    pub fn sent_between(&self, from: Instant, until: Instant) -> u64 {
+        self.count(from, until, |_| true)
+    }
+
+    fn count(&self, from: Instant, until: Instant, is_counted: impl Fn(&str) -> bool) -> u64 {
         let sent = self.sent.iter();
-        let open = sent
-            .filter(|(id, at)| (from..until).contains(*at) && !self.answered.contains(id.as_str()));
-        open.count() as u64
+        let found = sent.filter(|(id, at)| (from..until).contains(*at) && is_counted(id));
+        found.count() as u64
+    }
+
+    /// Number of impacts that the column has accepted, by its last status, where the peer tells it.
+    pub fn accepted(&self) -> Option<u64> {
+        self.kind.script().map(|_| self.accepted)
     }
 
     /// What `/diagnostics` said last of the messages of the node, where the peer tells it.
@@ -314,6 +357,18 @@ impl<'a> Peer<'a> {
         if let Some(event_id) = line.strip_prefix("sent ") {
             self.sent.insert(event_id.to_owned(), Instant::now());
         }
+        if let Some(event_id) = line.strip_prefix("report ") {
+            self.reported.insert(event_id.to_owned());
+        }
+        // As `column-twin watch` tells it.
+        if let Some(result) = line.strip_prefix("result of ")
+            && let Some((event_id, _)) = result.split_once(':')
+        {
+            self.reported.insert(event_id.to_owned());
+        }
+        if let Some(count) = line.strip_prefix("accepted ") {
+            self.accepted = count.parse().unwrap_or(0);
+        }
         if let Some(text) = line.strip_prefix("diagnostics ") {
             self.diagnostics = Some(text.to_owned());
         }
@@ -341,7 +396,7 @@ impl<'a> Peer<'a> {
         };
         let sent = Instant::now();
         let event_id = sender.send(kind, &["--velocity", "0.5"]);
-        sender.due = Instant::now() + INTERVAL;
+        sender.due = Instant::now() + sender.interval;
         self.sent.insert(event_id, sent);
     }
 }

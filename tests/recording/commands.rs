@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use column_twin::recording::ChunkCompression;
+use column_twin::parameters::Compression;
+use column_twin::recording::{ChunkCompression, Writer, writer_options};
 
 use super::random_damage::{Random, mutate};
 use super::sample::{self, sample};
@@ -170,6 +171,55 @@ fn repair_writes_beside_and_never_over() {
     let output = run(&["repair", "--output", elsewhere.to_str().unwrap()], &bag);
     assert_eq!(code(&output), 3);
     assert!(elsewhere.join("metadata.yaml").exists());
+}
+
+/// The first lines said "Complete yes" where messages were missing, and that messages may be missing where none were.
+#[test]
+fn info_calls_a_recording_complete_only_if_nothing_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let directory = folder.path().join("lossy");
+    let options = writer_options(Compression::None);
+    let mut writer = Writer::create(&directory, &options, &sample::topics()).unwrap();
+    writer.add_lost(7);
+    writer.finish().unwrap();
+    let text = out(&run(&["info"], &directory));
+    let expected = "Complete    no: the recorder has lost 7 messages\n";
+    assert!(text.contains(expected), "{text}");
+    assert!(text.contains("Lost        7 messages"), "{text}");
+
+    let whole = bag(&folder);
+    let text = out(&run(&["info"], &whole));
+    assert!(text.contains("Complete    yes\n"), "{text}");
+    // Without its summary, which follows the final seal, a file still says how it ended.
+    let file = whole.join("bag_0.mcap");
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() - 100]).unwrap();
+    let text = out(&run(&["info"], &whole));
+    assert!(
+        text.contains("Complete    no: the file is not whole"),
+        "{text}"
+    );
+    let repaired = folder.path().join("repaired");
+    run(&["repair", "--output", repaired.to_str().unwrap()], &whole);
+    let text = out(&run(&["info"], &repaired));
+    assert!(text.contains("Complete    yes\n"), "{text}");
+    assert!(text.contains("Repaired    from"), "{text}");
+    assert!(!text.contains("may be missing"), "{text}");
+
+    // In the middle of a chunk nobody knows what followed. Half of the file may be all of the messages: the summary, which
+    // repeats every schema, is as long as a chunk that is compressed.
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let chunk = summary.chunk_indexes.last().unwrap();
+    let cut = chunk.chunk_start_offset + chunk.chunk_length / 2;
+    fs::write(&file, &bytes[..usize::try_from(cut).unwrap()]).unwrap();
+    let cut_off = folder.path().join("cut_off");
+    run(&["repair", "--output", cut_off.to_str().unwrap()], &whole);
+    let text = out(&run(&["info"], &cut_off));
+    assert!(
+        text.contains("Complete    no: its end was cut off"),
+        "{text}"
+    );
+    assert!(text.contains("may be missing"), "{text}");
 }
 
 /// The table of a topic is what was recorded, to the last bit.

@@ -40,6 +40,10 @@ fn a_real_browser_shows_and_prints_every_report() {
             format!("--config {real} --vehicle lorry_8t --velocity 6"),
         ),
         (
+            "oblique",
+            format!("--config {real} --vehicle lorry_8t --velocity 6 --direction 45"),
+        ),
+        (
             "hostile",
             format!("--config {real} -p column_id:=<b>{}</b>", "x".repeat(200)),
         ),

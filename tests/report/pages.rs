@@ -81,6 +81,112 @@ fn the_first_page_names_the_model_that_decides() {
     }
 }
 
+/// The title and the sketch had the component of the speed in the plane of the two bars, and the sentences told the motion by it:
+/// "0.0000036 km/h", "stays elastic" and "moment 0 %" below the headline EVACUATE.
+#[test]
+fn the_report_of_an_oblique_hit_states_the_whole_vehicle() {
+    let folder = TempDir::new().unwrap();
+    for (angle, bends) in [
+        (
+            "90",
+            "at right angles to the web and bends the column about its weak axis z-z.",
+        ),
+        (
+            "45",
+            "at 45° to the web and bends the column about both axes, the strong one y-y and the weak one z-z.",
+        ),
+    ] {
+        let options = format!(
+            "--config {} --vehicle lorry_8t --velocity 6 --direction {angle}",
+            config("heb220_s355.yaml")
+        );
+        let (_, html) = simulated(folder.path(), angle, &options);
+        let sheets = sheets(&html);
+        let [first, second] = [0, 1].map(|index| text_of(sheets[index]));
+        for text in [
+            &*format!("8000 kg at 6 m/s (21.6 km/h), {angle}° to the web, 1.25 m above the base"),
+            "21.6 km/h (6 m/s)",
+            &*format!("hit, {angle}°"),
+            bends,
+            "Bow that remains: ",
+            "yielded by the fibre beam: kink ",
+        ] {
+            assert!(first.contains(text), "{angle}: no {text:?} in {first}");
+        }
+        for text in [
+            "21.60 km/h (6.000 m/s)",
+            "the column yields by the fibre beam",
+        ] {
+            assert!(second.contains(text), "{angle}: no {text:?} in {second}");
+        }
+        let body = text_of(&sheets.concat());
+        for text in [
+            "stays elastic",
+            "15.27 km/h",
+            "0.0000036",
+            "shear 0 %",
+            "moment 0 %",
+        ] {
+            assert!(!body.contains(text), "{angle}: {text:?} in {body}");
+        }
+        // The bow is that of the beam, and no check of the base is met by the component alone.
+        assert!(!second.contains("less than L/10000"), "{angle}: {second}");
+        for row in sheets[1].split("<tr").map(text_of) {
+            let is_met_by_nothing = row.contains("Base") && row.contains(" 0 % met");
+            assert!(!is_met_by_nothing, "{angle}: {row}");
+        }
+    }
+}
+
+/// The bow of the two bars stood before that of the fibre beam, which decided, as if both were one quantity.
+#[test]
+fn the_bow_of_the_first_page_is_that_of_the_model_that_decides() {
+    let folder = TempDir::new().unwrap();
+    let options = format!(
+        "--config {} --vehicle lorry_8t --velocity 8.3",
+        config("heb220_s355.yaml")
+    );
+    let (_, html) = simulated(folder.path(), "bow", &options);
+    let sheets = sheets(&html);
+    let first = text_of(sheets[0]);
+    assert!(
+        first.contains("Model that decides: the fibre beam."),
+        "{first}"
+    );
+    let millimetres_after = |words: &str| {
+        let place = first
+            .find(words)
+            .unwrap_or_else(|| panic!("no {words:?} in {first}"));
+        let rest = &first[place + words.len()..];
+        rest.split(" mm").next().unwrap_or_default().to_owned()
+    };
+    assert_eq!(
+        millimetres_after("displacement of the impact point "),
+        millimetres_after(", keeps ")
+    );
+    let third = text_of(sheets[2]);
+    for text in ["By the fibre beam.", "By the two bars."] {
+        assert!(third.contains(text), "{text:?}: {third}");
+    }
+}
+
+/// A fractured column had the residual displacement "none", which reads as zero.
+#[test]
+fn a_column_that_fractures_within_the_range_has_no_residual_of_none() {
+    let folder = TempDir::new().unwrap();
+    let options = format!(
+        "--config {} --vehicle lorry_8t --velocity 8.3",
+        config("heb220_s355.yaml")
+    );
+    let (_, html) = simulated(folder.path(), "range", &options);
+    let sheets = sheets(&html);
+    let fourth = text_of(sheets[3]);
+    assert!(fourth.contains(" fractures evacuate"), "{fourth}");
+    assert!(!fourth.contains(" none evacuate"), "{fourth}");
+    // The style keeps the words of this column whole.
+    assert!(html.contains("<td class=\"word\">evacuate</td>"));
+}
+
 /// The bow decided, and nothing on the first lines told that the anchors require the same action.
 #[test]
 fn every_cause_of_the_action_is_on_the_first_lines() {
@@ -297,6 +403,24 @@ fn the_body_of_a_printed_report_is_four_pages() {
             "EVACUATE: ",
         ),
         (
+            "across",
+            format!("--config {real} --vehicle lorry_8t --velocity 6 --direction 90"),
+            "EVACUATE: ",
+        ),
+        (
+            "oblique",
+            format!("--config {real} --vehicle lorry_8t --velocity 6 --direction 45"),
+            "",
+        ),
+        // The tables of both models pushed the last one of the third page onto a page of its own.
+        (
+            "by_the_beam",
+            format!(
+                "--config {real} -p section.name:=HEA200 -p top.load:=3.0e5 --vehicle suv --velocity 6"
+            ),
+            "INSPECT: ",
+        ),
+        (
             "paper",
             format!("--config {paper} --mass 1500 --velocity 10"),
             "AT LEAST ",
@@ -333,6 +457,7 @@ fn the_body_of_a_printed_report_is_four_pages() {
         begins(1, "Checks that decide");
         begins(2, "The column after the hit");
         begins(2, "Base reactions");
+        begins(2, "Axial resistance that is left");
         begins(3, "How sure this is");
         begins(3, "Limits of the model");
         begins(3, "Neighbouring members");

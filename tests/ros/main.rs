@@ -12,6 +12,7 @@ mod duplicates;
 mod hostile;
 #[allow(dead_code)] // the tests of recordings use more of it
 mod incoming;
+mod lifecycle;
 mod live_twin;
 mod loopback;
 mod measurements;
@@ -19,6 +20,7 @@ mod memory;
 mod network;
 mod parameter_events;
 mod program;
+mod qos_overrides;
 mod real_peers;
 mod real_time;
 mod restart;

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 const SUBNET: &str = "10.211.77";
 
 /// The port of a machine on the switch.
-const PORTS: [&str; 2] = ["first", "second"];
+pub const PORTS: [&str; 2] = ["first", "second"];
 
 /// Two machines and the switch between them, which vanish when dropped.
 pub struct Network {
@@ -100,6 +100,17 @@ impl Network {
     pub fn on(&self, machine: usize, program: &str) -> Command {
         let mut command = Command::new("ip");
         command.args(["netns", "exec", &self.machines[machine], program]);
+        command
+    }
+
+    /// Takes both machines off the switch, and returns a command in its place, which sees them at [`PORTS`].
+    #[allow(dead_code)] // for the tests of a lossy network
+    pub fn instead_of_the_switch(&self, program: &str) -> Command {
+        for port in PORTS {
+            ip(&["-n", &self.switch, "link", "set", port, "nomaster"]).unwrap();
+        }
+        let mut command = Command::new("ip");
+        command.args(["netns", "exec", &self.switch, program]);
         command
     }
 

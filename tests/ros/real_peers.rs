@@ -162,6 +162,32 @@ fn set_dump_load_echo_and_describe(distribution: &str) {
 
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
+fn a_managed_node_answers_as_one_of_rclpy() {
+    answers_as_one_of_rclpy("jazzy");
+}
+
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn a_managed_node_answers_as_one_of_rclpy_of_kilted() {
+    answers_as_one_of_rclpy("kilted");
+}
+
+/// The script ends the node by a transition.
+fn answers_as_one_of_rclpy(distribution: &str) {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    command.args(["run", "--managed"]);
+    let mut program = Program::spawn(&domain, folder.path(), command);
+    program.wait_for("is ready in domain");
+    let script = "lifecycle_with_rclpy.py";
+    finish(script_with(distribution, &domain, script, None));
+    let (ended, log) = program.end();
+    assert!(ended.success(), "{ended}: {log:#?}");
+}
+
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
 fn rclpy_plays_the_clock() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::ros::{Node, qos};
+use rustix::process::{Pid, Signal, kill_process};
 
 use super::domain::Domain;
 use super::loopback::{Incoming, Outgoing, event, now, reader};
@@ -223,6 +224,30 @@ fn a_watch_that_was_stopped_goes_on() {
     for by in [By::Stop, By::Terminal] {
         watches_on(&mut exchange, &mut watch, by, SHORT);
     }
+}
+
+/// Readers that no longer take anything, or are gone without a word, while the column is hit.
+#[test]
+fn a_reader_that_hangs_or_dies_holds_nobody_up() {
+    const IMPACTS: u32 = 5;
+    let domain = Domain::fresh();
+    let mut exchange = Exchange::start(&domain, &["run"]);
+    let hanging = watch(&domain, &mut exchange);
+    let process = i32::try_from(hanging.id()).ok().and_then(Pid::from_raw);
+    kill_process(process.expect("a process id"), Signal::STOP).expect("it runs");
+    for _ in 0..IMPACTS {
+        exchange.works();
+    }
+    // A reader is killed when dropped: this one while it hangs, the other one in the middle of a response.
+    drop(hanging);
+    exchange.works();
+    let dying = watch(&domain, &mut exchange);
+    exchange.is_forecast(1.0);
+    drop(dying);
+    for _ in 0..IMPACTS {
+        exchange.works();
+    }
+    exchange.ends_with_a_good_recording();
 }
 
 /// Thirty seconds are longer than a peer on Fast DDS waits for a sign of life.

@@ -61,8 +61,8 @@ fn a_keystore_is_made_extended_shown_and_renewed() {
         "CN=/control_room",
         "CN=/control_room",
         "renew it before then",
-        "calls       /column_twin/confirm_estimate /column_twin/correct_damage /column_twin/describe_parameters",
-        "offers      /column_twin/confirm_estimate /column_twin/correct_damage /column_twin/describe_parameters",
+        "calls       /column_twin/change_state /column_twin/confirm_estimate /column_twin/correct_damage",
+        "offers      /column_twin/change_state /column_twin/confirm_estimate /column_twin/correct_damage",
         "DDS topics  ros_discovery_info",
     ] {
         assert!(shown.contains(expected), "{expected}: {shown}");

@@ -330,30 +330,46 @@ fn a_monitor_reads_and_cannot_send_an_event() {
     twin.end(&made.path());
 }
 
-/// A monitor whose own stack checks nothing: its governance, which never leaves it, switches the control of access off.
+/// Only the twin's own check stands between this peer and the column. The peer skips exactly one thing: its own stack obeys other
+/// permissions than those that it shows to the twin. Its identity, its signatures and its governance are those of the keystore, so
+/// that its endpoints are compatible with those of the twin. The control is the same peer, which shows what it obeys.
 #[test]
 #[ignore = "slow: compiles and runs a program on Fast DDS"]
-fn a_monitor_without_checks_of_its_own_still_cannot_send_an_event() {
+fn a_monitor_without_checks_of_its_own_cannot_send_an_event_and_the_same_one_with_permission_can() {
     let made = Made::new();
-    let governance = made.read("enclaves/governance.xml");
-    let open = governance.replace(
-        "<enable_write_access_control>true<",
-        "<enable_write_access_control>false<",
-    );
-    assert_ne!(open, governance);
-    let twin = SecuredTwin::start(&made.path());
-    let enclave = mixed(
-        &made.enclave("/monitor"),
-        &[("governance.p7s", signed(&made, &open))],
-    );
-    let told = ask(&twin.domain, HOSTILE_SECS, "lax", Some(enclave.path()), &[]);
-    assert!(told.has_created("rt/impact_event"), "{}", told.0);
-    assert!(told.count("/sent") > 10, "{}", told.0);
-    assert_eq!(told.count("/matched_readers"), 0, "{}", told.0);
-    assert_eq!(told.count("/forecasts_of_own_events"), 0, "{}", told.0);
-    let log = twin.end(&made.path());
-    assert!(
-        log.iter().any(|line| line.contains("CN=/monitor")),
-        "it was authenticated: {log:#?}"
-    );
+    let allowing = made
+        .read("enclaves/operator/permissions.xml")
+        .replace("/operator", "/monitor");
+    let allowing = signed(&made, &allowing);
+    for is_permitted in [true, false] {
+        let mut replaced = vec![("own_permissions.p7s", allowing.clone())];
+        if is_permitted {
+            replaced.push(("permissions.p7s", allowing.clone()));
+        }
+        let enclave = mixed(&made.enclave("/monitor"), &replaced);
+        let (secs, prefix) = match is_permitted {
+            true => (PERMITTED_SECS, "permitted"),
+            false => (HOSTILE_SECS, "lax"),
+        };
+        let twin = SecuredTwin::start(&made.path());
+        let told = ask(&twin.domain, secs, prefix, Some(enclave.path()), &[]);
+        assert!(told.has_created("rt/impact_event"), "{}", told.0);
+        // It takes part, and reads what it may read.
+        assert!(told.count("/received/rt~1twin_status") > 0, "{}", told.0);
+        let log = match is_permitted {
+            true => {
+                assert_eq!(told.count("/forecasts_of_own_events"), 1, "{}", told.0);
+                twin.program.terminate().2
+            }
+            false => {
+                assert!(told.count("/sent") > 10, "it has not tried: {}", told.0);
+                assert_eq!(told.count("/forecasts_of_own_events"), 0, "{}", told.0);
+                twin.end(&made.path())
+            }
+        };
+        assert!(
+            log.iter().any(|line| line.contains("CN=/monitor")),
+            "it was authenticated: {log:#?}"
+        );
+    }
 }

@@ -2,6 +2,7 @@
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+mod broken_enclaves;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod files;

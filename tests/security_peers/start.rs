@@ -29,7 +29,7 @@ fn command(variables: &[(&str, &str)], arguments: &[&str]) -> Command {
 }
 
 /// The exit code and the log of a program that does not start.
-fn rejected(domain: &Domain, variables: &[(&str, &str)], arguments: &[&str]) -> String {
+pub fn rejected(domain: &Domain, variables: &[(&str, &str)], arguments: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let program = Program::spawn(domain, folder.path(), command(variables, arguments));
     let (status, log) = program.end();

@@ -92,6 +92,7 @@ const MESSAGES: &str = "\
 This page is generated from `src/endpoints.rs`, `msg/` and `srv/`; do not edit it.
 [launch_notes.md](../launch_notes.md#topics-and-services) describes how the topics are used, and `column-twin idl` prints them for DDS programs without ROS.
 All names are relative to the namespace of the node, except for those that begin with a slash; `~` is the name of the node.
+In a fleet, a reader of the topics that all columns share needs a longer history, for which [node.md](node.md#histories-and-requests) has the numbers.
 
 ## Topics and services
 
@@ -310,6 +311,11 @@ const LIMITS: [(&str, &[Number]); 5] = [
             ),
             ("src/study/axis_problem.rs", "MAX_CELLS", "cells of a map"),
             (
+                "src/study/map_error.rs",
+                "MAX_VARIANTS",
+                "columns that a map compares by the values of one or more parameters",
+            ),
+            (
                 "src/study/threads.rs",
                 "MAX_THREADS_PER_PROCESSOR",
                 "threads per processor of a study",
@@ -492,6 +498,7 @@ fn the_prior_in_words_is_that_of_the_code() {
 fn the_page_of_the_diagnostics_names_the_statuses_and_keys_of_the_code() {
     let page = read("docs/diagnostics.md");
     let files = [
+        "src/ros/alarms.rs",
         "src/ros/diagnostics.rs",
         "src/ros/sensor_watch.rs",
         "src/ros/security/health.rs",
@@ -624,6 +631,8 @@ fn the_options_in_documents_exist() {
             let known = match command.as_str() {
                 // Its help is that of a program without the feature `security`.
                 "keystore" | "--version" | "SUBCOMMAND" => continue,
+                // That of a program without the feature `foxglove` lacks one.
+                "replay" | "" if option == "--foxglove" => continue,
                 "" if OPTIONS_OF_OTHERS.contains(&option.as_str()) => continue,
                 "" => Some(help.as_str()),
                 _ => help

@@ -39,11 +39,13 @@ pub const ROOMS: &[Room] = &[
     room("ros_interface", "definitions and bytes of messages", &[], "columns, DDS"),
     room("recording crate", "recordings in MCAP", &[], "columns, DDS"),
     room("alarm crate", "alarms that arrive", &[], "columns, DDS"),
+    room("foxglove crate", "live topics for Foxglove", &[], "columns, DDS"),
     room("hexadecimal", "bytes as hexadecimal digits", &[], "everything else"),
     room("printable", "text from outside, escaped", &[], "everything else"),
     room("bounded_file", "a file that is expected to be short", &[], "what is in it"),
     room("whole_file", "a file that appears complete or not at all", &[], "what is in it"),
     room("state_home", "the state folder of the user", &[], "what is kept there"),
+    room("host_header", "the host of an HTTP request", &[], "who asks"),
     room("time", "nanoseconds since the epoch", &[], "clocks"),
     room("numerics", "numerical methods", &[], "columns"),
     room("sensors", "a sensor on the column", &[], "readings, parameters"),
@@ -57,6 +59,7 @@ pub const ROOMS: &[Room] = &[
     room("results", "results by name", &["mechanics", "parameters", "assessment", "second_opinion"], "the twin, files"),
     room("study", "many impacts on a column", &["mechanics", "numerics", "parameters", "assessment", "second_opinion", "results"], "the twin, clocks, files"),
     room("estimation", "what readings say about an impact", &["mechanics", "printable", "time", "numerics", "sensors", "parameters", "exact_number", "standing", "assessment"], "the twin, threads, DDS"),
+    room("commissioning", "the check of sensors at commissioning", &["mechanics", "beam", "sensors", "estimation"], "the twin, parameters, files, clocks"),
     room("twin", "the twin of one column", &["mechanics", "beam", "hexadecimal", "printable", "bounded_file", "state_home", "time", "sensors", "parameters", "exact_number", "standing", "assessment", "second_opinion", "study", "estimation"], "threads, clocks, DDS, messages"),
     room("shape", "the geometry of a deformed column", &["mechanics", "parameters", "assessment", "twin"], "RViz, Rerun"),
     room("live", "the twin in real time", &["mechanics", "time", "parameters", "standing", "estimation", "twin"], "DDS, messages, recordings"),
@@ -67,10 +70,10 @@ pub const ROOMS: &[Room] = &[
     room("evidence", "recording and verification of a twin", &["mechanics", "ros_interface", "recording crate", "hexadecimal", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "incoming", "outgoing", "recording"], "DDS, reports"),
     room("figures", "figures of one impact", &["mechanics", "beam", "whole_file", "sensors", "parameters", "assessment", "study", "estimation", "twin", "shape"], "recordings, DDS"),
     room("report", "the report for people", &["mechanics", "recording crate", "time", "sensors", "parameters", "assessment", "second_opinion", "results", "study", "estimation", "twin", "shape", "live", "recording", "evidence", "figures", "standing", "beam"], "DDS, the command line"),
-    room("viewer", "the column in Rerun", &["mechanics", "printable", "state_home", "time", "messages", "parameters", "standing", "assessment", "study", "estimation", "twin", "shape", "live", "fleet", "outgoing"], "DDS, recordings"),
-    room("ros", "the ROS 2 node", &["mechanics", "ros_interface", "recording crate", "alarm crate", "hexadecimal", "printable", "bounded_file", "state_home", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "fleet", "incoming", "outgoing", "recording", "evidence", "viewer"], "reports, figures"),
+    room("viewer", "the column in Rerun", &["mechanics", "printable", "state_home", "host_header", "time", "messages", "parameters", "standing", "assessment", "study", "estimation", "twin", "shape", "live", "fleet", "outgoing"], "DDS, recordings"),
+    room("ros", "the ROS 2 node", &["mechanics", "ros_interface", "recording crate", "alarm crate", "foxglove crate", "hexadecimal", "printable", "bounded_file", "state_home", "host_header", "time", "sensors", "endpoints", "messages", "parameters", "estimation", "twin", "live", "fleet", "incoming", "outgoing", "recording", "evidence", "viewer"], "reports, figures"),
     room("keystore", "keystores for DDS security", &["bounded_file", "endpoints", "ros"], "columns"),
-    room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "second_opinion", "study", "estimation", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
+    room("cli", "the commands", &["mechanics", "ros_interface", "recording crate", "printable", "bounded_file", "whole_file", "sensors", "endpoints", "messages", "parameters", "assessment", "second_opinion", "study", "estimation", "commissioning", "twin", "shape", "live", "fleet", "incoming", "recording", "evidence", "figures", "report", "results", "viewer", "ros", "keystore"], "nothing is above it"),
     room("main", "the program's entry", &["cli"], "everything else"),
     room("python crate", "the Python package", &["mechanics", "parameters", "assessment", "second_opinion", "results", "study", "estimation", "beam"], "the twin, threads, DDS"),
 ];
@@ -123,7 +126,7 @@ fn room_of(path: &Path) -> String {
         .collect();
     match (parts[0].as_str(), parts[1].as_str()) {
         ("src", room) => room.trim_end_matches(".rs").to_owned(),
-        (_, name @ ("alarm" | "recording" | "python")) => format!("{name} crate"),
+        (_, name @ ("alarm" | "foxglove" | "recording" | "python")) => format!("{name} crate"),
         (_, name) => name.to_owned(),
     }
 }

@@ -223,6 +223,15 @@ fn measurements_that_cannot_be_met_are_rejected_with_the_reason() {
             f64::NAN,
             "standard deviation",
         ),
+        // It agreed with every column.
+        (
+            Quantity::Displacement,
+            height(),
+            v1,
+            1e300,
+            "standard deviation",
+        ),
+        (Quantity::Rotation, 0.5, 0.0, 2.0, "standard deviation"),
         (
             Quantity::BendingStrain,
             height(),

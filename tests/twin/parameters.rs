@@ -29,7 +29,9 @@ fn changes_at_rest_apply_immediately() {
         ("impact.gap", 0.1.into()),
     ]);
     assert_eq!(changed(&bench)[0].change, Accepted::Applied);
-    assert_eq!(changed(&bench)[0].names, ["section.name", "impact.gap"]);
+    // Nobody has given the rest of this column.
+    let expected = ["section.name", "impact.gap", "assessment.assumed"];
+    assert_eq!(changed(&bench)[0].names, expected);
     let mut other = Bench::new(&[
         ("section.name", "HEB300".into()),
         ("impact.gap", 0.1.into()),
@@ -279,7 +281,8 @@ fn a_waiting_change_can_be_rejected_at_the_end_of_the_response() {
     assert_eq!(
         told,
         [
-            (Accepted::Waiting, 1, section()),
+            // The section, and what nobody has given of it.
+            (Accepted::Waiting, 2, section()),
             (Accepted::Unchanged, 0, section())
         ]
     );

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use column_twin::assessment::{ActionRange, ImpactEvaluation, VerdictRange, respond_and_rest};
+use column_twin::assessment::{ActionRange, VerdictRange};
 use column_twin::parameters::Value;
+use column_twin::second_opinion::evaluate;
 use column_twin::twin::{
     Accepted, BackgroundTask, Checkpoint, Command, Output, SupplementedReport, Twin,
 };
@@ -34,18 +35,11 @@ fn ranged(bench: &Bench) -> Vec<&SupplementedReport> {
     all.collect()
 }
 
-/// By the library alone, as `column-twin simulate` computes it.
+/// By the library alone, as `column-twin simulate` computes it, with the beam at a second hardening.
 fn by_simulation(velocity: f64) -> ActionRange {
     let parameters = parameters(&[("impact.velocity", Value::from(velocity))]);
-    let (properties, impact) = (parameters.column_properties(), parameters.impact());
-    let ended = respond_and_rest(&properties, &impact, parameters.response_duration());
-    let evaluation = ImpactEvaluation::complete(
-        &parameters,
-        &properties,
-        &impact,
-        ended.expect("a response"),
-    );
-    evaluation.expect("a column").range.expect("assessed")
+    let evaluated = evaluate(&parameters).expect("a column");
+    evaluated.evaluation.range.expect("assessed")
 }
 
 #[test]

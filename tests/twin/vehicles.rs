@@ -327,3 +327,26 @@ fn a_vehicle_strikes_at_its_own_height() {
     bench.rest();
     assert_eq!(impact_height(&bench), 2.0);
 }
+
+/// Without the bumper the webs are longer, and the column at rest bends a little less; the verdict is on what the report states.
+#[test]
+fn the_bow_of_the_verdict_is_that_of_the_report() {
+    let mut bench = Bench::new(&[
+        ("section.name", Value::from("HEB220")),
+        ("steel.grade", Value::from("S355")),
+    ]);
+    bench.hit(vehicle("mid_car", 10.0));
+    bench.rest();
+    let found = bench.reports()[0];
+    let properties = bench.twin.parameters().column_properties();
+    let left = found.report.residual_v1.expect("it stands");
+    let expected = left / (properties.length_below + properties.length_above);
+    let assessment = &found.assessed.as_ref().expect("assessed").assessment;
+    let bow = assessment
+        .criteria
+        .iter()
+        .find(|it| it.name == "residual_bow_100");
+    let value = bow.and_then(|it| it.value).expect("a bow");
+    assert!(left > 1e-3, "{left}");
+    assert!((value / expected - 1.0).abs() < 1e-12, "{value} {expected}");
+}

@@ -1,9 +1,13 @@
 //! The real viewer from PyPI.
 
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+#[path = "../../crates/alarm/tests/peers/free_port.rs"]
+mod free_port;
+pub use free_port::free_port;
 
 /// How long a test waits until the viewer listens.
 const LISTEN_TIMEOUT: Duration = Duration::from_secs(120);
@@ -36,12 +40,6 @@ pub fn viewer(program: &Path) -> Command {
         .env("RUST_LOG", "error")
         .stdout(Stdio::null());
     command
-}
-
-/// A free port.
-pub fn free_port() -> u16 {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
-    listener.local_addr().expect("its address").port()
 }
 
 /// A process that is killed when the test ends.

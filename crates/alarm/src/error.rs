@@ -35,6 +35,11 @@ pub enum StartError {
     #[error("{0:?} is not the address of a webhook; write https://HOST/PATH")]
     Url(String),
     #[error(
+        "the address of the webhook has a user or password before @{0}; remove it, because parameters are published and recorded: \
+         the receiver knows a message by its signature"
+    )]
+    UserInUrl(String),
+    #[error(
         "{0:?} would send alarms unencrypted to another machine; use https:// (http:// is for this machine only)"
     )]
     Unencrypted(String),

@@ -25,17 +25,18 @@ fn read(path: &Path, secret: bool) -> Result<String, StartError> {
         path: path.to_owned(),
         fault,
     };
-    // The mode of the open file: another one may have its name a moment later.
-    let file = File::open(path).map_err(unreadable)?;
-    let metadata = file.metadata().map_err(unreadable)?;
     let content = |what: String| StartError::Content {
         path: path.to_owned(),
         what,
     };
-    if !metadata.is_file() {
-        return Err(content("is not a file".to_owned()));
+    // Before it is opened: opening a pipe waits until somebody writes to it.
+    if !path.metadata().map_err(unreadable)?.is_file() {
+        let what = "is a folder, a pipe or a device; give the path of a file";
+        return Err(content(what.to_owned()));
     }
-    let mode = metadata.mode() & 0o7777;
+    // The mode of the open file: another one may have its name a moment later.
+    let file = File::open(path).map_err(unreadable)?;
+    let mode = file.metadata().map_err(unreadable)?.mode() & 0o7777;
     if secret && mode & 0o077 != 0 {
         return Err(StartError::Mode {
             path: path.to_owned(),
@@ -53,4 +54,24 @@ fn read(path: &Path, secret: bool) -> Result<String, StartError> {
         return Err(content("is empty".to_owned()));
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::fd::AsRawFd as _;
+
+    use super::*;
+
+    /// The start of the node waited for a writer, without end.
+    #[test]
+    fn a_pipe_as_a_secret_is_rejected_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        // No program makes it: a child would hold the locks of the other tests for a moment.
+        let (reading, _writing) = std::io::pipe().unwrap();
+        let pipe = format!("/proc/self/fd/{}", reading.as_raw_fd());
+        for place in [Path::new(&pipe), folder.path()] {
+            let fault = read_secret(place).unwrap_err().to_string();
+            assert!(fault.contains("give the path of a file"), "{fault}");
+        }
+    }
 }

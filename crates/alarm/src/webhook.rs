@@ -45,6 +45,9 @@ pub(crate) struct Webhook {
 impl Webhook {
     pub fn new(settings: &WebhookSettings) -> Result<Self, StartError> {
         let url = &settings.url;
+        if let Some(host) = host_behind_a_user(url) {
+            return Err(StartError::UserInUrl(host.to_owned()));
+        }
         let bad = || StartError::Url(url.clone());
         let uri: Uri = url.parse().map_err(|_| bad())?;
         let host = uri.host().filter(|host| !host.is_empty()).ok_or_else(bad)?;
@@ -188,8 +191,44 @@ pub(crate) fn in_words(fault: &dyn std::error::Error) -> String {
     text
 }
 
+/// The host of a URL that has a user, with or without a password, before it. Errors about it must not repeat the password.
+fn host_behind_a_user(url: &str) -> Option<&str> {
+    let authority = url.split_once("://").map_or(url, |(_, rest)| rest);
+    let authority = authority.split(['/', '?', '#']).next()?;
+    authority.rsplit_once('@').map(|(_, host)| host)
+}
+
 /// Whether a host is this machine, without asking anybody.
 pub(crate) fn is_this_machine(host: &str) -> bool {
     let address = host.trim_start_matches('[').trim_end_matches(']');
     host == "localhost" || address.parse::<IpAddr>().is_ok_and(|it| it.is_loopback())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Such an address was published and recorded with all parameters.
+    #[test]
+    fn an_address_with_a_password_is_rejected_without_repeating_it() {
+        for url in [
+            "https://user:secret@receiver.example/column",
+            "https://secret@receiver.example",
+            "http://user:secret@receiver.example/?to=a@b",
+            "ftp://user:secret@receiver.example/",
+        ] {
+            let settings = WebhookSettings {
+                url: url.to_owned(),
+                ..Default::default()
+            };
+            let fault = Webhook::new(&settings).err().expect("is rejected");
+            let said = fault.to_string();
+            assert!(matches!(fault, StartError::UserInUrl(_)), "{said}");
+            assert!(
+                said.contains("@receiver.example;") && !said.contains("secret"),
+                "{said}"
+            );
+        }
+        assert_eq!(host_behind_a_user("https://receiver.example/?to=a@b"), None);
+    }
 }

@@ -1,8 +1,7 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Triad, UPRIGHT, add_in_plane, add_in_space, deformations, geometric, gradient,
-    turned, turned_in_plane,
+    Chord, Ends, Part, ROW, Triad, UPRIGHT, deformations, gradient, turned, turned_in_plane,
 };
 use super::parts::{Element, RotationSpring};
 use super::section::{PointState, Section};
@@ -60,12 +59,13 @@ pub(crate) struct State<const D: usize, const R: usize> {
 #[derive(Debug, Clone)]
 pub(crate) struct Work<const D: usize, const R: usize> {
     pub residual: Vec<[f64; D]>,
-    /// What the base exerts on the column, before its equations are replaced.
+    /// What the base exerts on the column, forces and moments, before its equations are replaced.
     pub base: [f64; D],
-    pub top: [f64; D],
     pub matrix: Tridiagonal<D>,
-    middle: Vec<Triad>,
-    end: Vec<Triad>,
+    /// What the matrix needs of each element.
+    pub(super) parts: Vec<Part<R>>,
+    pub(super) middle: Vec<Triad>,
+    pub(super) end: Vec<Triad>,
     deformation: Vec<[f64; R]>,
     forces: Vec<[f64; R]>,
     shear_forces: Vec<f64>,
@@ -79,11 +79,28 @@ pub(crate) struct Work<const D: usize, const R: usize> {
     strains: Vec<[f64; 4]>,
 }
 
+impl<const D: usize, const R: usize> Work<D, R> {
+    /// Whether any fibre flows in the trial increment.
+    pub fn flows(&self) -> bool {
+        self.flows.iter().any(|flows| *flows)
+    }
+}
+
 /// A step in time or an increment of equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Kind {
     Motion { secs: f64 },
     Equilibrium,
+}
+
+impl Kind {
+    /// Share of an increment that reaches the place where forces are in balance: the middle of a step, the end of an increment.
+    pub fn share(self) -> f64 {
+        match self {
+            Self::Motion { .. } => 0.5,
+            Self::Equilibrium => 1.0,
+        }
+    }
 }
 
 /// Number of translations of a node.
@@ -137,8 +154,8 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         Work {
             residual: vec![[0.0; D]; nodes],
             base: [0.0; D],
-            top: [0.0; D],
             matrix: Tridiagonal::new(nodes),
+            parts: vec![Part::nothing(); self.elements.len()],
             middle: state.triads.clone(),
             end: state.triads,
             deformation: state.deformation,
@@ -162,32 +179,19 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         chord
     }
 
-    /// The residual and, if asked for, the stiffness of a trial increment. Contact is added by the caller.
+    /// The residual of a trial increment. Contact is added by the caller.
     pub fn evaluate(
         &self,
         state: &State<D, R>,
         (increments, shear): (&[[f64; D]], &[f64; BARS]),
         kind: Kind,
-        with_matrix: bool,
         work: &mut Work<D, R>,
     ) {
-        let share = match kind {
-            Kind::Motion { .. } => 0.5,
-            Kind::Equilibrium => 1.0,
-        };
+        let share = kind.share();
         for value in &mut work.residual {
             *value = [0.0; D];
         }
         work.shear_residual = [0.0; BARS];
-        if with_matrix {
-            work.matrix.clear();
-            if self.shears() {
-                work.shear_stiffness = [0.0; BARS];
-                for column in &mut work.shear_columns {
-                    column.fill([0.0; D]);
-                }
-            }
-        }
         for (node, increment) in increments.iter().enumerate() {
             let psi = Self::rotation(increment);
             let triad = &state.triads[node];
@@ -198,31 +202,18 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             };
         }
         for element in 0..self.elements.len() {
-            self.add_element(
-                state,
-                (increments, shear),
-                element,
-                share,
-                with_matrix,
-                work,
-            );
+            self.add_element(state, (increments, shear), element, share, work);
         }
         if let Kind::Motion { secs } = kind {
-            self.add_inertia(state, increments, secs, with_matrix, work);
+            self.add_inertia(state, increments, secs, work);
         }
-        self.add_supports(state, increments, share, with_matrix, work);
+        // Without the springs: what they bear is a reaction of the base, too.
         work.base = work.residual[0];
-        work.top = work.residual[self.places.len() - 1];
-        for (node, held) in self.held.iter().enumerate() {
-            for (unknown, held) in held.iter().enumerate() {
+        self.add_supports(state, increments, share, work);
+        for (residual, held) in work.residual.iter_mut().zip(&self.held) {
+            for (value, held) in residual.iter_mut().zip(held) {
                 if *held {
-                    work.residual[node][unknown] = 0.0;
-                    if with_matrix {
-                        work.matrix.hold(node, unknown);
-                        for column in &mut work.shear_columns {
-                            column[node][unknown] = 0.0;
-                        }
-                    }
+                    *value = 0.0;
                 }
             }
         }
@@ -234,7 +225,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         (increments, shear): (&[[f64; D]], &[f64; BARS]),
         index: usize,
         share: f64,
-        with_matrix: bool,
         work: &mut Work<D, R>,
     ) {
         let dim = dimensions(D);
@@ -262,9 +252,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         work.shear_forces[index] = balance;
         if let Some(bar) = element.bar {
             work.shear_residual[bar] += (1.0 - share) * state.shear_forces[index] + share * balance;
-            if with_matrix {
-                work.shear_stiffness[bar] += share * own;
-            }
         }
         work.forces[index] = new_forces;
         let forces: [f64; R] =
@@ -295,60 +282,18 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             work.residual[index][dim + k] += total[first + k];
             work.residual[index + 1][dim + k] += total[second + k];
         }
-        if !with_matrix {
-            return;
+        let mut kept = [[0.0; ROW]; R];
+        for (to, row) in kept.iter_mut().zip(&rows) {
+            to[..Q].copy_from_slice(row);
         }
-        if let Some(bar) = element.bar {
-            let mut column = [0.0; Q];
-            for (row, force) in rows.iter().zip(&mixed) {
-                for k in 0..Q {
-                    column[k] += share * row[k] * force;
-                }
-            }
-            let to = &mut work.shear_columns[bar];
-            for k in 0..dim {
-                to[index][k] -= column[k];
-                to[index + 1][k] += column[k];
-            }
-            for k in 0..D - dim {
-                to[index][dim + k] += column[first + k];
-                to[index + 1][dim + k] += column[second + k];
-            }
-        }
-        let mut k_all = [[0.0; Q]; Q];
-        if R == 3 {
-            add_in_plane(&rows, &stiffness, share, &mut k_all);
-        } else {
-            add_in_space(&rows, &stiffness, share, &mut k_all);
-        }
-        geometric::<R, Q>(&chord, triads, &forces, share, &mut k_all);
-        let (before, after) = work.matrix.diagonal.split_at_mut(index + 1);
-        let (one, two) = (&mut before[index], &mut after[0]);
-        let coupling = &mut work.matrix.coupling[index];
-        for i in 0..dim {
-            for j in 0..dim {
-                let value = k_all[i][j];
-                one[i][j] += value;
-                two[i][j] += value;
-                coupling[i][j] -= value;
-            }
-            for j in 0..D - dim {
-                let (near, far) = (k_all[i][first + j], k_all[i][second + j]);
-                one[i][dim + j] -= near;
-                one[dim + j][i] -= near;
-                coupling[dim + j][i] += near;
-                two[i][dim + j] += far;
-                two[dim + j][i] += far;
-                coupling[i][dim + j] -= far;
-            }
-        }
-        for i in 0..D - dim {
-            for j in 0..D - dim {
-                one[dim + i][dim + j] += k_all[first + i][first + j];
-                two[dim + i][dim + j] += k_all[second + i][second + j];
-                coupling[dim + i][dim + j] += k_all[first + i][second + j];
-            }
-        }
+        work.parts[index] = Part {
+            rows: kept,
+            chord,
+            forces,
+            stiffness,
+            own,
+            mixed,
+        };
     }
 
     /// Whether any part of the column shears.
@@ -400,22 +345,27 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         let element = &self.elements[index];
         let l = element.length;
         let d: [f64; R] = std::array::from_fn(|k| d[k] - element.initial[k]);
-        let per_length = 0.5 / l;
-        let mut to = Responded {
-            forces: [0.0; R],
-            stiffness: [[0.0; R]; R],
-            balance: 0.0,
-            own: 0.0,
-            mixed: [0.0; R],
+        let strains: [[f64; 4]; POINTS] =
+            std::array::from_fn(|point| self.strain(index, point, &d, gamma));
+        let strength = |place: usize| self.section.steel.yield_strength * state.rates[place][1];
+        let stays_elastic: [bool; POINTS] = std::array::from_fn(|point| {
+            let place = POINTS * index + point;
+            !state.yielded[place] && self.section.stays_elastic(&strains[point], strength(place))
+        });
+        // The points that are left to compute.
+        let (mut to, points) = if stays_elastic == [true; POINTS] {
+            work.flows[POINTS * index..POINTS * (index + 1)].fill(false);
+            (self.respond_elastically(index, &d, gamma), 0)
+        } else {
+            (Responded::nothing(), POINTS)
         };
-        for point in 0..POINTS {
+        let per_length = 0.5 / l;
+        for point in 0..points {
             let place = POINTS * index + point;
             let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
-            let strain = self.strain(index, point, &d, gamma);
-            let strength = self.section.steel.yield_strength * state.rates[place][1];
-            let elastic = !state.yielded[place] && self.section.stays_elastic(&strain, strength);
+            let (strain, strength) = (strains[point], strength(place));
             let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
-            if elastic {
+            if stays_elastic[point] {
                 let rigidity = self.section.elastic();
                 for k in 0..4 {
                     f[k] = rigidity[k] * strain[k];
@@ -472,12 +422,44 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         to
     }
 
+    /// The same while no fibre reaches its yield strength anywhere in the element: the integrals over the fibres and along the
+    /// element are those of an elastic bar.
+    fn respond_elastically(&self, index: usize, d: &[f64; R], gamma: f64) -> Responded<R> {
+        let element = &self.elements[index];
+        let l = element.length;
+        let &[axial, strong, weak, web] = self.section.elastic();
+        let mut to = Responded::nothing();
+        to.forces[0] = axial / l * d[0];
+        to.stiffness[0][0] = axial / l;
+        let mut bend = |first: usize, rigidity: f64, [one, two]: [f64; 2]| {
+            let per = 2.0 * rigidity / l;
+            to.forces[first] = per * (2.0 * one + two);
+            to.forces[first + 1] = per * (one + 2.0 * two);
+            to.stiffness[first][first] = 2.0 * per;
+            to.stiffness[first + 1][first + 1] = 2.0 * per;
+            to.stiffness[first][first + 1] = per;
+            to.stiffness[first + 1][first] = per;
+        };
+        let turns = [d[1] - gamma, d[2] - gamma];
+        bend(1, strong, turns);
+        if R == 6 {
+            bend(R - 3, weak, [d[R - 3], d[R - 2]]);
+        }
+        if element.bar.is_some() {
+            let per = 6.0 * strong / l;
+            to.mixed[1] = -per;
+            to.mixed[2] = -per;
+            to.balance = l * web * gamma - per * (turns[0] + turns[1]);
+            to.own = l * web + 2.0 * per;
+        }
+        to
+    }
+
     fn add_inertia(
         &self,
         state: &State<D, R>,
         increments: &[[f64; D]],
         secs: f64,
-        with_matrix: bool,
         work: &mut Work<D, R>,
     ) {
         let per = 2.0 / (secs * secs);
@@ -487,16 +469,10 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let mass = per * inertia[0];
             for k in 0..dim {
                 work.residual[node][k] += mass * (increment[k] - secs * velocity[k]);
-                if with_matrix {
-                    work.matrix.diagonal[node][k][k] += mass;
-                }
             }
             if D == 3 {
                 let rotary = per * inertia[3];
                 work.residual[node][2] += rotary * (increment[2] - secs * velocity[5]);
-                if with_matrix {
-                    work.matrix.diagonal[node][2][2] += rotary;
-                }
                 continue;
             }
             let triad = &state.triads[node];
@@ -507,12 +483,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 let turn = super::element::dot(director, &psi) - secs * velocity[3 + axis];
                 for i in 0..3 {
                     work.residual[node][dim + i] += rotary * turn * director[i];
-                    if with_matrix {
-                        for j in 0..3 {
-                            work.matrix.diagonal[node][dim + i][dim + j] +=
-                                rotary * director[i] * director[j];
-                        }
-                    }
                 }
             }
         }
@@ -523,15 +493,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         state: &State<D, R>,
         increments: &[[f64; D]],
         share: f64,
-        with_matrix: bool,
         work: &mut Work<D, R>,
     ) {
         let top = self.places.len() - 1;
         let moved = state.moved[top][0] + share * increments[top][0];
         work.residual[top][0] += self.top_spring * moved + self.top_load;
-        if with_matrix {
-            work.matrix.diagonal[top][0][0] += share * self.top_spring;
-        }
         for spring in &self.rotation_springs {
             let at = if share == 0.5 {
                 &work.middle[spring.node]
@@ -546,9 +512,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let dim = dimensions(D);
             if D == 3 {
                 work.residual[spring.node][2] += spring.stiffness * mean(1) * at[0][0];
-                if with_matrix {
-                    work.matrix.diagonal[spring.node][2][2] += share * spring.stiffness;
-                }
                 continue;
             }
             for k in 1..3 {
@@ -557,12 +520,6 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 let lever = super::element::cross(&at[0], &axis);
                 for i in 0..3 {
                     work.residual[spring.node][dim + i] += spring.stiffness * mean(k) * lever[i];
-                    if with_matrix {
-                        for j in 0..3 {
-                            work.matrix.diagonal[spring.node][dim + i][dim + j] +=
-                                share * spring.stiffness * lever[i] * lever[j];
-                        }
-                    }
                 }
             }
         }
@@ -661,4 +618,16 @@ struct Responded<const R: usize> {
     balance: f64,
     own: f64,
     mixed: [f64; R],
+}
+
+impl<const R: usize> Responded<R> {
+    fn nothing() -> Self {
+        Self {
+            forces: [0.0; R],
+            stiffness: [[0.0; R]; R],
+            balance: 0.0,
+            own: 0.0,
+            mixed: [0.0; R],
+        }
+    }
 }

@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::beam::Beam;
+use super::curve::Steel;
 use super::element::{Ends, UPRIGHT, deformations, length};
 use super::mesh::{self, Density};
 use super::parts::{Element, RotationSpring, Slider};
 use super::rate::Rate;
-use super::section::{Division, Section, Shape, Steel};
+use super::section::{Division, Section, Shape};
 use super::torsion::effective_rigidity;
 
 /// How the column resists twist.
@@ -61,6 +62,8 @@ pub struct BeamColumn {
     pub rate: Option<RateProperties>,
     /// Whether the web deforms and yields in shear.
     pub shear: bool,
+    /// Largest shear strength of the web that hardens over its initial one, >= 1; 0 for no limit.
+    pub max_shear_hardening: f64,
     /// How it resists twist.
     pub torsion: Torsion,
     /// `I_t` \[m⁴\]; `None` for that of the shape.
@@ -178,6 +181,12 @@ pub enum BeamError {
 const MOST_ELEMENTS: usize = 400;
 const MOST_FIBRES: usize = 100;
 
+/// Least and largest tensile strength of a steel with a yield plateau over its yield strength, and strain at which it yields at the
+/// latest.
+const LEAST_STRENGTH_RATIO: f64 = 1.02;
+const LARGEST_STRENGTH_RATIO: f64 = 10.0;
+const LONGEST_ELASTIC: f64 = 0.01;
+
 /// Stiffness of a semi-rigid support \[N m/rad\].
 fn stiffness(support: Support) -> f64 {
     match support {
@@ -200,6 +209,12 @@ impl BeamColumn {
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length_below + self.length_above
+    }
+
+    /// `E I` about the strong axis \[N m²\].
+    #[must_use]
+    pub fn bending_stiffness(&self) -> f64 {
+        self.section(true).elastic()[1]
     }
 
     /// Depth of the section along y \[m\].
@@ -347,6 +362,26 @@ impl BeamColumn {
                 expected: "a number from 1e-5 to 0.1: without hardening the length that yields depends on the mesh",
             });
         }
+        if let Some(found) = self.steel.tensile_strength {
+            let first = self.steel.yield_strength;
+            let has_plateau = first < LONGEST_ELASTIC * self.steel.young_modulus;
+            let range = LEAST_STRENGTH_RATIO * first..=LARGEST_STRENGTH_RATIO * first;
+            if !(range.contains(&found) && has_plateau) {
+                return Err(BeamError::Column {
+                    name: "tensile strength [Pa]",
+                    found,
+                    expected: "1.02 to 10 times the yield strength, of a steel that yields at a strain below 0.01",
+                });
+            }
+        }
+        let most = self.max_shear_hardening;
+        if !(most == 0.0 || most >= 1.0 && most.is_finite()) {
+            return Err(BeamError::Column {
+                name: "largest strength of the hardened web over its initial one",
+                found: most,
+                expected: "a finite number >= 1, or 0 for no limit",
+            });
+        }
         if 0.5 * self.bumper_height >= 0.95 * self.length_below.min(self.length_above) {
             return Err(BeamError::Column {
                 name: "height of the bumper [m]",
@@ -384,13 +419,21 @@ impl BeamColumn {
             layers: 2,
             across: if plane { 1 } else { web.max(8) },
         };
-        Section::new(
+        let mut section = Section::new(
             &self.shape,
             self.steel,
             division,
             self.shear,
             self.residual_stress,
-        )
+        );
+        if self.max_shear_hardening > 0.0 {
+            let strength = self.steel.yield_strength / 3.0_f64.sqrt();
+            section.largest_back_stress = (self.max_shear_hardening - 1.0) * strength;
+            if let Some([_, sheared]) = &mut section.curves {
+                sheared.end_at(section.largest_back_stress);
+            }
+        }
+        section
     }
 
     /// The beam on these heights.
@@ -503,6 +546,9 @@ impl BeamColumn {
             return [Slider::default(); 2];
         }
         let (steel, area) = (&self.steel, section.shear_only_area);
+        if area == 0.0 {
+            return [Slider::default(); 2];
+        }
         let [second_moment, plastic] = section.flanges;
         let frame = 12.0 * steel.young_modulus * second_moment / (clear * clear);
         let b = steel.hardening_ratio;
@@ -511,11 +557,14 @@ impl BeamColumn {
                 rigidity: steel.shear_modulus() * area,
                 resistance: steel.yield_strength / 3.0_f64.sqrt() * area,
                 hardening: steel.plastic_modulus() / 3.0 * area,
+                most: section.largest_back_stress * area,
             },
             Slider {
                 rigidity: frame,
                 resistance: 2.0 * plastic * steel.yield_strength / clear,
                 hardening: frame * b / (1.0 - b),
+                // The limit is that of the web.
+                most: f64::INFINITY,
             },
         ]
     }

@@ -5,6 +5,9 @@
 
 use column_mechanics::{Chain, ChainPart, ChainPoint, Impact, Vehicle};
 
+use super::column::BeamColumn;
+use super::mesh::nearest;
+
 /// Stiffness of the contact between column and vehicle \[N/m\]: a modelling choice; a tenth of it moves the peak by 1.6 %.
 pub(crate) const CONTACT_STIFFNESS: f64 = 2e9;
 
@@ -249,4 +252,20 @@ impl Striker {
             }
         }
     }
+}
+
+/// The nodes behind the bumper, each with the share of its part of the height.
+pub(crate) fn touches(column: &BeamColumn, heights: &[f64]) -> Vec<(usize, f64)> {
+    let half = 0.5 * column.bumper_height;
+    let low = nearest(heights, column.length_below - half);
+    let high = nearest(heights, column.length_below + half);
+    let share = |k: usize| {
+        if low == high {
+            return (k, 1.0);
+        }
+        let (before, after) = (k.max(low + 1) - 1, k.min(high - 1) + 1);
+        let part = 0.5 * (heights[after] - heights[before]);
+        (k, part / column.bumper_height)
+    };
+    (low..=high).map(share).collect()
 }

@@ -308,3 +308,35 @@ pub(crate) fn add_in_space<const R: usize, const Q: usize>(
         }
     }
 }
+
+/// Unknowns of an element in space: its chord and the rotations of both ends.
+pub(crate) const ROW: usize = 9;
+
+/// What the stiffness needs of an element.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part<const R: usize> {
+    /// Gradient of the deformations; in the plane its rows are shorter.
+    pub rows: [[f64; ROW]; R],
+    pub chord: Chord,
+    /// Forces in balance, and their derivatives by the deformations.
+    pub forces: [f64; R],
+    pub stiffness: [[f64; R]; R],
+    /// Derivatives of the force of the shear angle by itself and by the deformations.
+    pub own: f64,
+    pub mixed: [f64; R],
+}
+
+impl<const R: usize> Part<R> {
+    /// Before the first evaluation.
+    pub fn nothing() -> Self {
+        let unit = [1.0, 0.0, 0.0];
+        Self {
+            rows: [[0.0; ROW]; R],
+            chord: Chord::new(&unit, &unit),
+            forces: [0.0; R],
+            stiffness: [[0.0; R]; R],
+            own: 0.0,
+            mixed: [0.0; R],
+        }
+    }
+}

@@ -4,9 +4,9 @@ use column_mechanics::Impact;
 
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError};
+use super::contact::touches;
 use super::mesh;
 use super::mesh::nearest;
-use super::opinion::touches;
 use super::response::Run;
 use super::statics::settle;
 

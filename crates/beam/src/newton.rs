@@ -48,11 +48,17 @@ pub(crate) struct Solver<const D: usize, const R: usize> {
     direction: Vec<[f64; D]>,
     direction_shear: [f64; BARS],
     columns: [Vec<[f64; D]>; BORDERS],
+    /// The last increment of a push and its length \[m\].
+    last: Vec<[f64; D]>,
+    last_shear: [f64; BARS],
+    last_step: f64,
     pub pushes: Vec<Push>,
     /// Evaluations so far.
     pub evaluations: u64,
     /// Negative pivots of the last factorisation.
     pub negative_pivots: usize,
+    /// Whether the last solution has needed a factorisation.
+    has_factored: bool,
     /// Largest residual that is accepted \[N\].
     pub tolerance: f64,
     /// Largest energy that a step may lose: the residual times the increment \[J\].
@@ -70,10 +76,14 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             tried_shear: [0.0; BARS],
             direction: zeros.clone(),
             direction_shear: [0.0; BARS],
-            columns: [zeros.clone(), zeros.clone(), zeros],
+            columns: [zeros.clone(), zeros.clone(), zeros.clone()],
+            last: zeros,
+            last_shear: [0.0; BARS],
+            last_step: 1.0,
             pushes: Vec::new(),
             evaluations: 0,
             negative_pivots: 0,
+            has_factored: false,
             tolerance: 1.0,
             energy_tolerance: f64::INFINITY,
         }
@@ -83,6 +93,36 @@ impl<const D: usize, const R: usize> Solver<D, R> {
     pub fn begin(&mut self) {
         self.increments.fill([0.0; D]);
         self.shear = [0.0; BARS];
+    }
+
+    /// Keeps the increment that was found of a push by `step` \[m\], or none to begin with.
+    pub fn remember(&mut self, step: f64) {
+        self.last.copy_from_slice(&self.increments);
+        self.last_shear = self.shear;
+        self.last_step = step;
+    }
+
+    /// Starts from the increment that was kept, for a push by `step` \[m\].
+    pub fn go_on(&mut self, step: f64) {
+        let ratio = step / self.last_step;
+        for (to, from) in self.increments.iter_mut().zip(&self.last) {
+            *to = from.map(|value| ratio * value);
+        }
+        self.shear = self.last_shear.map(|angle| ratio * angle);
+    }
+
+    /// Whether the equilibrium that was found is unstable.
+    pub fn is_unstable<const Q: usize>(
+        &mut self,
+        beam: &Beam<D, R, Q>,
+        state: &State<D, R>,
+    ) -> bool {
+        if !self.has_factored {
+            // The start was the solution already.
+            self.assemble(beam, state, Kind::Equilibrium, &None);
+            self.negative_pivots = self.work.matrix.factor();
+        }
+        self.negative_pivots > 0
     }
 
     /// The increment that was found.
@@ -96,18 +136,14 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         state: &State<D, R>,
         kind: Kind,
         striker: &mut Option<(&mut Striker, [f64; 2])>,
-        with_matrix: bool,
     ) -> f64 {
         self.evaluations += 1;
         let work = &mut self.work;
         let tried = (self.tried.as_slice(), &self.tried_shear);
-        beam.evaluate(state, tried, kind, with_matrix, work);
+        beam.evaluate(state, tried, kind, work);
         for push in &self.pushes {
             let beyond = self.tried[push.node][push.unknown] - push.target;
             work.residual[push.node][push.unknown] += push.stiffness * beyond;
-            if with_matrix {
-                work.matrix.diagonal[push.node][push.unknown][push.unknown] += push.stiffness;
-            }
         }
         if let (Some((striker, normal)), Kind::Motion { secs }) = (striker, kind) {
             let plane = D == 3;
@@ -123,14 +159,6 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 work.residual[touch.node][1] -= normal[0] * touch.force;
                 if !plane {
                     work.residual[touch.node][2] -= normal[1] * touch.force;
-                }
-                if with_matrix {
-                    let block = &mut work.matrix.diagonal[touch.node];
-                    for i in 0..dimensions(D) - 1 {
-                        for j in 0..dimensions(D) - 1 {
-                            block[1 + i][1 + j] += touch.slope * normal[i] * normal[j];
-                        }
-                    }
                 }
             }
         }
@@ -151,9 +179,34 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         largest
     }
 
+    /// The stiffness at the increment that was evaluated last.
+    fn assemble<const Q: usize>(
+        &mut self,
+        beam: &Beam<D, R, Q>,
+        state: &State<D, R>,
+        kind: Kind,
+        striker: &Option<(&mut Striker, [f64; 2])>,
+    ) {
+        beam.assemble(state, kind, &mut self.work);
+        for push in &self.pushes {
+            self.work.matrix.diagonal[push.node][push.unknown][push.unknown] += push.stiffness;
+        }
+        if let Some((striker, normal)) = striker {
+            for touch in &striker.touches {
+                let block = &mut self.work.matrix.diagonal[touch.node];
+                for i in 0..dimensions(D) - 1 {
+                    for j in 0..dimensions(D) - 1 {
+                        block[1 + i][1 + j] += touch.slope * normal[i] * normal[j];
+                    }
+                }
+            }
+        }
+    }
+
     /// Finds the direction of Newton's method: the blocks of the nodes first, then the unknowns that couple many of them.
     fn solve_direction(&mut self, striker: &Option<(&mut Striker, [f64; 2])>, shears: bool) {
         self.negative_pivots = self.work.matrix.factor();
+        self.has_factored = true;
         for (to, from) in self.direction.iter_mut().zip(&self.work.residual) {
             for k in 0..D {
                 to[k] = -from[k];
@@ -247,7 +300,8 @@ impl<const D: usize, const R: usize> Solver<D, R> {
     ) -> bool {
         self.tried.clone_from_slice(&self.increments);
         self.tried_shear = self.shear;
-        let mut size = self.evaluate(beam, state, kind, &mut striker, true);
+        self.has_factored = false;
+        let mut size = self.evaluate(beam, state, kind, &mut striker);
         let most = match kind {
             Kind::Motion { .. } => MAX_ITERATIONS,
             Kind::Equilibrium => 2 * MAX_ITERATIONS,
@@ -269,6 +323,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 return false;
             }
             refinements += usize::from(size <= self.tolerance);
+            self.assemble(beam, state, kind, &striker);
             self.solve_direction(&striker, beam.shears());
             let start: f64 = self.slope();
             self.increments.clone_from_slice(&self.tried);
@@ -289,7 +344,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 for bar in 0..BARS {
                     self.tried_shear[bar] = self.shear[bar] + share * self.direction_shear[bar];
                 }
-                let new = self.evaluate(beam, state, kind, &mut striker, true);
+                let new = self.evaluate(beam, state, kind, &mut striker);
                 let slope = self.slope();
                 let enough = slope.abs() <= 0.6 * start.abs() || new <= 0.3 * before;
                 if (enough || trial + 1 == MAX_TRIALS || start >= 0.0) && new.is_finite() {

@@ -5,10 +5,12 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError, BowAxes};
+use super::contact::touches;
 use super::damage::Damage;
 use super::mesh::{self, nearest};
 use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
+use super::pair::{InTurn, Pair};
 use super::response::{Course, MAX_STEPS, Run};
 use super::statics::{load_in_steps, push_down, push_sideways, settle, settle_elastically};
 
@@ -90,6 +92,9 @@ pub struct BeamOutcome {
     pub residual_capacity_n: [f64; 2],
     /// Largest base shear along the direction, as a mean over 1 ms \[N\].
     pub base_shear_n: f64,
+    /// Largest moment of the base that bends the column along the direction, as a mean over 1 ms \[N m\].
+    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
+    pub base_moment_n_m: f64,
     /// Estimated relative error of the peak displacement, from a run with fewer elements and longer steps; NaN where it is not known.
     #[serde(deserialize_with = "nan_where_null")]
     pub error_estimate: f64,
@@ -113,11 +118,34 @@ fn nan_where_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
+/// All that the beam computes of a hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamOpinion {
+    /// The response, and the capacities about each axis.
+    pub outcome: BeamOutcome,
+    /// Largest axial force that the undamaged column bears, and the one that the impact leaves \[N\], bowed about the axes of
+    /// [`BeamColumn::bow_axes`]: about both at once, or held about the other one.
+    pub capacity: [f64; 2],
+    /// The damage that remains; `None` after a collapse.
+    pub damage: Option<Damage>,
+    /// What the undamaged column bears.
+    pub undamaged: Undamaged,
+}
+
+/// What an undamaged column bears, whatever hits it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Undamaged {
+    /// Bowed about the strong and about the weak axis \[N\].
+    capacities: [f64; 2],
+    /// Bowed about both at once \[N\], where the column is.
+    bowed: Option<f64>,
+}
+
 /// A column prepared for hits.
 #[derive(Debug, Clone)]
 pub struct BeamModel {
     column: BeamColumn,
-    undamaged: [f64; 2],
+    undamaged: Option<Undamaged>,
 }
 
 /// What one run has left.
@@ -152,15 +180,15 @@ enum Stopped {
 }
 
 impl BeamModel {
-    /// Checks a column and pushes it down undamaged.
+    /// Checks a column.
     ///
     /// # Errors
     /// Numbers out of range, or a load that the column does not bear, bowed about its axes.
     pub fn new(column: &BeamColumn) -> Result<Self, BeamError> {
         column.check()?;
-        let mut model = Self {
+        let model = Self {
             column: *column,
-            undamaged: [0.0; 2],
+            undamaged: None,
         };
         if !model.stands_in_plane() {
             return Err(model.error(&Stopped::Unstable));
@@ -170,14 +198,32 @@ impl BeamModel {
                 load: column.top_load,
             });
         }
-        model.undamaged = model.capacities(None);
         Ok(model)
+    }
+
+    /// A column whose capacities an earlier opinion has computed: the same model as by [`BeamModel::new`], without computing them
+    /// again.
+    #[must_use]
+    pub fn known(column: &BeamColumn, undamaged: Undamaged) -> Self {
+        Self {
+            column: *column,
+            undamaged: Some(undamaged),
+        }
+    }
+
+    /// What the undamaged column bears.
+    fn bears_undamaged(&self) -> Undamaged {
+        let about_both = self.column.bow_axes == BowAxes::Both;
+        self.undamaged.unwrap_or_else(|| Undamaged {
+            capacities: self.undamaged_capacity(),
+            bowed: about_both.then(|| self.capacity_bowed(self.column.bows())),
+        })
     }
 
     /// Largest axial force that the undamaged column bears, bowed about the strong and about the weak axis \[N\].
     #[must_use]
     pub fn undamaged_capacity(&self) -> [f64; 2] {
-        self.undamaged
+        self.capacities(None)
     }
 
     /// The same with these bows along y and z at once \[m\].
@@ -189,8 +235,7 @@ impl BeamModel {
     /// The same of a column that impacts have left with this damage, bowed towards the side to which it is bent \[N\].
     #[must_use]
     pub fn capacity_left(&self, bows: [f64; 2], damage: &Damage) -> f64 {
-        let [y, z] = damage.sides();
-        self.pushed::<6, 6, 9>([y * bows[0], z * bows[1]], Some(damage))
+        self.pushed::<6, 6, 9>(sided(bows, damage), Some(damage))
     }
 
     /// The largest static force with which the column resists at the edges of the bumper, or at the impact point, while it is
@@ -221,45 +266,88 @@ impl BeamModel {
     /// Computes a hit on a column that may be damaged; returns what the beam says and the damage then.
     ///
     /// # Errors
-    /// A direction or an impact out of range, no equilibrium before it, damage of another mesh, no end within the budget.
+    /// As [`BeamModel::opinion`].
     pub fn simulate(
         &self,
         hit: &Hit,
         damage: Option<&Damage>,
     ) -> Result<(BeamOutcome, Option<Damage>), BeamError> {
+        let opinion = self.opinion(hit, damage, &InTurn)?;
+        Ok((opinion.outcome, opinion.damage))
+    }
+
+    /// Computes a hit on a column that may be damaged, and what the column bears before and after it. `pair` decides which parts of
+    /// the computation run at once; the result is the same.
+    ///
+    /// # Errors
+    /// A direction or an impact out of range, no equilibrium before it, damage of another mesh, no end within the budget.
+    pub fn opinion(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+        pair: &impl Pair,
+    ) -> Result<BeamOpinion, BeamError> {
         self.check_hit(hit, damage)?;
+        let (column, bows) = (&self.column, self.column.bows());
         let step = self.step(hit, Self::is_plane(hit, damage));
+        let about_both = column.bow_axes == BowAxes::Both;
+        let (passed, (known, coarser)) = pair.both(
+            || self.pass(hit, damage, column.elements, step, &mut ()),
+            || {
+                let coarser = self.coarser_peak(hit, damage, step);
+                (self.bears_undamaged(), coarser)
+            },
+        );
+        let Undamaged {
+            capacities: undamaged,
+            bowed,
+        } = known;
         let Passed {
             course,
             before,
             residual,
             elements,
-        } = self
-            .pass(hit, damage, self.column.elements, step, &mut ())
-            .map_err(|stopped| self.error(&stopped))?;
-        let coarse = ((elements as f64 / COARSER) as usize).max(4);
-        let error_estimate = match course.collapsed {
-            false => {
-                let coarser = self.pass(hit, damage, coarse, COARSER * step, &mut ());
-                coarser.map_or(f64::NAN, |coarser| {
-                    let [fine, other] = [&course, &coarser.course].map(|it| it.largest[0]);
-                    // The error falls with the square of the length of an element.
-                    ((other - fine) / fine).abs() / (COARSER * COARSER - 1.0)
-                })
+        } = passed.map_err(|stopped| self.error(&stopped))?;
+        let error_estimate = match (coarser, course.largest[0]) {
+            // The error falls with the square of the length of an element.
+            (Some(other), fine) if !course.collapsed => {
+                ((other - fine) / fine).abs() / (COARSER * COARSER - 1.0)
             }
-            true => f64::NAN,
+            _ => f64::NAN,
         };
-        // A hit in the plane of the web says nothing of the weak axis.
-        let residual =
-            residual.filter(|it| !course.yielded || self.stands_in_space(Some(&it.damage)));
+        let damage_after = residual.as_ref().map(|it| &it.damage);
+        let (left, (stands, bowed_left)) = pair.both(
+            || match damage_after {
+                Some(after) if course.yielded => self.capacities(Some(after)),
+                Some(_) => undamaged,
+                None => [0.0; 2],
+            },
+            || match damage_after {
+                Some(after) if course.yielded => {
+                    // A hit in the plane of the web says nothing of the weak axis.
+                    if about_both {
+                        let left =
+                            self.pushed_if_standing::<6, 6, 9>(sided(bows, after), Some(after));
+                        (left.is_some(), left)
+                    } else {
+                        (self.stands_in_space(Some(after)), None)
+                    }
+                }
+                _ => (true, bowed),
+            },
+        );
+        let residual = residual.filter(|_| stands);
+        let left = if residual.is_some() { left } else { [0.0; 2] };
+        let capacity = match column.bow_axes {
+            BowAxes::Strong => [undamaged[0], left[0]],
+            BowAxes::Weak => [undamaged[1], left[1]],
+            BowAxes::Both => {
+                [bowed, bowed_left.filter(|_| residual.is_some())].map(|force| force.unwrap_or(0.0))
+            }
+        };
         let (remains, bow, damage) = match residual {
             Some(it) => (it.displacement, it.bow, Some(it.damage)),
             None => ([f64::NAN; 2], [f64::NAN; 2], None),
-        };
-        let residual_capacity_n = match &damage {
-            Some(damage) if course.yielded => self.capacities(Some(damage)),
-            Some(_) => self.undamaged,
-            None => [0.0; 2],
         };
         let outcome = BeamOutcome {
             max_displacement_m: course.largest[0],
@@ -275,16 +363,30 @@ impl BeamModel {
                 (false, true) => Outcome::Plastic,
                 (false, false) => Outcome::Elastic,
             },
-            undamaged_capacity_n: self.undamaged,
-            residual_capacity_n,
+            undamaged_capacity_n: undamaged,
+            residual_capacity_n: left,
             base_shear_n: course.base_shear,
+            base_moment_n_m: course.base_moment,
             error_estimate,
             elements,
             steps: course.steps,
             evaluations: course.evaluations,
             energy_error: course.energy_error / course.energy_in,
         };
-        Ok((outcome, damage))
+        Ok(BeamOpinion {
+            outcome,
+            capacity,
+            damage,
+            undamaged: known,
+        })
+    }
+
+    /// The peak displacement by a run with fewer elements and longer steps \[m\]; `None` where it has no end.
+    fn coarser_peak(&self, hit: &Hit, damage: Option<&Damage>, step: f64) -> Option<f64> {
+        let heights = self.heights(hit, self.column.elements, Self::is_plane(hit, damage));
+        let elements = (((heights.len() - 1) as f64 / COARSER) as usize).max(4);
+        let coarser = self.pass(hit, damage, elements, COARSER * step, &mut ());
+        coarser.ok().map(|coarser| coarser.course.largest[0])
     }
 
     /// How the column moves during a hit that [`BeamModel::simulate`] computes, without the error estimate and the push-downs: for
@@ -326,7 +428,7 @@ impl BeamModel {
     }
 
     /// Whether a hit and the damage before it are in range.
-    fn check_hit(&self, hit: &Hit, damage: Option<&Damage>) -> Result<(), BeamError> {
+    pub(crate) fn check_hit(&self, hit: &Hit, damage: Option<&Damage>) -> Result<(), BeamError> {
         hit.impact.check()?;
         let pi = std::f64::consts::PI;
         if !(hit.direction > -pi && hit.direction <= pi) {
@@ -347,7 +449,7 @@ impl BeamModel {
         }
     }
 
-    fn step(&self, hit: &Hit, plane: bool) -> f64 {
+    pub(crate) fn step(&self, hit: &Hit, plane: bool) -> f64 {
         let nanos = match (self.column.step_nanos, hit.impact.vehicle) {
             (0, Some(_)) => DEFORMABLE_STEP,
             (0, None) if plane => RIGID_STEP,
@@ -357,7 +459,7 @@ impl BeamModel {
         nanos as f64 * 1e-9
     }
 
-    fn heights(&self, hit: &Hit, elements: usize, plane: bool) -> Vec<f64> {
+    pub(crate) fn heights(&self, hit: &Hit, elements: usize, plane: bool) -> Vec<f64> {
         let density = match (plane, hit.impact.vehicle) {
             (false, _) => mesh::COARSEST,
             (true, None) => mesh::COARSE,
@@ -366,7 +468,7 @@ impl BeamModel {
         self.column.heights(elements, density)
     }
 
-    fn is_plane(hit: &Hit, damage: Option<&Damage>) -> bool {
+    pub(crate) fn is_plane(hit: &Hit, damage: Option<&Damage>) -> bool {
         is_in_plane(hit.direction) && damage.is_none_or(Damage::is_plane)
     }
 
@@ -452,7 +554,7 @@ impl BeamModel {
         })
     }
 
-    fn state<const D: usize, const R: usize, const Q: usize>(
+    pub(crate) fn state<const D: usize, const R: usize, const Q: usize>(
         &self,
         beam: &Beam<D, R, Q>,
         damage: Option<&Damage>,
@@ -498,7 +600,7 @@ impl BeamModel {
 
     /// Whether the column bears its load when it can bend about both axes, bowed towards the side to which it is bent. One that is
     /// bowed about its strong axis alone is held about the other one.
-    fn stands_in_space(&self, damage: Option<&Damage>) -> bool {
+    pub(crate) fn stands_in_space(&self, damage: Option<&Damage>) -> bool {
         let is_held = self.column.bow_axes == BowAxes::Strong;
         if is_held && damage.is_none_or(Damage::is_plane) {
             return true;
@@ -557,19 +659,32 @@ impl BeamModel {
         bows: [f64; 2],
         damage: Option<&Damage>,
     ) -> f64 {
-        let Some(mut standing) = self.standing::<D, R, Q>(bows, damage) else {
-            return 0.0;
-        };
+        self.pushed_if_standing::<D, R, Q>(bows, damage)
+            .unwrap_or(0.0)
+    }
+
+    /// The same; `None` where the column does not bear its load.
+    fn pushed_if_standing<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        bows: [f64; 2],
+        damage: Option<&Damage>,
+    ) -> Option<f64> {
         let Standing {
             beam,
             state,
-            solver,
-        } = &mut standing;
+            mut solver,
+        } = self.standing::<D, R, Q>(bows, damage)?;
         let top = state.moved.len() - 1;
         let borne = beam.top_load + beam.top_spring * state.moved[top][0];
-        let most = push_down(beam, state, solver);
-        most.unwrap_or(0.0).max(borne)
+        let most = push_down(&beam, state, &mut solver);
+        Some(most.unwrap_or(0.0).max(borne))
     }
+}
+
+/// Bows towards the side to which damage has bent the column.
+fn sided(bows: [f64; 2], damage: &Damage) -> [f64; 2] {
+    let [y, z] = damage.sides();
+    [y * bows[0], z * bows[1]]
 }
 
 /// The largest distance of nodes from where they are in the undamaged column, and the height of that node above the base \[m\].
@@ -582,20 +697,4 @@ fn largest_distance(moved: &[[f64; 3]], undamaged: &[[f64; 3]], heights: &[f64])
         }
     }
     largest
-}
-
-/// The nodes behind the bumper, each with the share of its part of the height.
-pub(crate) fn touches(column: &BeamColumn, heights: &[f64]) -> Vec<(usize, f64)> {
-    let half = 0.5 * column.bumper_height;
-    let low = nearest(heights, column.length_below - half);
-    let high = nearest(heights, column.length_below + half);
-    let share = |k: usize| {
-        if low == high {
-            return (k, 1.0);
-        }
-        let (before, after) = (k.max(low + 1) - 1, k.min(high - 1) + 1);
-        let part = 0.5 * (heights[after] - heights[before]);
-        (k, part / column.bumper_height)
-    };
-    (low..=high).map(share).collect()
 }

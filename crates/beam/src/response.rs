@@ -10,7 +10,7 @@ use super::newton::Solver;
 /// Halvings of a step that does not converge.
 const MAX_HALVINGS: u32 = 10;
 
-/// Time over which a base shear is averaged \[s\].
+/// Time over which shear and moment of the base are averaged \[s\].
 const WINDOW: f64 = 1e-3;
 
 /// Displacement over the length of the column beyond which it has collapsed.
@@ -42,6 +42,8 @@ pub(crate) struct Course {
     /// It did not converge, and the column has not moved far enough to have collapsed.
     pub stuck: bool,
     pub base_shear: f64,
+    /// Moment of the base that bends the column along the hit \[N m\], as the shear is averaged.
+    pub base_moment: f64,
     pub steps: u64,
     pub evaluations: u64,
     pub halvings: u64,
@@ -67,7 +69,8 @@ pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
     last: Vec<[f64; D]>,
     last_shear: [f64; BARS],
     last_secs: f64,
-    window: [f64; 2],
+    /// Sums of shear and moment over time, and that time \[s\].
+    window: [f64; 3],
 }
 
 impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
@@ -102,7 +105,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
             last,
             last_shear: [0.0; BARS],
             last_secs: 1.0,
-            window: [0.0; 2],
+            window: [0.0; 3],
         }
     }
 
@@ -150,17 +153,22 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
 
     fn record(&mut self, secs: f64) {
         let base = &self.solver.work.base;
-        let shear = if D == 3 {
-            base[1] * self.normal[0]
+        let [c, s] = self.normal;
+        // A hit along y bends about z, one along z about -y.
+        let (shear, moment) = if D == 3 {
+            (base[1] * c, base[2] * c)
         } else {
-            base[1] * self.normal[0] + base[2] * self.normal[1]
+            (base[1] * c + base[2] * s, base[D - 1] * c - base[D - 2] * s)
         };
         self.window[0] += secs * shear;
-        self.window[1] += secs;
-        if self.window[1] >= WINDOW {
-            let mean = self.window[0] / self.window[1];
-            self.course.base_shear = self.course.base_shear.max(mean.abs());
-            self.window = [0.0; 2];
+        self.window[1] += secs * moment;
+        self.window[2] += secs;
+        if self.window[2] >= WINDOW {
+            let [shear, moment, time] = self.window;
+            let course = &mut self.course;
+            course.base_shear = course.base_shear.max((shear / time).abs());
+            course.base_moment = course.base_moment.max((moment / time).abs());
+            self.window = [0.0; 3];
         }
     }
 
@@ -241,7 +249,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
 
     /// Energy of column and vehicle with the work done on the fibres \[J\].
     fn energy(&self) -> f64 {
-        let [kinetic, _, outside] = self.beam.energies(&self.state);
+        let [kinetic, outside] = self.beam.energies(&self.state);
         kinetic + outside + self.internal + self.striker.energy() + self.striker.crushed
     }
 }

@@ -6,34 +6,7 @@
 use column_mechanics::RolledSection;
 use serde::{Deserialize, Serialize};
 
-/// Steel of the column: bilinear with kinematic hardening, so that a fibre that has yielded one way yields earlier the other
-/// way (Bauschinger's effect).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Steel {
-    /// `E`: Young's modulus \[Pa\].
-    pub young_modulus: f64,
-    /// `nu`: Poisson's ratio.
-    pub poisson_ratio: f64,
-    /// `f_y`: yield strength \[Pa\].
-    pub yield_strength: f64,
-    /// `b`: slope after yield over Young's modulus, above 0: without hardening the length that yields depends on the mesh.
-    pub hardening_ratio: f64,
-    /// Density \[kg/m³\].
-    pub density: f64,
-}
-
-impl Steel {
-    /// `G` \[Pa\].
-    #[must_use]
-    pub fn shear_modulus(&self) -> f64 {
-        0.5 * self.young_modulus / (1.0 + self.poisson_ratio)
-    }
-
-    /// `H`: slope of the stress over the plastic strain \[Pa\].
-    pub(crate) fn plastic_modulus(&self) -> f64 {
-        self.hardening_ratio * self.young_modulus / (1.0 - self.hardening_ratio)
-    }
-}
+use super::curve::{Curve, Steel};
 
 /// Shape of the cross-section.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -83,6 +56,8 @@ pub(crate) struct Fibres {
     pub area: Vec<f64>,
     /// Strain that the residual stress of rolling stands for.
     pub initial: Vec<f64>,
+    /// Share of the shear angle of the section that the fibre has, where it bears shear.
+    pub share: Vec<f64>,
 }
 
 /// Sums are formed in so many lanes, which fixes their order whatever the processor can do at once.
@@ -98,12 +73,16 @@ pub(crate) struct Section {
     pub plain: Fibres,
     /// Fibres of the web, which bear shear along y, too; none where shear is left out.
     pub web: Fibres,
+    /// Hardening of a steel with a yield plateau: of normal and of shear stress.
+    pub curves: Option<[Curve; 2]>,
     /// `sum A (1, -y, z)` and their products: the elastic stiffness without `E`, in the order of [`PointForces`].
     elastic: [f64; 4],
     /// The same of the fibres without shear.
     plain_elastic: [f64; 3],
     /// `G A` of the web fibres \[N\].
     pub web_rigidity: f64,
+    /// By how much the hardening may shift the shear stress of the web \[Pa\]; infinite for any amount.
+    pub largest_back_stress: f64,
     /// Largest distances from the axes \[m\].
     reach: [f64; 2],
     /// Largest residual stress \[Pa\].
@@ -142,6 +121,7 @@ impl Fibres {
         self.z.push(z);
         self.area.push(area);
         self.initial.push(initial);
+        self.share.push(1.0);
     }
 
     fn pad(&mut self) {
@@ -184,9 +164,15 @@ impl Section {
             steel,
             plain: Fibres::default(),
             web: Fibres::default(),
+            curves: steel.tensile_strength.map(|tensile| {
+                let normal = Curve::plateau(&steel, tensile);
+                let sheared = normal.in_shear(steel.shear_modulus());
+                [normal, sheared]
+            }),
             elastic: [0.0; 4],
             plain_elastic: [0.0; 3],
             web_rigidity: 0.0,
+            largest_back_stress: f64::INFINITY,
             reach: [0.0; 2],
             largest_initial: 0.0,
             area: 0.0,
@@ -207,7 +193,7 @@ impl Section {
             &Shape::Circular {
                 diameter,
                 thickness,
-            } => section.divide_circular(diameter, thickness, division),
+            } => section.divide_circular(diameter, thickness, division, with_shear),
         }
         section.plain.pad();
         section.web.pad();
@@ -347,20 +333,29 @@ impl Section {
         }
         if with_shear {
             self.shear_only_area = 2.0 * t * t;
+            self.flanges = [width * t * t * t / 6.0, 0.25 * width * t * t];
         }
         // Bredt.
         let (a, b) = (depth - t, width - t);
         self.torsion = [2.0 * a * a * b * b * t / (a + b), 0.0];
     }
 
-    fn divide_circular(&mut self, diameter: f64, t: f64, division: Division) {
+    /// The shear flow of a thin ring is in proportion to the sine of the angle from the plane of bending, and the same on both sides
+    /// of that plane, so that a fibre has its share without a sign: damage in the plane is carried over to fibres of either side.
+    fn divide_circular(&mut self, diameter: f64, t: f64, division: Division, with_shear: bool) {
         let count = 4 * division.web;
         let radius = 0.5 * (diameter - t);
         let area = std::f64::consts::TAU * radius * t / count as f64;
         for k in 0..count {
             let angle = std::f64::consts::TAU * (k as f64 + 0.5) / count as f64;
-            let (y, z) = (radius * libm::cos(angle), radius * libm::sin(angle));
-            self.plain.push(y, z, area, 0.0);
+            let (cos, sin) = (libm::cos(angle), libm::sin(angle));
+            let (y, z) = (radius * cos, radius * sin);
+            if with_shear {
+                self.web.push(y, z, area, 0.0);
+                self.web.share[k] = sin.abs();
+            } else {
+                self.plain.push(y, z, area, 0.0);
+            }
         }
         let cube = radius * radius * radius;
         self.torsion = [std::f64::consts::TAU * cube * t, 0.0];
@@ -380,7 +375,10 @@ impl Section {
                 self.largest_initial = self.largest_initial.max(stress);
             }
         }
-        self.web_rigidity = g * self.web.area.iter().sum::<f64>();
+        let sheared = self.web.area.iter().zip(&self.web.share);
+        self.web_rigidity = g * sheared
+            .map(|(area, share)| area * share * share)
+            .sum::<f64>();
         let e = self.steel.young_modulus;
         let f = &self.plain;
         for k in 0..f.len() {
@@ -431,7 +429,10 @@ impl Section {
         let e = self.steel.young_modulus;
         let per = 1.0 / (e + self.steel.plastic_modulus());
         let fibres = point.plain.iter().zip(&self.plain.initial);
-        fibres.map(move |(middle, initial)| per * (middle + e * initial))
+        fibres.map(move |(middle, initial)| match &self.curves {
+            None => per * (middle + e * initial),
+            Some([curve, _]) => curve.plastic(middle + e * initial),
+        })
     }
 
     /// A section whose fibres have these plastic strains.
@@ -441,7 +442,10 @@ impl Section {
         let e = self.steel.young_modulus;
         let f = &self.plain;
         for (k, strain) in plain.iter().enumerate() {
-            state.plain[k] += (e + self.steel.plastic_modulus()) * strain;
+            state.plain[k] += match &self.curves {
+                None => (e + self.steel.plastic_modulus()) * strain,
+                Some([curve, _]) => curve.middle(*strain),
+            };
             let force = e * f.area[k] * strain;
             for (sum, lever) in state.locked.iter_mut().zip([1.0, -f.y[k], f.z[k]]) {
                 *sum += lever * force;
@@ -485,28 +489,12 @@ impl Section {
         &self.elastic
     }
 
-    /// Elastic and hardening energy per length \[J/m\].
-    pub fn stored_energy(&self, strain: &[f64; 4], from: &PointState) -> f64 {
-        let (e, h) = (self.steel.young_modulus, self.steel.plastic_modulus());
-        let g = self.steel.shear_modulus();
-        let mut sum = 0.0;
-        for k in 0..self.plain.len() {
-            let f = &self.plain;
-            let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
-            let plastic = (from.plain[k] + e * f.initial[k]) / (e + h);
-            let elastic = total - plastic;
-            sum += 0.5 * f.area[k] * (e * elastic * elastic + h * plastic * plastic);
+    /// Share of the stress beyond the yield surface by which the stress falls, where it is the same for all fibres.
+    fn kept(&self) -> f64 {
+        match self.curves {
+            None => 1.0 - self.steel.hardening_ratio,
+            Some(_) => 1.0,
         }
-        for k in 0..self.web.len() {
-            let f = &self.web;
-            let total = strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2] + f.initial[k];
-            let [p, q] = from.web[k];
-            let (elastic, shear) = (total - p, strain[3] - q);
-            sum += 0.5
-                * f.area[k]
-                * (e * elastic * elastic + h * p * p + g * shear * shear + h / 3.0 * q * q);
-        }
-        sum
     }
 
     /// Returns every fibre to its yield surface `|xi| <= strength` or, in the web,
@@ -520,7 +508,7 @@ impl Section {
         stiffness: &mut PointStiffness,
     ) -> bool {
         let e = self.steel.young_modulus;
-        let kept = 1.0 - self.steel.hardening_ratio;
+        let kept = self.kept();
         let [axial, bent, weak] = [e * strain[0], e * strain[1], e * strain[2]];
         // N, Mz, My that flow; area that flows, its first and second moments Ay, Az, Ayy, Ayz, Azz.
         let mut sums = [[0.0; LANES]; 3];
@@ -529,7 +517,8 @@ impl Section {
         let f = &self.plain;
         let arrays = f.y.chunks_exact(LANES).zip(f.z.chunks_exact(LANES));
         let arrays = arrays.zip(f.area.chunks_exact(LANES));
-        for (((y, z), area), old) in arrays.zip(from.plain.chunks_exact(LANES)) {
+        let arrays = arrays.zip(f.initial.chunks_exact(LANES));
+        for ((((y, z), area), initial), old) in arrays.zip(from.plain.chunks_exact(LANES)) {
             let mut beyond = [0.0; LANES];
             let mut any = 0.0;
             for lane in 0..LANES {
@@ -549,10 +538,23 @@ impl Section {
                 continue;
             }
             flows = true;
+            let (mut stress, mut shares) = (beyond, [1.0; LANES]);
+            if let Some([curve, _]) = &self.curves {
+                for lane in 0..LANES {
+                    if beyond[lane] != 0.0 {
+                        let middle = old[lane] + e * initial[lane];
+                        [stress[lane], shares[lane]] = curve.relieved(middle, beyond[lane]);
+                    }
+                }
+            }
             for lane in 0..LANES {
                 let (y, z, area) = (y[lane], z[lane], area[lane]);
-                let force = area * beyond[lane];
-                let part = if beyond[lane] == 0.0 { 0.0 } else { area };
+                let force = area * stress[lane];
+                let part = if beyond[lane] == 0.0 {
+                    0.0
+                } else {
+                    area * shares[lane]
+                };
                 let ys = y * part;
                 sums[0][lane] += force;
                 sums[1][lane] -= y * force;
@@ -597,14 +599,20 @@ impl Section {
     /// Takes the flow of the fibres under this strain over into their state.
     pub fn flow(&self, strain: &[f64; 4], strength: f64, state: &mut PointState) {
         let e = self.steel.young_modulus;
-        let kept = 1.0 - self.steel.hardening_ratio;
+        let kept = self.kept();
         let f = &self.plain;
         for k in 0..f.len() {
             let xi = e * (strain[0] - f.y[k] * strain[1] + f.z[k] * strain[2]) - state.plain[k];
             let beyond = xi - xi.clamp(-strength, strength);
             if beyond != 0.0 {
+                let stress = match &self.curves {
+                    None => beyond,
+                    Some([curve, _]) => {
+                        curve.relieved(state.plain[k] + e * f.initial[k], beyond)[0]
+                    }
+                };
                 state.plain[k] += beyond;
-                let force = kept * f.area[k] * beyond;
+                let force = kept * f.area[k] * stress;
                 for (sum, lever) in state.locked.iter_mut().zip([1.0, -f.y[k], f.z[k]]) {
                     *sum += lever * force;
                 }

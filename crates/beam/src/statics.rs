@@ -3,6 +3,16 @@
 use super::beam::{Beam, Kind, State};
 use super::newton::{Push, Solver};
 
+/// What a displacement test says of a response that ends in a collapse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CollapseTest {
+    /// The largest share of the load that the column bears from where its response has ended on; below 1, there is no equilibrium.
+    /// NaN where no equilibrium was found even with the top held.
+    pub share_borne: f64,
+    /// Whether the spring at the top takes the whole load before the column has lost a quarter of its height.
+    pub hangs: bool,
+}
+
 /// Stiffness of what pushes over that of the column along its axis.
 const STIFFER: f64 = 1e5;
 
@@ -11,9 +21,6 @@ const MAX_INCREMENTS: usize = 400;
 
 /// Halvings of an increment.
 const MAX_HALVINGS: usize = 12;
-
-/// Fall of the force below its maximum at which a push-down ends.
-const FALLEN: f64 = 0.97;
 
 /// Brings a state to rest; whether there is an equilibrium near it.
 pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
@@ -87,7 +94,7 @@ fn rest<const D: usize, const R: usize, const Q: usize>(
 /// The largest force \[N\] that a column at rest bears while its top is pushed down; `None` where it finds no maximum.
 pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
     beam: &Beam<D, R, Q>,
-    from: &State<D, R>,
+    from: State<D, R>,
     solver: &mut Solver<D, R>,
 ) -> Option<f64> {
     let mut pushed = beam.clone();
@@ -98,7 +105,6 @@ pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
     let squash = steel.yield_strength * beam.section.area;
     solver.tolerance = 1e-7 * squash;
     let unit = steel.yield_strength / steel.young_modulus * beam.places[top][0];
-    let step = 0.05 * unit;
     solver.pushes.push(Push {
         node: top,
         unknown: 0,
@@ -106,39 +112,73 @@ pub(crate) fn push_down<const D: usize, const R: usize, const Q: usize>(
         target: 0.0,
         force: -(beam.top_load + beam.top_spring * from.moved[top][0]),
     });
-    let most = descend(&pushed, from.clone(), step, solver);
+    let most = descend(&pushed, from, unit, solver);
     solver.pushes.clear();
     most
+}
+
+/// Increments of a push-down before any fibre flows and from then on, and where it ends without a maximum, over the shortening at
+/// which a short column yields. Where fibres flow, longer increments change the maximum by 0.3 %.
+const ELASTIC_STEP: f64 = 0.2;
+const STEP: f64 = 0.05;
+const LONGEST: f64 = 20.0;
+
+/// How often the increments become shorter at the maximum, and by which factor: the parabola through the last three points finds the
+/// rest.
+const REFINEMENTS: usize = 1;
+const FINER: f64 = 0.25;
+
+/// A state of a push-down, with its descent \[m\] and its force \[N\].
+struct Reached<const D: usize, const R: usize> {
+    state: State<D, R>,
+    descent: f64,
+    force: f64,
 }
 
 /// Pushes down to the maximum of the force.
 fn descend<const D: usize, const R: usize, const Q: usize>(
     pushed: &Beam<D, R, Q>,
     mut state: State<D, R>,
-    mut step: f64,
+    unit: f64,
     solver: &mut Solver<D, R>,
 ) -> Option<f64> {
-    // Descent and force of the last three states.
+    let mut step = ELASTIC_STEP * unit;
+    // Descent and force of the states since the last refinement.
     let mut last: Vec<[f64; 2]> = Vec::new();
     let mut descent = 0.0;
     let mut halvings = 0;
     let mut refined = 0;
+    // A column that hangs from its spring is in tension at first.
     let mut best: f64 = 0.0;
-    let mut before: Option<(State<D, R>, [f64; 2])> = None;
+    let mut before: Option<Reached<D, R>> = None;
+    let mut saved = state.clone();
+    solver.begin();
+    solver.remember(step);
     for _ in 0..MAX_INCREMENTS {
-        solver.begin();
+        // The last movement continues.
+        solver.go_on(step);
         let force_before = solver.pushes[0].force;
         solver.pushes[0].aim(-step);
-        let saved = state.clone();
-        if !solver.solve(pushed, &state, Kind::Equilibrium, None) || solver.negative_pivots > 0 {
+        if !solver.solve(pushed, &state, Kind::Equilibrium, None)
+            || solver.is_unstable(pushed, &state)
+        {
             if halvings == MAX_HALVINGS {
                 return (best > 0.0).then_some(best);
             }
             halvings += 1;
             step *= 0.5;
             solver.pushes[0].force = force_before;
+            solver.begin();
+            solver.remember(step);
             continue;
         }
+        if step > STEP * unit && solver.work.flows() {
+            step = STEP * unit;
+            solver.pushes[0].force = force_before;
+            continue;
+        }
+        solver.remember(step);
+        saved.clone_from(&state);
         pushed.commit(
             &mut state,
             solver.increment(),
@@ -147,31 +187,118 @@ fn descend<const D: usize, const R: usize, const Q: usize>(
         );
         descent += step;
         let force = -solver.pushes[0].force;
+        let falls = last.last().is_some_and(|point| force < point[1]);
         // The peak lies between the steps: go back and pass it with finer ones.
-        if let Some((earlier, at)) = before.take()
-            && last.last().is_some_and(|point| force < point[1])
-            && refined < 3
+        if let Some(earlier) = before.take()
+            && falls
+            && refined < REFINEMENTS
         {
             refined += 1;
-            state = earlier;
-            [descent, solver.pushes[0].force] = at;
-            step *= 0.25;
-            let keep = last.len().saturating_sub(1);
-            last.truncate(keep);
+            state.clone_from(&earlier.state);
+            (descent, solver.pushes[0].force) = (earlier.descent, earlier.force);
+            step *= FINER;
+            // The last movement was one beyond the peak.
+            solver.begin();
+            solver.remember(step);
+            last.clear();
+            last.push([descent, -earlier.force]);
             continue;
         }
-        before = Some((saved, [descent - step, force_before]));
+        before = Some(Reached {
+            state: saved.clone(),
+            descent: descent - step,
+            force: force_before,
+        });
         best = best.max(force);
         last.push([descent, force]);
-        // A column that hangs from its spring is in tension at first.
-        if best > 0.0 && force < FALLEN * best {
-            break;
-        }
-        if refined == 3 && last.len() > 2 && force < best {
+        if refined == REFINEMENTS && falls || descent > LONGEST * unit {
             break;
         }
     }
+    if let [.., one, two, three] = last.as_slice()
+        && two[1] > one[1]
+        && two[1] > three[1]
+    {
+        best = best.max(top_of_parabola([*one, *two, *three]));
+    }
     (best > 0.0).then_some(best)
+}
+
+/// The maximum of the parabola through three points, the middle one of which is the highest.
+fn top_of_parabola([[x, a], [y, b], [z, c]]: [[f64; 2]; 3]) -> f64 {
+    let (left, right) = ((b - a) / (y - x), (c - b) / (z - y));
+    let curvature = (right - left) / (z - x);
+    let slope = left + curvature * (y - x);
+    b - 0.25 * slope * slope / curvature
+}
+
+/// Increments in which the top of a collapsed column is lowered, and by how much of its height in all.
+const LOWERINGS: usize = 40;
+const LOWERED: f64 = 0.25;
+
+/// The largest share of its load that a column bears from a state of its movement on: at rest with its top held where it is, and
+/// lowered from there.
+pub(crate) fn share_borne<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    mut state: State<D, R>,
+    solver: &mut Solver<D, R>,
+) -> CollapseTest {
+    let mut held = beam.clone();
+    (held.top_spring, held.top_load) = (0.0, 0.0);
+    let top = beam.places.len() - 1;
+    let steel = &beam.section.steel;
+    let (squash, height) = (
+        steel.yield_strength * beam.section.area,
+        beam.places[top][0],
+    );
+    let load = |state: &State<D, R>| beam.top_load + beam.top_spring * state.moved[top][0];
+    state.velocity.fill([0.0; 6]);
+    state.rates.fill([0.0, 1.0]);
+    solver.tolerance = 1e-6 * squash;
+    solver.energy_tolerance = f64::INFINITY;
+    solver.pushes.push(Push {
+        node: top,
+        unknown: 0,
+        stiffness: STIFFER * steel.young_modulus * beam.section.area / height,
+        target: 0.0,
+        force: -load(&state),
+    });
+    let mut found = CollapseTest {
+        share_borne: f64::NAN,
+        hangs: false,
+    };
+    // The first equilibrium is where the top is already.
+    let (mut step, mut lowered) = (0.0, 0.0);
+    let least = LOWERED * height / LOWERINGS as f64 / 64.0;
+    for _ in 0..3 * LOWERINGS {
+        let force = solver.pushes[0].force;
+        solver.begin();
+        solver.pushes[0].aim(-step);
+        if !solver.solve(&held, &state, Kind::Equilibrium, None) {
+            solver.pushes[0].force = force;
+            step *= 0.5;
+            if step < least {
+                break;
+            }
+            continue;
+        }
+        held.commit(
+            &mut state,
+            solver.increment(),
+            Kind::Equilibrium,
+            &solver.work,
+        );
+        lowered += step;
+        let share = -solver.pushes[0].force / load(&state);
+        found.hangs = load(&state) <= 0.0;
+        if found.hangs || lowered > LOWERED * height {
+            break;
+        }
+        found.share_borne = found.share_borne.max(share);
+        step = LOWERED * height / LOWERINGS as f64;
+    }
+    solver.pushes.clear();
+    found
 }
 
 /// Increments of a push from the side.

@@ -159,13 +159,37 @@ impl Response {
         state: &mut State,
         max_coasting: u64,
     ) -> Result<Progress, StepError> {
+        self.observed_advance::<true>(model, state, max_coasting)
+    }
+
+    /// As [`Response::advance`], with the same states, for one of thousands of responses: the residual of the ledger, the
+    /// utilisations and the dynamic factors of the report are not followed.
+    ///
+    /// # Errors
+    /// As [`Response::advance`].
+    pub fn advance_unobserved(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        max_coasting: u64,
+    ) -> Result<Progress, StepError> {
+        self.observed_advance::<false>(model, state, max_coasting)
+    }
+
+    #[inline]
+    fn observed_advance<const IN_FULL: bool>(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        max_coasting: u64,
+    ) -> Result<Progress, StepError> {
         if let Some(steps) = state.steps_to_contact(model).filter(|&steps| steps > 0) {
             state.coast(model, steps.min(max_coasting));
             self.counted_from = model.time_of_step(state.step);
             self.base.wait(self.counted_from);
             return Ok(Progress::Running);
         }
-        self.observed_macro_step::<true>(model, state, 1)
+        self.observed_macro_step::<IN_FULL>(model, state, 1)
     }
 
     /// Advances the state by `steps` steps that are made as one, for a study: the residual of the ledger, the utilisations and

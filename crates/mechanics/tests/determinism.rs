@@ -4,7 +4,7 @@
 mod example;
 
 use column_mechanics::{
-    BarForces, Impact, Model, PlasticFlow, Progress, Response, Sample, State, StepError,
+    BarForces, Impact, Model, PlasticFlow, Progress, Report, Response, Sample, State, StepError,
     begin_impact, simulate, step,
 };
 use example::example;
@@ -167,6 +167,34 @@ fn golden_responses_have_the_same_bits_without_fma_and_avx2() {
             !output.contains(&same),
             "the tunables had no effect: {output}"
         );
+    }
+}
+
+/// Without its utilisations and dynamic factors a response is faster, and otherwise the same.
+#[test]
+fn a_response_that_is_not_observed_moves_as_one_that_is_bit_for_bit() {
+    for column in GOLDEN_COLUMNS {
+        let (properties, impact) = example(column);
+        let model = Model::new(&properties).expect("a column");
+        let mut state = State::at_rest(&model);
+        let mut response = Response::begin(&model, &mut state, impact, 0.05).expect("an impact");
+        let (mut other, mut unobserved) = (state, response);
+        loop {
+            let progress = response.advance(&model, &mut state, 1).expect("a step");
+            let same = unobserved.advance_unobserved(&model, &mut other, 1);
+            assert_eq!((progress, state), (same.expect("a step"), other));
+            if let Progress::Over(end) = progress {
+                let [observed, found] = [
+                    response.report(&model, &state, end),
+                    unobserved.report(&model, &other, end),
+                ];
+                let motion =
+                    |it: Report| (it.outcome, it.max_v1, it.residual_v1, it.impulse, it.base);
+                assert_eq!(motion(observed), motion(found));
+                assert!(observed.hinges[0].max_utilisation >= found.hinges[0].max_utilisation);
+                break;
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::ffi::CString;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
@@ -23,6 +24,9 @@ pub const CELL_BYTES: usize = ROW_BYTES - 2 * 8;
 
 /// Time between two looks at the signals of Python.
 const SIGNALS: Duration = Duration::from_millis(20);
+
+/// How far the caller of a method in Python is from here: above the method and the check of its keywords (`_keyword_check.py`).
+pub const CALLER: i32 = 3;
 
 /// One impact and what it leads to, as numbers. The order is that of `_evaluation.py`.
 #[derive(Debug, Clone, Copy)]
@@ -96,37 +100,29 @@ impl Row {
 }
 
 /// A batch for so many computations on as many threads as were asked for; fewer, with a warning, if they would be too many.
-pub fn batch(py: Python<'_>, asked: Option<NonZeroUsize>, computations: u64) -> PyResult<Batch> {
+pub fn batch(
+    py: Python<'_>,
+    asked: Option<NonZeroUsize>,
+    computations: u64,
+) -> PyResult<Arc<Batch>> {
     if let Some(reduction) = Threads::new(asked, computations).reduction() {
         let category = py.get_type::<PyUserWarning>();
-        // The caller of the method in Python.
-        PyErr::warn(py, &category, &CString::new(reduction)?, 2)?;
+        PyErr::warn(py, &category, &CString::new(reduction)?, CALLER)?;
     }
-    Ok(asked.map_or_else(Batch::default, Batch::on_threads))
+    Ok(Arc::new(
+        asked.map_or_else(Batch::default, Batch::on_threads),
+    ))
 }
 
-/// Does the work of a batch in another thread without the GIL, and interrupts the batch on Ctrl-C.
-pub fn interruptible<R: Send>(
+/// Does the work of a batch in another thread without the GIL. Ctrl-C interrupts the batch and ends the call; the responses that have
+/// begun, of which one by the fibre beam takes tenths of a second, end by themselves, later.
+pub fn interruptible<R: Send + 'static>(
     py: Python<'_>,
-    batch: &Batch,
-    work: impl FnOnce(&Batch) -> R + Send,
+    batch: &Arc<Batch>,
+    work: impl FnOnce(&Batch) -> R + Send + 'static,
 ) -> PyResult<R> {
-    py.detach(|| {
-        thread::scope(|scope| {
-            let (running, ended) = sync_channel::<()>(0);
-            let worker = scope.spawn(move || {
-                // Dropped at the end, and also by a panic.
-                let _running = running;
-                work(batch)
-            });
-            let raised = signalled(&ended).inspect(|_| batch.interrupt());
-            match (worker.join(), raised) {
-                (Err(panic), _) => std::panic::resume_unwind(panic),
-                (Ok(_), Some(raised)) => Err(raised),
-                (Ok(result), None) => Ok(result),
-            }
-        })
-    })
+    let shared = Arc::clone(batch);
+    abandonable(py, move || work(&shared)).inspect_err(|_| batch.interrupt())
 }
 
 /// Does work that cannot be interrupted in another thread without the GIL. Ctrl-C ends the call; the thread ends by itself, later.

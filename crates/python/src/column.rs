@@ -1,5 +1,6 @@
 //! A column for Python.
 
+use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -13,20 +14,22 @@ use column_twin::parameters::{
     Value,
 };
 use column_twin::second_opinion::EarlierHit;
-use column_twin::study::{BatchEnd, StudyColumn, StudyError};
+use column_twin::study::StudyColumn;
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyByteArray, PyDict};
 use serde::{Deserialize, Serialize};
 
-use crate::batch::{NUMBERS, ROW_BYTES, Row, abandonable, batch, interruptible};
+use crate::batch::{NUMBERS, Row, abandonable};
 use crate::capacity::{Curve, capacity_json, curve};
 use crate::checks::Checks;
 use crate::fault;
 use crate::history::{KnownDamage, Simulated};
+use crate::impacts::{Arrays, evaluate};
 use crate::risk::{Request, risk};
 use crate::sensors;
 use crate::study::{self, MapRequest, model_named};
-use crate::values::{Doubles, doubles, object, value};
+use crate::values::{doubles, object, value};
 
 /// The velocities below and at a critical one \[m/s\].
 type Bracket = (Option<f64>, Option<f64>);
@@ -52,6 +55,9 @@ pub struct Column {
     pub hits: Arc<[EarlierHit]>,
     /// The damage that they leave in the beam, once an impact has needed it.
     pub beam_damage: Arc<OnceLock<KnownDamage>>,
+    /// The values that are computed with, by the names of their parameters, once one has been read: one alone would take as long as
+    /// all.
+    values: Arc<OnceLock<HashMap<String, Value>>>,
 }
 
 /// A column as it is written for other processes.
@@ -84,20 +90,26 @@ impl Column {
 
     /// The columns of a fleet with their identifiers, in its order, and warnings about their parameters.
     #[staticmethod]
-    fn fleet(files: Vec<PathBuf>, table: Option<PathBuf>) -> PyResult<(NamedColumns, Vec<String>)> {
+    fn fleet(
+        py: Python<'_>,
+        files: Vec<PathBuf>,
+        table: Option<PathBuf>,
+    ) -> PyResult<(NamedColumns, Vec<String>)> {
         let sources = FleetSources {
             files,
             table,
             arguments: vec![],
         };
-        let fleet = FleetColumns::load(&NodeName::default(), &sources)
-            .map_err(|faults| fault::parameters(&faults))?;
-        let columns = fleet.columns.into_iter().map(|it| {
-            let column = Self::of(&it.parameters)?;
-            Ok((it.name, column))
-        });
-        let warnings = fleet.warnings.iter().map(ToString::to_string).collect();
-        Ok((columns.collect::<PyResult<_>>()?, warnings))
+        abandonable(py, move || {
+            let fleet = FleetColumns::load(&NodeName::default(), &sources)
+                .map_err(|faults| fault::parameters(&faults))?;
+            let columns = fleet.columns.into_iter().map(|it| {
+                let column = Self::of(&it.parameters)?;
+                Ok((it.name, column))
+            });
+            let warnings = fleet.warnings.iter().map(ToString::to_string).collect();
+            Ok::<_, PyErr>((columns.collect::<PyResult<_>>()?, warnings))
+        })?
     }
 
     /// The column that `to_json` has written.
@@ -209,7 +221,11 @@ impl Column {
 
     /// The value of one parameter, of one that follows from others what it is; `None` if there is none of this name.
     fn get<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = self.parameters().effective(name);
+        let values = self.values.get_or_init(|| {
+            let all = self.parameters().effective_values();
+            all.map(|(it, value)| (it.name.to_owned(), value)).collect()
+        });
+        let value = values.get(name).cloned();
         value.map(|value| object(py, value)).transpose()
     }
 
@@ -237,7 +253,8 @@ impl Column {
             return there.evaluate(py, vehicle, mass, velocity);
         }
         let impact = self.impact(py, vehicle, mass, velocity)?;
-        let evaluated = match self.parameters().response_duration() > LONG_RESPONSE {
+        let steps = self.parameters().response_duration() / self.study.model().step_secs;
+        let evaluated = match steps > MANY_STEPS {
             true => {
                 let this = self.clone();
                 abandonable(py, move || this.study.evaluate(&impact))?
@@ -255,87 +272,20 @@ impl Column {
         &self,
         py: Python<'py>,
         vehicle: Option<&str>,
-        masses: Option<&[u8]>,
-        velocities: &[u8],
+        masses: Option<PyBackedBytes>,
+        velocities: PyBackedBytes,
         threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyByteArray>> {
         if let Some(there) = self.struck_by(vehicle)? {
             return there.evaluate_batch(py, vehicle, masses, velocities, threads);
         }
-        let (masses, velocities) = (masses.map(Doubles::new), Doubles::new(velocities));
-        let mass = |index: u64| masses.map(|all| all.get(index as usize));
-        let count = velocities.len() as u64;
-        if count == 0 {
+        let arrays = Arrays { masses, velocities };
+        let Some((mass, velocity)) = arrays.first() else {
             return PyByteArray::new_with(py, 0, |_| Ok(()));
-        }
-        let checks = self.checks(vehicle, masses.map(|all| all.get(0)), velocities.get(0))?;
-        let impact = |index: u64| checks.impact(mass(index), velocities.get(index as usize));
-        let batch = batch(py, threads, count)?;
-        // All of them first, which takes no time, so that a wrong one is found before hours of computation.
-        let mut light = None;
-        let checked = interruptible(py, &batch, |batch| {
-            let checked = |index| impact(index).map(|it| checks.implausible(&it));
-            let mut index = 0;
-            batch.run(count, checked, |results| {
-                for result in results {
-                    match result {
-                        Ok(None) => {}
-                        Ok(Some(text)) => light = light.take().or(Some((index, text))),
-                        Err(()) => return Err(BatchFault::Input(index)),
-                    }
-                    index += 1;
-                }
-                Ok(())
-            })
-        })?;
-        if let Err(BatchFault::Input(index)) = checked {
-            let text = self.fault_of(vehicle, mass(index), velocities.get(index as usize));
-            return Err(fault::input(format!("element {index}: {text}")));
-        }
-        if let Some((index, text)) = light {
-            fault::warn(
-                py,
-                &format!("element {index}: impact.mass is the mass of {text}"),
-            )?;
-        }
-        let mut bytes = Vec::new();
-        let end = interruptible(py, &batch, |batch| {
-            bytes.reserve_exact(ROW_BYTES * count as usize);
-            let evaluated = |index| {
-                let impact = impact(index).map_err(|()| BatchFault::Input(index))?;
-                let evaluation = self.study.evaluate(&impact);
-                let evaluation = evaluation
-                    .map_err(|reason| BatchFault::Impact(impact.mass, impact.velocity, reason))?;
-                Ok::<_, BatchFault>(Row::new(&impact, &evaluation))
-            };
-            batch.run(count, evaluated, |results| {
-                for result in results {
-                    bytes.extend_from_slice(&result?.bytes());
-                }
-                Ok(())
-            })
-        })?;
-        let done = bytes.len() / ROW_BYTES;
-        match end {
-            Ok(BatchEnd::Complete) => {}
-            Ok(BatchEnd::Interrupted(done)) => {
-                return Err(fault::simulation(format!(
-                    "the batch was interrupted after {done} impacts"
-                )));
-            }
-            Err(BatchFault::Impact(mass, velocity, reason)) => {
-                return Err(fault::simulation(format!(
-                    "element {done} ({mass} kg at {velocity} m/s): {reason}"
-                )));
-            }
-            Err(BatchFault::Input(index)) => {
-                return Err(fault::input(format!("element {index} is out of range")));
-            }
-            Err(BatchFault::Threads(reason)) => {
-                return Err(fault::no_threads(&reason));
-            }
-        }
-        Ok(PyByteArray::new(py, &bytes))
+        };
+        let checks = self.checks(vehicle, mass, velocity)?;
+        let fault_of = |mass, velocity| self.fault_of(vehicle, mass, velocity);
+        evaluate(py, &self.study, (arrays, checks), fault_of, threads)
     }
 
     /// A map over two axes; see `_map.py`.
@@ -397,8 +347,11 @@ impl Column {
         lowest: f64,
         highest: f64,
     ) -> PyResult<(Vec<Bracket>, usize)> {
-        for velocity in [lowest, highest] {
-            self.impact(py, vehicle, mass, Some(velocity))?;
+        // A warning of the mass, which both have, is given once.
+        self.impact(py, vehicle, mass, Some(lowest))?;
+        let checks = self.checks(vehicle, mass, highest)?;
+        if checks.impact(mass, highest).is_err() {
+            return Err(fault::input(self.fault_of(vehicle, mass, highest)));
         }
         if lowest >= highest {
             return Err(fault::input(format!(
@@ -513,23 +466,8 @@ impl Column {
     }
 }
 
-/// Why a batch ended early.
-enum BatchFault {
-    /// The impact of this element is not accepted.
-    Input(u64),
-    /// The impact of this mass and velocity cannot be computed.
-    Impact(f64, f64, StudyError),
-    Threads(rayon::ThreadPoolBuildError),
-}
-
-impl From<rayon::ThreadPoolBuildError> for BatchFault {
-    fn from(reason: rayon::ThreadPoolBuildError) -> Self {
-        Self::Threads(reason)
-    }
-}
-
-/// Longest response that is followed without a look at the signals \[s\]; it takes milliseconds.
-const LONG_RESPONSE: f64 = 10.0;
+/// Most steps of a response that is followed without a look at the signals; they take about a tenth of a second.
+const MANY_STEPS: f64 = 5e5;
 
 impl From<StudyColumn> for Column {
     fn from(study: StudyColumn) -> Self {
@@ -549,6 +487,7 @@ impl Column {
             study: Arc::new(study),
             hits: hits.into(),
             beam_damage: Arc::default(),
+            values: Arc::default(),
         }
     }
 
@@ -568,6 +507,7 @@ impl Column {
         let struck = struck.map_err(|fault| fault::study(&fault))?;
         Ok(struck.map(|study| Self {
             study,
+            values: Arc::default(),
             ..self.clone()
         }))
     }
@@ -586,6 +526,7 @@ impl Column {
         };
         Ok(Some(Self {
             study: Arc::new(study.map_err(|fault| fault::study(&fault))?),
+            values: Arc::default(),
             ..self.clone()
         }))
     }

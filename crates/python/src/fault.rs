@@ -7,6 +7,8 @@ use column_twin::parameters::ParameterFaults;
 use column_twin::study::StudyError;
 use pyo3::prelude::*;
 
+use crate::batch::CALLER;
+
 mod exceptions {
     //! The exceptions, which Python defines.
     pyo3::import_exception!(column_twin._errors, ParameterError);
@@ -14,7 +16,7 @@ mod exceptions {
     pyo3::import_exception!(column_twin._errors, ParameterWarning);
 }
 
-/// Parameters that are not accepted, all faults at once.
+/// Parameters that are not accepted, all faults together.
 pub fn parameters(faults: &ParameterFaults) -> PyErr {
     exceptions::ParameterError::new_err(faults.to_string())
 }
@@ -55,5 +57,5 @@ pub fn no_threads(reason: &rayon::ThreadPoolBuildError) -> PyErr {
 /// Warns the caller of the method in Python.
 pub fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
     let category = py.get_type::<exceptions::ParameterWarning>();
-    PyErr::warn(py, &category, &CString::new(text)?, 2)
+    PyErr::warn(py, &category, &CString::new(text)?, CALLER)
 }

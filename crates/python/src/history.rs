@@ -3,12 +3,12 @@
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use column_twin::assessment::{AssessmentInput, ImpactEvaluation, observe_and_rest};
-use column_twin::column::{ForceSpectrum, Impact, Model, State};
+use column_twin::assessment::{AssessmentInput, ImpactEvaluation, OpenVerdict, observe_and_rest};
+use column_twin::column::{ColumnProperties, ForceSpectrum, Impact, Model, State};
 use column_twin::parameters::Parameters;
-use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields};
+use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields, Travel};
 use column_twin::second_opinion::{
-    BeamDamage, BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, SecondOpinion,
+    BeamDamage, BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, ObliqueHit, SecondOpinion,
     beam_damage_after,
 };
 use column_twin::study::{StudyColumn, VerdictModel};
@@ -113,8 +113,13 @@ impl Simulated {
                 evaluation.range = None;
             }
         }
-        let mut fields =
-            ImpactFields::of(&evaluation, vehicle_name, solve_time).with_spectrum(&spectrum);
+        let travel = Travel {
+            velocity: self.hit.impact.velocity,
+            direction: self.hit.direction,
+            in_plane: impact.velocity,
+        };
+        let mut fields = ImpactFields::of(&evaluation, vehicle_name, travel, solve_time)
+            .with_spectrum(&spectrum);
         if let Some(beam) = beam {
             fields = fields.with_beam(beam);
         }
@@ -137,19 +142,42 @@ impl Simulated {
         let damage = self
             .beam_damage
             .get_or_init(|| beam_damage_after(parameters, &self.hits));
+        let before = damage.clone()?.map(BeamDamageBefore::from);
         let task = BeamTask::new(
             parameters,
             hit.lengths,
             hit.impact,
             hit.direction,
-            damage.clone()?.map(BeamDamageBefore::from),
+            before.clone(),
         )?;
         let answer = task.compute()?;
         let opinion = SecondOpinion::new(&answer, hit.direction, parameters, &evaluation.report);
-        let range = evaluation.range.as_mut();
-        Ok(match (input, &mut evaluation.assessment) {
-            (Some(input), Some(assessment)) => opinion.weighed(input, assessment, range),
-            _ => opinion,
-        })
+        let (Some(input), Some(assessment)) = (input, &mut evaluation.assessment) else {
+            return Ok(opinion);
+        };
+        let opinion = opinion.weighed(input, assessment, evaluation.range.as_mut());
+        let verdict = OpenVerdict::from(&*assessment);
+        let [length_below, length_above] = hit.lengths;
+        let oblique = ObliqueHit {
+            parameters,
+            struck: &ColumnProperties {
+                length_below,
+                length_above,
+                ..parameters.column_properties()
+            },
+            in_plane: self.impact,
+            whole: hit.impact,
+            direction: hit.direction,
+            earlier: evaluation.earlier.as_ref(),
+            beam_before: before.as_ref(),
+        };
+        match (oblique.range(&verdict, &mut || true), &mut evaluation.range) {
+            (Some(by_both), range) => *range = Some(by_both),
+            (None, Some(range)) => {
+                oblique.include_hardening(range, &verdict, opinion.has_yielded());
+            }
+            (None, None) => {}
+        }
+        Ok(opinion)
     }
 }

@@ -12,6 +12,7 @@
 // - column.rs: A column for Python
 // - fault.rs: Faults as Python exceptions, with the texts that the command line prints
 // - history.rs: One impact with its history for Python
+// - impacts.rs: Many impacts on one column: all of them are checked, and then computed
 // - risk.rs: Risk studies for Python
 // - sensors.rs: What the sensors of a column read, and what struck it by their readings
 // - study.rs: Damage maps and critical velocities for Python
@@ -24,6 +25,7 @@ mod checks;
 mod column;
 mod fault;
 mod history;
+mod impacts;
 mod risk;
 mod sensors;
 mod study;

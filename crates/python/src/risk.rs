@@ -54,23 +54,23 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
     let scenario = scenario.for_column(parameters);
     let column = RiskColumn::new(parameters, &scenario).and_then(|it| it.judged_by(model));
     let column = column.map_err(|reason| {
-        fault::input(format!("this column and scenario make no study: {reason}"))
+        fault::input(format!(
+            "the risk of this column in this scenario cannot be studied: {reason}"
+        ))
     })?;
     let sampler = DepartureSampler::new(&scenario, request.seed);
     let batch = batch(py, request.threads, request.samples)?;
-    let surface = match request.exact {
-        true => None,
-        false => interruptible(py, &batch, |batch| {
-            CriticalSpeedSurface::new(&sampler, request.seed, &column, request.samples, batch)
-        })?
-        .map_err(|reason| fault::no_threads(&reason))?,
-    };
-    let mut study = RiskStudy::new(&sampler, &column);
-    if let Some(surface) = &surface {
-        study = study.with_predictions(surface);
-    }
-    let ran = interruptible(py, &batch, |batch| {
-        study.run(batch, 0..request.samples, |_| Ok::<_, StudyRunError>(()))
+    let (seed, samples, is_exact) = (request.seed, request.samples, request.exact);
+    let ran = interruptible(py, &batch, move |batch| {
+        let surface = match is_exact {
+            true => None,
+            false => CriticalSpeedSurface::new(&sampler, seed, &column, samples, batch)?,
+        };
+        let mut study = RiskStudy::new(&sampler, &column);
+        if let Some(surface) = &surface {
+            study = study.with_predictions(surface);
+        }
+        study.run(batch, 0..samples, |_| Ok::<_, StudyRunError>(()))
     })?;
     let (tally, end) = ran.map_err(|reason| fault::simulation(reason.to_string()))?;
     if let BatchEnd::Interrupted(done) = end {
@@ -80,6 +80,7 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
     }
     let exposure = Exposure::new(&scenario, request.vehicles_per_day, request.years);
     let result = RiskResult::new(&scenario, &tally, exposure, request.confidence)
-        .judged_by(model, &scenario);
+        .judged_by(model, &scenario)
+        .of_column(parameters);
     serde_json::to_string(&result).map_err(|reason| fault::simulation(reason.to_string()))
 }

@@ -44,13 +44,13 @@ pub fn estimate(
     if sensors.is_empty() {
         return Err(no_sensors());
     }
-    let readings = Readings::from_csv(table.as_bytes(), &sensors)
-        .map_err(|reason| fault::input(reason.to_string()))?;
     let parameters = parameters.clone();
     let estimated = abandonable(py, move || {
+        let readings = Readings::from_csv(table.as_bytes(), &sensors)
+            .map_err(|reason| fault::input(reason.to_string()))?;
         estimate_recorded(&parameters, &sensors, &readings, seed, &mut |_| ())
-    })?;
-    let estimated = estimated.map_err(|reason| fault::input(reason.to_string()))?;
+            .map_err(|reason| fault::input(reason.to_string()))
+    })??;
     estimated
         .map(|impact| serde_json::to_string(&impact.estimates))
         .transpose()

@@ -7,7 +7,7 @@ use column_twin::column::is_direction;
 use column_twin::parameters::CatalogueVehicle;
 use column_twin::study::{
     AxisValue, AxisValues, BatchEnd, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
-    StudyColumn, VerdictModel,
+    StudyColumn, Variant, VerdictModel, arranged_axes,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -115,73 +115,98 @@ fn described<'py>(py: Python<'py>, axis: &MapAxis) -> PyResult<Bound<'py, PyDict
 #[pyo3(from_item_all)]
 pub struct MapRequest {
     vehicle: Option<String>,
-    axes: [GivenAxis; 2],
+    /// Two or more.
+    axes: Vec<GivenAxis>,
     compared: Option<GivenAxis>,
     /// Name of the model that judges.
     model: String,
     threads: Option<NonZeroUsize>,
 }
 
+/// A map that is checked.
+struct Planned {
+    map: Arc<DamageMap>,
+    /// The axes that make neither rows nor columns. The variants of the map are the combinations of the compared values and of
+    /// theirs.
+    further: Vec<MapAxis>,
+    /// Names of the compared columns; one where nothing is compared.
+    labels: Vec<String>,
+    threads: Option<NonZeroUsize>,
+}
+
 impl MapRequest {
-    /// The map of a column, which is damaged or not, and the number of threads that compute it.
+    /// The map of a column, which is damaged or not. It may have thousands of columns, which are made without the GIL.
     fn planned(
         self,
-        column: &StudyColumn,
-        is_damaged: bool,
-    ) -> PyResult<(DamageMap, Option<NonZeroUsize>)> {
+        py: Python<'_>,
+        (column, is_damaged): (&Arc<StudyColumn>, bool),
+    ) -> PyResult<Planned> {
+        let column = Arc::clone(column);
+        abandonable(py, move || self.plan(&column, is_damaged))?
+    }
+
+    fn plan(self, column: &StudyColumn, is_damaged: bool) -> PyResult<Planned> {
         let model = model_named(&self.model)?;
-        let [first, second] = self.axes;
-        let axes = [first.axis()?, second.axis()?];
+        let axes: PyResult<Vec<_>> = self.axes.into_iter().map(GivenAxis::axis).collect();
+        let (further, axes) = arranged_axes(axes?).map_err(|reason| rejected(&reason))?;
         let compared = self.compared.map(GivenAxis::axis).transpose()?;
+        let labels = match &compared {
+            None => vec![column.parameters().settings().column_id.clone()],
+            Some(axis) => (0..axis.len()).map(|it| Variant::label(axis, it)).collect(),
+        };
+        let varied: Vec<_> = compared.iter().chain(&further).cloned().collect();
         let vehicle = self.vehicle.as_deref();
-        let parameters = column.parameters();
-        let map = match (&compared, is_damaged) {
-            (Some(compared), true) => {
-                Err(MapError::DamagedColumnVaries(compared.quantity().name()))
-            }
-            (Some(compared), false) => DamageMap::comparing(parameters, vehicle, compared, axes),
-            (None, true) => DamageMap::of_damaged(column, vehicle, axes),
-            (None, false) => DamageMap::new(parameters, vehicle, axes),
+        let map = match is_damaged {
+            true => DamageMap::of_damaged(column, vehicle, &varied, axes),
+            false => DamageMap::comparing(column.parameters(), vehicle, &varied, axes),
         };
         let map = map.and_then(|map| map.judged_by(model));
-        Ok((map.map_err(|reason| rejected(&reason))?, self.threads))
+        Ok(Planned {
+            map: Arc::new(map.map_err(|reason| rejected(&reason))?),
+            further,
+            labels,
+            threads: self.threads,
+        })
     }
 }
 
-/// Why nobody can have meant the smallest mass of a map of one vehicle.
+/// Why nobody can have meant the smallest mass of a map with this vehicle.
 fn implausible(map: &DamageMap) -> Option<String> {
     let axis = [map.rows(), map.columns()]
         .into_iter()
         .find(|axis| axis.quantity() == MapQuantity::Mass)?;
-    let variant = map.variants().first()?;
-    let vehicle = CatalogueVehicle::of_crushed(&variant.parameters.settings().vehicle.name)?;
-    vehicle.implausible_mass(axis.number(0)?)
+    let smallest = axis.number(0)?;
+    map.variants().iter().find_map(|variant| {
+        let vehicle = CatalogueVehicle::of_crushed(&variant.parameters.settings().vehicle.name)?;
+        vehicle.implausible_mass(smallest)
+    })
 }
 
 /// Computes a map, or the part `shard` (a number, from 1, and the number of parts): its axes and labels, its cells as rows of
 /// bytes, why some could not be computed, and what the fibre beam says of them.
 pub fn map<'py>(
     py: Python<'py>,
-    (column, is_damaged): (&StudyColumn, bool),
+    column: (&Arc<StudyColumn>, bool),
     request: MapRequest,
     shard: Option<[u64; 2]>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (map, threads) = request.planned(column, is_damaged)?;
+    let planned = request.planned(py, column)?;
+    let map = planned.map;
     if let Some(text) = implausible(&map) {
         fault::warn(py, &format!("mass: the smallest one is the mass of {text}"))?;
     }
     let cells = shard.map_or(0..map.len(), |[number, parts]| map.shard(number, parts));
     let count = cells.end - cells.start;
-    let batch = batch(py, threads, count)?;
-    let mut bytes = Vec::new();
-    let mut failed = Vec::new();
-    let mut beam = BeamColumns::of(&map);
+    let batch = batch(py, planned.threads, count)?;
     let first = cells.start;
-    let computed = interruptible(py, &batch, |batch| {
-        bytes.reserve_exact(CELL_BYTES * count as usize);
-        map.compute(batch, cells, |cells| {
+    let its_map = Arc::clone(&map);
+    let computed = interruptible(py, &batch, move |batch| {
+        let mut bytes = Vec::with_capacity(CELL_BYTES * count as usize);
+        let mut failed = Vec::new();
+        let mut beam = BeamColumns::of(&its_map);
+        let end = its_map.compute(batch, cells, |cells| {
             for cell in cells {
-                beam.push(&map, &cell);
+                beam.push(&its_map, &cell);
                 let row = match cell.result {
                     // Mass and velocity are those of the axes.
                     Ok(evaluation) => Row::of([f64::NAN; 2], &evaluation),
@@ -196,9 +221,11 @@ pub fn map<'py>(
                 bytes.extend_from_slice(&row.bytes_of_cell());
             }
             Ok::<_, ThreadPoolBuildError>(())
-        })
+        })?;
+        Ok::<_, ThreadPoolBuildError>((end, bytes, failed, beam))
     })?;
-    if let BatchEnd::Interrupted(done) = computed.map_err(|reason| fault::no_threads(&reason))? {
+    let (end, bytes, failed, beam) = computed.map_err(|reason| fault::no_threads(&reason))?;
+    if let BatchEnd::Interrupted(done) = end {
         return Err(fault::simulation(format!(
             "the map was interrupted after {done} cells"
         )));
@@ -207,8 +234,13 @@ pub fn map<'py>(
     let result = PyDict::new(py);
     result.set_item("rows", described(py, map.rows())?)?;
     result.set_item("columns", described(py, map.columns())?)?;
-    let labels: Vec<&str> = map.variants().iter().map(|it| it.label.as_str()).collect();
-    result.set_item("labels", labels)?;
+    let further: PyResult<Vec<_>> = planned
+        .further
+        .iter()
+        .map(|axis| described(py, axis))
+        .collect();
+    result.set_item("further", further?)?;
+    result.set_item("labels", planned.labels)?;
     let failures = PyDict::new(py);
     for (index, reason) in failed {
         failures.set_item(index, reason)?;
@@ -224,18 +256,23 @@ pub fn map<'py>(
 /// The boundaries of the actions and limits on a map, with its axes and labels, as JSON.
 pub fn refine(
     py: Python<'_>,
-    (column, is_damaged): (&StudyColumn, bool),
+    column: (&Arc<StudyColumn>, bool),
     request: MapRequest,
 ) -> PyResult<String> {
-    let (map, threads) = request.planned(column, is_damaged)?;
-    let batch = batch(py, threads, map.len())?;
-    let (map, batch) = (Arc::new(map), Arc::new(batch));
-    // A row takes many responses, and is not interrupted: the call does not wait for its end.
-    let (its_map, its_batch) = (Arc::clone(&map), Arc::clone(&batch));
-    let refined = abandonable(py, move || its_map.refine(&its_batch))
-        .inspect_err(|_| batch.interrupt())?
+    let planned = request.planned(py, column)?;
+    if let Some(axis) = planned.further.first() {
+        let [name, _] = names(axis.quantity());
+        return Err(fault::input(format!(
+            "refined_map: expected two axes, in whose plane the boundaries lie; found {}. Give the column one value of {name}, or compare \
+             its values: compare={{\"{name}\": [...]}}",
+            2 + planned.further.len()
+        )));
+    }
+    let map = planned.map;
+    let batch = batch(py, planned.threads, map.len())?;
+    let its_map = Arc::clone(&map);
+    let refined = interruptible(py, &batch, move |batch| its_map.refine(batch))?
         .map_err(|reason| fault::input(reason.to_string()))?;
-    let labels: Vec<&str> = map.variants().iter().map(|it| it.label.as_str()).collect();
     let axis = |axis: &MapAxis| {
         let [name, _] = names(axis.quantity());
         serde_json::json!({"name": name, "unit": axis.quantity().unit(), "values": numbers(axis)})
@@ -244,7 +281,7 @@ pub fn refine(
         "rows": axis(map.rows()),
         "columns": axis(map.columns()),
         "model": map.model().name(),
-        "labels": labels,
+        "labels": planned.labels,
         "refined": refined,
     });
     Ok(all.to_string())

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from column_twin import CRITERIA, EVALUATION, Action, Column, ParameterError, to_pandas
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_a_batch_equals_single_impacts_bit_for_bit(steel: Column) -> None:
@@ -106,8 +110,26 @@ def test_two_threads_compute_at_once(steel: Column) -> None:
 CALLS = {
     "batch": "column.evaluate_batch('mid_car', velocity=np.linspace(1.0, 20.0, 3_000_000))",
     "map": "column.map(mass=Range(1000, 3000, points=1000), velocity=Range(1, 20, points=3000), vehicle='van')",
+    # Its 10 000 columns are made before the first cell.
+    "map over four quantities": (
+        "column.map(top__load=Range(1e5, 5e5, points=100), height=Range(0.5, 1.5, points=100), mass=Range(1000, 3000, points=10), "
+        "velocity=Range(1, 20, points=30), vehicle='van')"
+    ),
     "refined_map": "column.refined_map(mass=Range(1000, 3000, points=20000), velocity=Range(1, 20, points=1000), vehicle='van')",
     "risk": "column.risk('urban', 1000, samples=10_000_000, exact=True)",
+    # A cell of the beam takes tenths of a second, and the call does not wait for its end.
+    "map by the beam": (
+        "column.map(mass=Range(1000, 3000, points=100), velocity=Range(1, 20, points=300), vehicle='van', model='both')"
+    ),
+    "refined_map by the beam": (
+        "column.refined_map(mass=Range(1000, 3000, points=100), velocity=Range(1, 20, points=300), vehicle='van', model='both')"
+    ),
+    "risk by the beam": (
+        "column.risk('courtyard', 50, distributions=['orientation_deg=uniform:-90:90'], model='beam', samples=1_000_000)"
+    ),
+    "risk by both models": (
+        "column.risk('courtyard', 50, distributions=['orientation_deg=uniform:-90:90'], model='both', samples=1_000_000)"
+    ),
     "critical_velocities": "[column.critical_velocities('articulated_36t', lowest=0.1 + 1e-6 * i) for i in range(100_000)]",
 }
 
@@ -131,9 +153,73 @@ def test_ctrl_c_ends_every_long_call(call: str) -> None:
             assert process.stdout is not None
             assert process.stdout.readline() == "ready\n"
             time.sleep(wait)
+            before = time.perf_counter()
             os.kill(process.pid, signal.SIGINT)
             assert process.stdout.readline() == "interrupted\n"
+            print(f"{call} ended {1e3 * (time.perf_counter() - before):.0f} ms after Ctrl-C")
             process.kill()
+
+
+# One computation each, which takes far longer than the test.
+SINGLE = {
+    # It was followed to its end, because it is short; its steps are many.
+    "evaluate": (
+        "column = Column(solver__scheme='midpoint', solver__dt=1e-7, response__duration=10.0)",
+        "column.evaluate('rigid', mass=1500.0, velocity=3.0)",
+    ),
+    "estimate": (
+        f"column = Column.from_file({str(ROOT / 'config/sensors_industrial.yaml')!r}); "
+        "readings = column.sensor_readings('mid_car', velocity=12.0)",
+        "column.estimate(readings)",
+    ),
+}
+
+
+# The thread of a call; the kernel keeps the first 15 characters of its name.
+CALLING = "column_twin cal"
+
+
+def threads_of(process: int) -> set[str]:
+    """The names of its threads."""
+    found = set()
+    for task in Path(f"/proc/{process}/task").iterdir():
+        with contextlib.suppress(OSError):  # it has ended
+            found.add((task / "comm").read_text().strip())
+    return found
+
+
+@pytest.mark.parametrize("call", SINGLE)
+def test_ctrl_c_does_not_wait_for_the_end_of_one_computation(call: str) -> None:
+    """The thread that computes is there when the call has ended."""
+    before, computed = SINGLE[call]
+    script = (
+        "from column_twin import Column\n"
+        f"{before}\n"
+        "print('ready', flush=True)\n"
+        "input()\n"
+        "try:\n"
+        f"    {computed}\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted', flush=True)\n"
+        "    input()\n"
+    )
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", script], stdin=pipe, stdout=pipe, text=True) as process:
+        assert process.stdin is not None and process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        # The thread of the call before may be about to end.
+        while CALLING in threads_of(process.pid):
+            time.sleep(0.01)
+        process.stdin.write("\n")
+        process.stdin.flush()
+        while CALLING not in threads_of(process.pid):
+            assert process.poll() is None
+            time.sleep(0.01)
+        os.kill(process.pid, signal.SIGINT)
+        assert process.stdout.readline() == "interrupted\n"
+        threads = threads_of(process.pid)
+        process.kill()
+    assert CALLING in threads, threads
 
 
 def test_a_batch_takes_at_most_three_times_the_memory_of_its_result() -> None:

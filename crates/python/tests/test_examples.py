@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import importlib.util
 import io
 import os
 import subprocess
@@ -67,3 +68,18 @@ def test_a_building_on_two_processes_of_dask_equals_one_process_bit_for_bit(root
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert "720 impacts on 60 columns" in ran.stdout
     assert "agree bit for bit" in ran.stdout
+
+
+def test_the_weakest_columns_of_the_building_are_no_ties(root: Path) -> None:
+    """The example listed ties, and the loads grew towards the roof."""
+    pytest.importorskip("distributed")
+    spec = importlib.util.spec_from_file_location("building_on_dask", root / "examples/building_on_dask.py")
+    assert spec is not None and spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    columns = example.building(150)
+    loads = [float(column["top.load"]) for column in columns]
+    # The ground floor has the first columns, and carries all floors above.
+    assert loads[0] > loads[50] > loads[100]
+    reserves = sorted(float(example.study(column)["reserve"][:, 0].min()) for column in columns[:10])
+    assert all(first < second for first, second in zip(reserves[:5], reserves[1:6]))

@@ -226,7 +226,7 @@ def test_models_and_directions_that_are_not_accepted(steel: Column) -> None:
         steel.map(**axes, direction=[0.0, 90.0])
     with pytest.raises(ParameterError, match="200 degrees is not a direction"):
         steel.map("direction=0,200", **axes)
-    with pytest.raises(ParameterError, match="both axes determine the same parameter"):
+    with pytest.raises(ParameterError, match="two axes determine the same parameter"):
         steel.map("direction=0:90:2", direction=[0.0, 1.0])
     with pytest.raises(ParameterError, match="model: expected 'bars', 'beam' or 'both', found 'shell'"):
         steel.map(**axes, direction=[0.0, 1.0], model="shell")  # type: ignore[arg-type]

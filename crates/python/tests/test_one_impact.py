@@ -131,9 +131,10 @@ def test_arrays_over_hinges_and_springs(steel: Column) -> None:
 
 
 def test_a_evaluation_is_the_report_without_the_history(steel: Column) -> None:
-    for vehicle, velocity in [("mid_car", 10.0), ("van", 20.0), ("articulated_36t", 25.0), ("rigid", 4.0)]:
-        evaluation = steel.evaluate(vehicle=vehicle, velocity=velocity)
-        result = steel.simulate(vehicle=vehicle, velocity=velocity)
+    impacts = [("mid_car", None, 10.0), ("van", None, 20.0), ("articulated_36t", None, 25.0), ("rigid", 1500.0, 4.0)]
+    for vehicle, mass, velocity in impacts:
+        evaluation = steel.evaluate(vehicle=vehicle, mass=mass, velocity=velocity)
+        result = steel.simulate(vehicle=vehicle, mass=mass, velocity=velocity)
         assert evaluation.action is result.action
         assert evaluation.outcome is result.outcome
         assert evaluation.deciding_criterion == result.report["deciding_criterion"]

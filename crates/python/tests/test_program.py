@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from column_twin import Column, ParameterError, ProgramError, Readings, read_recording, recording_info, run_program
+from column_twin import Column, ParameterError, ProgramError, Readings, __version__, read_recording, recording_info, run_program
 
 Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -74,6 +78,27 @@ def test_a_report_and_a_recording(steel: Column, program: Program, tmp_path: Pat
         list(read_recording(tmp_path / "missing"))
     with pytest.raises(ParameterError, match="out of range"):
         steel.report(tmp_path / "wrong.html", "mid_car", velocity=90.0)
+
+
+def test_ctrl_c_ends_the_program_too(tmp_path: Path) -> None:
+    """It took a quarter of a second. The signal reaches Python alone, as from a notebook."""
+    started = tmp_path / "started"
+    fake = tmp_path / "column-twin"
+    fake.write_text(
+        f'#!/bin/sh\n[ "$1" = --version ] && echo column-twin {__version__} && exit\n'
+        f"echo $$ > {started}.new\nmv {started}.new {started}\nexec sleep 600\n"
+    )
+    fake.chmod(0o755)
+    script = "from column_twin import run_program\ntry:\n    run_program('map')\nexcept KeyboardInterrupt:\n    print('interrupted', flush=True)\n"
+    environment = {**os.environ, "COLUMN_TWIN_PROGRAM": str(fake)}
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, env=environment) as process:
+        while not started.exists():
+            assert process.poll() is None
+            time.sleep(0.01)
+        os.kill(process.pid, signal.SIGINT)
+        assert process.communicate()[0] == "interrupted\n"
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(started.read_text()), 0)
 
 
 def test_a_missing_program_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

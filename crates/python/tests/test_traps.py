@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from column_twin import Action, Column, IncompleteWarning, Map, ParameterError, ParameterWarning, Range, SimulationError
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_a_number_in_the_place_of_a_velocity_is_no_mass(steel: Column) -> None:
@@ -78,10 +82,111 @@ def test_a_range_says_that_it_is_one(steel: Column) -> None:
             Range(5, 10, points=points)  # type: ignore[arg-type]
 
 
+def test_a_misspelt_keyword_is_told_with_the_nearest_one(steel: Column) -> None:
+    with pytest.raises(TypeError, match=r"Column.simulate\(\) got an unexpected .* 'velocty'; did you mean 'velocity'\?"):
+        steel.simulate("mid_car", velocty=10.0)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="'zzz'; it takes scenario, vehicles_per_day, years"):
+        steel.risk("urban", 1000, zzz=1)  # type: ignore[call-arg]
+    # A map takes any parameter, and said only that it has two axes.
+    for call in (steel.map, steel.refined_map):
+        with pytest.raises(ParameterError, match=r"vehicel is neither a keyword nor an axis of a map \(did you mean vehicle\?\)"):
+            call(velocity=[1.0, 2.0], mass=[2000.0, 3000.0], vehicel="van")  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match="did you mean velocity"):
+        steel.map(velocty=[1.0, 2.0], mass=[2000.0, 3000.0])  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match="did you mean top.load"):
+        steel.map(velocity=[1.0, 2.0], mass=[2000.0, 3000.0], top__laod=[1e5, 2e5])  # type: ignore[call-arg]
+
+
+def test_a_rigid_vehicle_does_not_take_the_own_mass_of_another_one(steel: Column) -> None:
+    """`evaluate("rigid", velocity=3.0)` was a rigid mass as heavy as the mid_car of the column; the command line asks for the mass."""
+    expected = "impact.mass is required, because a rigid vehicle has no mass of its own; give it in kg"
+    for call in (steel.simulate, steel.evaluate, steel.evaluate_batch, steel.capacity):
+        with pytest.raises(ParameterError, match=expected):
+            call("rigid", velocity=3.0)
+    with pytest.raises(ParameterError, match=expected):
+        steel.critical_velocities("rigid")
+    with pytest.raises(ParameterError, match=expected):
+        steel.after(vehicle="rigid", velocity=3.0)
+    assert steel.evaluate("rigid", mass=1719.0, velocity=3.0).mass == 1719.0
+    # One that the parameters give is its own.
+    given = Column(vehicle__name="rigid", impact__mass=900.0)
+    assert given.evaluate("rigid", velocity=3.0).mass == given.evaluate(velocity=3.0).mass == 900.0
+
+
+def test_a_truth_value_is_no_number(steel: Column) -> None:
+    """`velocity=True` was 1 m/s."""
+    for call in (steel.simulate, steel.evaluate, steel.evaluate_batch, steel.capacity, steel.sensor_readings):
+        for keyword in ("velocity", "mass"):
+            wrong: dict[str, Any] = {keyword: True}
+            with pytest.raises(ParameterError, match=f"{keyword}: .*expected (a number|numbers)|{keyword}: element 0 is True"):
+                call("van", **wrong)
+    with pytest.raises(ParameterError, match="velocity: element 0 is True"):
+        steel.map(velocity=[True, 2.0], mass=[2000.0, 3000.0], vehicle="van")
+    with pytest.raises(ParameterError, match="direction: expected a number, found True"):
+        steel.simulate("van", velocity=5.0, direction=True)
+
+
+def test_a_truth_value_among_numbers_is_found_by_its_index(steel: Column) -> None:
+    """`[5.0, True]` was 5 and 1 m/s."""
+    with pytest.raises(ParameterError, match="velocity: element 1 is True; expected numbers"):
+        steel.evaluate_batch("van", velocity=[5.0, True])
+    # In a list of lists it still was.
+    nested: list[tuple[Any, str]] = [
+        ([[5.0, True]], "True"),
+        ([[5.0], (np.True_,)], "True"),
+        ([np.array([5.0]), np.array([True])], "True"),
+        ([np.ma.array([5.0, 6.0], mask=[False, True])], "masked"),
+    ]
+    for wrong_numbers, word in nested:
+        with pytest.raises(ParameterError, match=f"velocity: element 1 is {word}; expected numbers"):
+            steel.evaluate_batch("van", velocity=wrong_numbers)
+    assert steel.evaluate_batch("van", velocity=[[5.0, 6.0]]).shape == (1, 2)
+    with pytest.raises(ParameterError, match="mass: element 2 is masked; expected numbers"):
+        steel.evaluate_batch("van", mass=[1500.0, 1600.0, np.ma.masked], velocity=5.0)  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="velocity: element 0 is False"):
+        steel.evaluate_batch("van", velocity=(np.False_, 2.0))  # type: ignore[arg-type]
+
+
+def test_a_masked_element_is_found_by_its_index(steel: Column) -> None:
+    """The mask was lost, and the number behind it was computed."""
+    masked = np.ma.array([1.0, 2.0, 3.0], mask=[False, False, True])
+    for given in ({"velocity": masked}, {"mass": 1000.0 * masked, "velocity": 2.0}):
+        with pytest.raises(ParameterError, match="element 2 is masked"):
+            steel.evaluate_batch("van", **given)
+    with pytest.raises(ParameterError, match="velocity: element 2 is masked"):
+        steel.map(velocity=masked, mass=[2000.0, 3000.0], vehicle="van")
+    with pytest.raises(ParameterError, match="velocity: expected a number"):
+        steel.evaluate("van", velocity=masked[2])
+    unmasked = np.ma.array([1.0, 2.0])
+    assert steel.evaluate_batch("van", velocity=unmasked).tobytes() == steel.evaluate_batch("van", velocity=[1.0, 2.0]).tobytes()
+
+
+@pytest.mark.parametrize("seed", [-1, 2**64, 1.5])
+def test_a_seed_out_of_range_is_told_with_the_range(steel: Column, seed: Any) -> None:
+    """It was a TypeError about a field of the native part."""
+    sensors = Column.from_file(ROOT / "config/sensors_industrial.yaml")
+    expected = f"seed: expected a whole number from 0 to {2**64 - 1}, found {seed}"
+    with pytest.raises(ParameterError, match=expected):
+        steel.risk("urban", 1000, samples=10, seed=seed)
+    with pytest.raises(ParameterError, match=expected):
+        sensors.sensor_readings("van", velocity=5.0, seed=seed)
+    with pytest.raises(ParameterError, match="samples: expected a whole number from 1"):
+        steel.risk("urban", 1000, samples=seed if seed < 2 else 10**13)
+
+
+def test_a_mass_that_nobody_can_have_meant_is_told_once(steel: Column) -> None:
+    """Critical velocities gave the warning for both ends of the scan."""
+    with pytest.warns(ParameterWarning, match="impact.mass is the mass of a van of 2.5 kg") as found:
+        steel.critical_velocities("van", mass=2.5)
+    assert len(found) == 1 and found[0].filename == __file__
+
+
 def with_failures(column: Column) -> Map:
     """A map on whose first axis the load grows beyond what the column can bear."""
-    with pytest.warns(IncompleteWarning, match="cells cannot be computed and are masked; the first, "):
-        return column.map(top__load=[2e5, 1e8], velocity=[2.0, 30.0], vehicle="van")
+    with pytest.warns(IncompleteWarning, match="cells cannot be computed and are masked; the first, ") as found:
+        damage = column.map(top__load=[2e5, 1e8], velocity=[2.0, 30.0], vehicle="van")
+    assert found[0].filename == __file__
+    return damage
 
 
 def test_a_cell_that_failed_is_in_no_comparison(steel: Column) -> None:
@@ -123,9 +228,31 @@ def test_a_value_that_follows_from_others_is_read_as_what_it_is() -> None:
 
 def test_a_column_is_read_as_a_mapping(steel: Column) -> None:
     """`in` and `list()` asked for the parameter 0."""
-    assert "top.load" in steel and "top.laod" not in steel and 0 not in steel
+    assert "top.load" in steel and "top.laod" not in steel and 0 not in steel  # type: ignore[comparison-overlap]
     assert list(steel) == list(steel.parameters) and len(steel) == len(steel.parameters)
     assert dict(steel)["section.height"] == 0.22
+    assert isinstance(steel, Mapping) and {**steel} == dict(steel.items()) == dict(zip(steel.keys(), steel.values(), strict=True))
+    assert steel.get("top.load") == steel["top.load"]
+    assert steel.get("top.laod") is None and steel.get("top.laod", 3.0) == 3.0
+    with pytest.raises(KeyError) as raised:
+        steel["top.laod"]
+    assert isinstance(raised.value, ParameterError) and "did you mean top.load?" in str(raised.value)
+    # What follows from the name of a section follows from the next one, too.
+    assert Column(steel) == steel
+    assert Column(steel, section__name="HEB 300") == steel.with_changes(section__name="HEB 300")
+
+
+def test_a_value_that_was_read_belongs_to_its_reader() -> None:
+    """The values of a column are kept for the next reader, who must not see what this one has done with a list."""
+    column = Column.from_file(ROOT / "config/sensors_industrial.yaml")
+    names = column["sensors.names"]
+    assert isinstance(names, list) and names
+    first = list(names)
+    names.clear()
+    assert column["sensors.names"] == first
+    assert column["top.load"] == column.parameters["top.load"]
+    changed = column.with_changes(top__load=1e5, section__name="HEB 300")
+    assert (changed["top.load"], changed["section.height"], column["section.height"]) == (1e5, 0.3, 0.22)
 
 
 def test_a_file_has_all_parameters(steel: Column, tmp_path: Path) -> None:

@@ -329,6 +329,12 @@ impl Session {
         created
     }
 
+    /// Whether this is the name of the sealed recording before, even if that was removed: the next one refers to it.
+    fn is_previous(&self, name: &str) -> bool {
+        let previous = self.beginning.as_ref().and_then(|it| it.previous.as_ref());
+        previous.is_some_and(|it| it.name == name)
+    }
+
     /// Creates a directory with a new name.
     fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
         let parent = &self.options.directory;
@@ -337,10 +343,14 @@ impl Session {
             .map_err(|source| RecordingError::io("create the directory", parent, source))?;
         let name = directory_name(&self.options.application, self.options.started + now);
         for attempt in 0..MAX_PER_SECOND {
-            let directory = match attempt {
-                0 => parent.join(&name),
-                attempt => parent.join(format!("{name}_{attempt}")),
+            let name = match attempt {
+                0 => name.clone(),
+                attempt => format!("{name}_{attempt}"),
             };
+            if self.is_previous(&name) {
+                continue;
+            }
+            let directory = parent.join(name);
             match fs::create_dir(&directory) {
                 Ok(()) => return Ok(directory),
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
@@ -401,7 +411,11 @@ impl Session {
         self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
         let reason: Arc<str> = error.to_string().into();
         let first = self.retry_at.is_none();
-        self.retry_at = Some(now + self.options.retry_after);
+        self.retry_at = Some(match error {
+            // The disk is as it was.
+            RecordingError::Removed { .. } => now,
+            _ => now + self.options.retry_after,
+        });
         if matches!(error, RecordingError::NoRoom { .. }) {
             self.end(EndReason::NoRoom);
         } else if let Some(current) = self.writer.take() {
@@ -508,13 +522,14 @@ impl Session {
 
     /// Does what is due: hands data to the operating system, records losses. Has to be called regularly.
     pub fn tick(&mut self, now: Duration) {
+        // First, because a file that was removed cannot be synced either, and then everything in it is lost.
         if let Some(current) = &self.writer
-            && let Some(error) = self.syncing.take_failure(current.writer.path())
+            && let Err(error) = current.writer.check_in_place()
         {
             self.fail(&error, now);
         }
         if let Some(current) = &self.writer
-            && let Err(error) = current.writer.check_in_place()
+            && let Some(error) = self.syncing.take_failure(&current.writer.file())
         {
             self.fail(&error, now);
         }
@@ -660,14 +675,15 @@ mod tests {
         );
     }
 
-    /// The loss was noticed at the stop, and not counted.
+    /// The loss was noticed at the stop, and not counted. Then what came within the time until the next attempt was lost, too.
     #[test]
-    fn a_recording_that_is_removed_while_it_is_written_is_lost_at_once_and_another_one_begins() {
-        for with_parent in [false, true] {
+    fn a_recording_that_is_removed_while_it_is_written_is_lost_and_another_one_begins_at_once() {
+        for (with_parent, is_sealed) in [(false, false), (true, false), (false, true)] {
             let folder = tempfile::tempdir().unwrap();
             let parent = folder.path().join("recordings");
             fs::create_dir(&parent).unwrap();
             let mut options = RecorderOptions::new(&parent, SystemTime::UNIX_EPOCH);
+            options.seal = is_sealed.then(|| SealKey::fresh().unwrap());
             let told = Arc::new(Mutex::new(Vec::new()));
             let telling = Arc::clone(&told);
             options.on_report = Some(Arc::new(move |it| {
@@ -687,10 +703,14 @@ mod tests {
             session.tick(at(200));
             assert_eq!(counted(), (0, 4));
             assert!(told.lock().unwrap()[1].contains("was removed while"));
-            session.take(entry(false), at(6000));
-            session.tick(at(6100));
+            session.take(entry(false), at(200));
+            session.tick(at(300));
             assert_eq!(counted(), (2, 4));
-            let again = parent.join("recording_1970_01_01-00_00_06");
+            // Its seal refers to the one before.
+            let again = parent.join(match is_sealed {
+                true => "recording_1970_01_01-00_00_00_1",
+                false => "recording_1970_01_01-00_00_00",
+            });
             fs::remove_dir_all(again).unwrap();
             session.finish();
             assert_eq!(counted(), (0, 6));

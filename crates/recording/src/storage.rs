@@ -4,8 +4,8 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Weak};
 
 use crate::error::{RecordingError, is_no_room};
 
@@ -24,6 +24,16 @@ struct Shared {
     closed: AtomicBool,
 }
 
+/// Which file this is, whatever its path: a recording that replaces a removed one may have the same path.
+#[derive(Debug, Clone)]
+pub(crate) struct FileIdentity(Weak<Shared>);
+
+impl PartialEq for FileIdentity {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.ptr_eq(&other.0)
+    }
+}
+
 impl Storage {
     /// Creates a file and locks it while it is open, so that no other program repairs it.
     pub fn create(path: &Path) -> io::Result<Self> {
@@ -35,6 +45,11 @@ impl Storage {
             reserved: AtomicU64::new(0),
             closed: AtomicBool::new(false),
         })))
+    }
+
+    /// Does not keep the file open.
+    pub fn identity(&self) -> FileIdentity {
+        FileIdentity(Arc::downgrade(&self.0))
     }
 
     /// Bytes written so far.

@@ -1,11 +1,10 @@
 //! Makes data survive a loss of power, in a separate thread, because a disk may need half a second for it.
 
-use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use crate::error::RecordingError;
-use crate::storage::Unsynced;
+use crate::storage::{FileIdentity, Unsynced};
 
 /// The thread and its next task. Only the newest task matters, because it includes the ones before.
 #[derive(Debug)]
@@ -23,8 +22,8 @@ struct Shared {
 #[derive(Debug, Default)]
 struct State {
     next: Option<Unsynced>,
-    /// The newest failure, with the recording that it concerns.
-    failure: Option<(PathBuf, RecordingError)>,
+    /// The newest failure, with the file that it concerns.
+    failure: Option<(FileIdentity, RecordingError)>,
     stop: bool,
 }
 
@@ -47,17 +46,18 @@ impl Syncing {
     pub fn request(&self, mut unsynced: Unsynced) {
         let mut state = self.shared.lock();
         // A new directory entry that has not been synced yet is kept.
-        let waiting = state.next.take().filter(|it| it.path == unsynced.path);
+        let written = unsynced.storage.identity();
+        let waiting = (state.next.take()).filter(|it| it.storage.identity() == written);
         unsynced.directory = unsynced.directory.or(waiting.and_then(|it| it.directory));
         state.next = Some(unsynced);
         self.shared.changed.notify_one();
     }
 
-    /// The failure since the last call, if there was one that concerns the recording `written`. The end of an earlier recording has been
+    /// The failure since the last call, if there was one that concerns the file `written`. The end of an earlier recording has been
     /// reported, and its failures must not end the next one.
-    pub fn take_failure(&self, written: &Path) -> Option<RecordingError> {
-        let (path, error) = self.shared.lock().failure.take()?;
-        (path == written).then_some(error)
+    pub fn take_failure(&self, written: &FileIdentity) -> Option<RecordingError> {
+        let (failed, error) = self.shared.lock().failure.take()?;
+        (failed == *written).then_some(error)
     }
 }
 
@@ -93,7 +93,7 @@ impl Shared {
             };
             drop(state);
             if let Err(error) = unsynced.sync() {
-                self.lock().failure = Some((unsynced.path, error));
+                self.lock().failure = Some((unsynced.storage.identity(), error));
             }
         }
     }
@@ -104,15 +104,18 @@ mod tests {
     use super::*;
     use crate::storage::Storage;
 
-    /// The thread noticed that a directory had been removed only after the next recording had begun, and ended that one.
+    /// The thread noticed that a directory had been removed only after the next recording had begun, and ended that one, even one that had
+    /// got the path of the first.
     #[test]
     fn a_failure_of_an_earlier_recording_does_not_end_the_next_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("removed.mcap");
         let fail = || {
             let syncing = Syncing::start("test").unwrap();
+            let storage = Storage::create(&path).unwrap();
+            let failed = storage.identity();
             syncing.request(Unsynced {
-                storage: Storage::create(&path).unwrap(),
+                storage,
                 path: path.clone(),
                 directory: Some(folder.path().join("removed")),
             });
@@ -120,10 +123,14 @@ mod tests {
             while syncing.shared.lock().failure.is_none() {
                 thread::yield_now();
             }
-            syncing
+            (syncing, failed)
         };
-        let next = folder.path().join("next.mcap");
-        assert!(fail().take_failure(&next).is_none());
-        assert!(fail().take_failure(&path).is_some());
+        let (syncing, _) = fail();
+        let next = Storage::create(&path).unwrap();
+        assert!(syncing.take_failure(&next.identity()).is_none());
+        drop(next);
+        std::fs::remove_file(&path).unwrap();
+        let (syncing, failed) = fail();
+        assert!(syncing.take_failure(&failed).is_some());
     }
 }

@@ -19,7 +19,7 @@ use crate::keys::{QOS_KEY, TYPE_HASH_KEY};
 use crate::notes::{LOSSES, REPAIRED, START, record, record_name};
 use crate::seal::{Beginning, SEAL_AT_END, SEAL_LENGTH, Sealer};
 use crate::seal_key::SealKey;
-use crate::storage::{Storage, Unsynced, sync_directory};
+use crate::storage::{FileIdentity, Storage, Unsynced, sync_directory};
 use crate::topic::TopicInfo;
 
 /// A killed program loses at most the messages of this time before the kill.
@@ -493,8 +493,8 @@ impl Writer {
         &self.directory
     }
 
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
+    pub(crate) fn file(&self) -> FileIdentity {
+        self.storage.identity()
     }
 
     /// What the last seal in the file has signed; `None` without a seal.

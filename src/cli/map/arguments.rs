@@ -172,7 +172,7 @@ impl MapArgs {
                                 given: text.to_owned(),
                             },
                         })?;
-                    DamageMap::comparing(&load(&self.config)?, None, &compared, axes)
+                    DamageMap::comparing(&load(&self.config)?, None, &[compared], axes)
                 }
             },
         };

@@ -120,7 +120,7 @@ impl Ended {
     /// Prints the text where no file has taken the standard output, and ends the command.
     pub fn print(self, to_error: bool, output: &mut dyn Write) -> Result<(), Failure> {
         if to_error {
-            eprint!("{}", self.text);
+            tell!("{}", self.text.trim_end());
         } else {
             let written = output
                 .write_all(self.text.as_bytes())

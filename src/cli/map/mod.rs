@@ -322,6 +322,17 @@ fn assumptions(map: &DamageMap) -> String {
     format!("Assumes {}", parts.join(", "))
 }
 
+/// The parameters that nobody has given and whose defaults are assumed, of the first column of the map.
+fn assumed(map: &DamageMap) -> Vec<&'static str> {
+    let base = &map.variants()[0].parameters;
+    let of_axes = [map.rows(), map.columns()].map(|axis| axis.changes(base, axis.value(0)));
+    // A section along an axis may be given without the rest.
+    let first = base.with_changes(of_axes.concat());
+    let first = first.as_ref().unwrap_or(base).settings();
+    let assumed = first.assessment.assumed.iter();
+    assumed.map(|it| it.name()).collect()
+}
+
 impl MapArgs {
     /// What the map is about, in one line.
     fn subject(&self, map: &DamageMap) -> String {
@@ -367,8 +378,24 @@ impl MapArgs {
         if let Some(component) = component.filter(|_| !is_varied("direction")) {
             let _ = write!(text, "; {component}");
         }
-        if let Some(model) = map.model().in_words() {
-            let _ = write!(text, "; judged {model}");
+        let is_oblique = is_varied("direction")
+            || column_twin::second_opinion::is_out_of_plane(settings.impact.direction);
+        match map.model().in_words() {
+            Some(model) => {
+                let _ = write!(text, "; judged {model}");
+            }
+            None if is_oblique => {
+                text += "; lower bounds by the two bars alone (see --model)";
+            }
+            None => (),
+        }
+        let assumed = assumed(map);
+        let assumed: Vec<_> = assumed
+            .into_iter()
+            .filter(|it| !axes.contains(it))
+            .collect();
+        if !assumed.is_empty() {
+            let _ = write!(text, "; assumed inputs: {}", assumed.join(", "));
         }
         text
     }

@@ -126,7 +126,7 @@ pub(super) enum RiskCommandError {
         found: f64,
         expected: &'static str,
     },
-    #[error("this column and scenario make no study: {0}")]
+    #[error("the risk of this column in this scenario cannot be studied: {0}")]
     #[diagnostic(help("check the parameters of the column and the classes of vehicles"))]
     Column(#[from] RiskError),
     #[error(transparent)]
@@ -196,7 +196,7 @@ impl Case {
     pub fn from_arguments(arguments: &RiskArgs) -> Result<Self, Failure> {
         let (parameters, warnings) = load(&arguments.config, &arguments.parameter)?;
         for warning in &warnings {
-            eprintln!("Warning: {warning}");
+            tell!("Warning: {warning}");
         }
         Ok(Self::of_scenario(arguments, parameters)?)
     }
@@ -310,7 +310,9 @@ impl Case {
     /// The result of these counts.
     pub fn result(&self, arguments: &RiskArgs, tally: &Tally) -> RiskResult {
         let result = RiskResult::new(&self.scenario, tally, self.exposure, arguments.confidence);
-        result.judged_by(arguments.model(), &self.scenario)
+        result
+            .judged_by(arguments.model(), &self.scenario)
+            .of_column(&self.parameters)
     }
 
     /// What predicts most actions of the samples; `None` where every response is computed.

@@ -311,7 +311,7 @@ impl Summary<'_> {
         writeln!(f, "\nInputs")?;
         let mut line = |name: &str, input: &Input| {
             let tag = input.tag.map_or("user".to_owned(), |tag| tag.to_string());
-            writeln!(f, "  {name:<22}{} [{tag}]", input.distribution)
+            writeln!(f, "  {name:<24}{} [{tag}]", input.distribution)
         };
         for (name, input) in self.case.scenario.distributions() {
             line(name, input)?;

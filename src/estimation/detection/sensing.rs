@@ -9,6 +9,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::estimation::detection::detector::{Detection, Detector};
+use crate::estimation::detection::second_blow::SecondBlow;
+use crate::estimation::detection::sway::Sway;
 use crate::estimation::inference::estimate_record::EstimateRecord;
 use crate::estimation::inference::estimator::{Estimator, EstimatorError};
 use crate::estimation::inference::event_evidence::{EventEvidence, MAX_EVENTS};
@@ -66,6 +68,10 @@ const QUIET: Nanos = 1_000_000_000;
 
 const NANOS: f64 = 1e9;
 
+/// Why an impact is given up whose readings turn out to be a sway.
+const SWAYS: &str = "the column has swung to the other side for longer than it vibrates, as no single vehicle makes it do: it sways, as in an \
+                     earthquake or a storm, and the estimates so far are wrong; if a vehicle was there, report the impact as an event";
+
 /// What a slice of work has led to.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Work {
@@ -105,6 +111,8 @@ pub struct Sensing {
     last: (u16, Nanos),
     /// Batches since the detection that are too late for the impact to count, and were not kept.
     beyond: u64,
+    /// The contact of the last impact that was begun, and the search for a further one until the column is quiet.
+    further: Option<(Nanos, SecondBlow)>,
     phase: Phase,
 }
 
@@ -140,6 +148,8 @@ struct CurrentImpact {
     drawn_before: u32,
     /// What events say about it.
     events: Vec<EventEvidence>,
+    /// The search for signs that it is none.
+    sway: Sway,
     task: Task,
 }
 
@@ -166,7 +176,7 @@ impl Sensing {
     /// For a column at rest with the sensors of its parameters.
     ///
     /// # Errors
-    /// No sensors, or parameters that make no column.
+    /// No sensors, none that is fast enough to detect an impact, or parameters that make no column.
     pub fn new(parameters: &Parameters, column: StandingColumn) -> Result<Self, EstimatorError> {
         Ok(Self::with(Library::new(parameters, column)?, false))
     }
@@ -191,6 +201,7 @@ impl Sensing {
             next: 0,
             last: (0, 0),
             beyond: 0,
+            further: None,
             phase: Phase::Armed,
             sensors,
         }
@@ -278,6 +289,7 @@ impl Sensing {
         if let Some(end) = self.ends.get_mut(usize::from(batch.sensor)) {
             *end = (*end).max(Some(batch.end()));
             self.detect(&batch);
+            self.watch(&batch);
         }
         if let Phase::Impact(impact) = &self.phase {
             feed(Arc::make_mut(&mut self.estimator), impact.origin, &batch);
@@ -287,6 +299,33 @@ impl Sensing {
             self.kept.push_back((number, batch));
             if !self.is_estimating() {
                 self.forget_old();
+            }
+        }
+    }
+
+    /// When the last impact struck the column, and when a further one did while it still moved; only the first call returns them. The
+    /// further impact is not estimated.
+    pub fn take_further_impact(&mut self) -> Option<[Nanos; 2]> {
+        let (origin, blow) = self.further.as_ref()?;
+        let first = *origin;
+        let at = first.saturating_add((NANOS * blow.found()?) as Nanos);
+        self.further = None;
+        Some([first, at])
+    }
+
+    /// Looks for a further impact and for a sway in a batch.
+    fn watch(&mut self, batch: &Batch) {
+        let sensor = usize::from(batch.sensor);
+        if let Some((origin, blow)) = &mut self.further {
+            for (since, value) in samples_since(*origin, batch) {
+                blow.push(sensor, since, value);
+            }
+        }
+        if let Phase::Impact(impact) = &mut self.phase {
+            // What estimates cannot use does not make them wrong either.
+            let samples = samples_since(impact.origin, batch);
+            for (since, value) in samples.take_while(|(since, _)| *since <= HORIZON) {
+                impact.sway.push(sensor, since, value);
             }
         }
     }
@@ -344,6 +383,7 @@ impl Sensing {
             && batch.end().saturating_sub(since) > QUIET
         {
             self.phase = Phase::Armed;
+            self.further = None;
         }
     }
 
@@ -399,6 +439,12 @@ impl Sensing {
                 let detection = detection.clone();
                 self.begin(detection)
             }
+            // An event says that there was a vehicle.
+            Phase::Impact(impact) if impact.events.is_empty() && impact.sway.found().is_some() => {
+                self.settle();
+                self.further = None;
+                Work::Missed(SWAYS)
+            }
             Phase::Impact(_) => self.estimate(),
         }
     }
@@ -431,8 +477,11 @@ impl Sensing {
         let estimator = Arc::make_mut(&mut self.estimator);
         estimator.begin(contact.time, contact.deviation, &detection.zeros);
         let known = self.kept.len() as u64;
-        for (_, batch) in self.kept.drain(..) {
-            feed(estimator, origin, &batch);
+        let kept = std::mem::take(&mut self.kept);
+        self.further = Some((origin, SecondBlow::new(&self.sensors, 0.0)));
+        let sway = estimator.sway(&detection);
+        for (_, batch) in &kept {
+            feed(estimator, origin, batch);
         }
         let newest = self.ends.iter().flatten().max().copied();
         let is_alive =
@@ -451,8 +500,10 @@ impl Sensing {
             is_complete: false,
             drawn_before: 0,
             events: Vec::new(),
+            sway,
             task: Task::Between(Refinement::again(0)),
         }));
+        kept.iter().for_each(|(_, batch)| self.watch(batch));
         URGENT
     }
 
@@ -604,6 +655,12 @@ fn is_due(last: f64, available: f64) -> bool {
     let next = INSTANTS.into_iter().find(|instant| *instant > last);
     let next = next.unwrap_or_else(|| PERIOD * ((last + 0.5 / NANOS) / PERIOD).floor() + PERIOD);
     last < HORIZON && reached >= next.min(HORIZON)
+}
+
+/// The samples of a batch after an instant, and their times since then \[s\].
+fn samples_since(origin: Nanos, batch: &Batch) -> impl Iterator<Item = (f64, f64)> {
+    let samples = batch.samples().filter(move |(time, _)| *time > origin);
+    samples.map(move |(time, value)| (time.saturating_sub(origin) as f64 / NANOS, f64::from(value)))
 }
 
 /// Lets the estimator take a batch of an impact with contact at `origin`.

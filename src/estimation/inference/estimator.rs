@@ -5,7 +5,8 @@ use crate::column::{
     Capacity, CapacityEnd, ColumnProperties, Impact, Model, ModelError, PerBar, State, Support,
     capacity,
 };
-use crate::estimation::detection::detector::WITNESS_RATE;
+use crate::estimation::detection::detector::{Detection, WITNESS_RATE};
+use crate::estimation::detection::sway::Sway;
 use crate::estimation::inference::blocks::{Blocks, Highest};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
@@ -87,6 +88,24 @@ pub enum EstimatorError {
     /// The parameters make no column.
     #[error(transparent)]
     Column(#[from] ModelError),
+}
+
+impl EstimatorError {
+    /// Whether one of these sensors is fast enough to detect an impact; the detector has no witness otherwise.
+    ///
+    /// # Errors
+    /// All of them are too slow.
+    pub(crate) fn unless_fast_enough(sensors: &[Sensor]) -> Result<(), Self> {
+        if sensors.is_empty() || sensors.iter().any(|it| it.rate >= WITNESS_RATE) {
+            return Ok(());
+        }
+        let each = sensors
+            .iter()
+            .map(|it| format!("{} ({} Hz)", it.name, it.rate));
+        Err(Self::TooSlow {
+            sensors: each.collect::<Vec<_>>().join(", "),
+        })
+    }
 }
 
 /// Weighs what may have struck the column by what its sensors read.
@@ -263,6 +282,12 @@ impl Estimator {
         ));
         self.highest.clear();
         self.observed = 0;
+    }
+
+    /// Looks for a sway of the column that was taken for this impact.
+    pub(crate) fn sway(&self, detection: &Detection) -> Sway {
+        let (zeros, contact) = (&detection.zeros, detection.contact.time);
+        Sway::new(&self.sensors, zeros, contact, self.period)
     }
 
     /// Forgets an impact, and responses of a hypothesis that are not completely prepared.

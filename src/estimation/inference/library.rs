@@ -23,9 +23,10 @@ impl Library {
     /// Nothing is prepared yet for this column at rest with the sensors of its parameters.
     ///
     /// # Errors
-    /// No sensors, or parameters that make no column.
+    /// No sensors, none that is fast enough to detect an impact, or parameters that make no column.
     pub fn new(parameters: &Parameters, column: StandingColumn) -> Result<Self, EstimatorError> {
         let sensors = corrected_sensors(parameters);
+        EstimatorError::unless_fast_enough(&sensors)?;
         Ok(Self {
             estimator: Arc::new(estimator_of(parameters, &column, &sensors)?),
             sensors: sensors.into(),

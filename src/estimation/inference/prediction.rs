@@ -120,8 +120,9 @@ impl Prediction {
         for &edge in &grid.nanos[1..] {
             for _ in 0..(edge - last_nanos) * parts / CELL_NANOS {
                 if end.is_none()
-                    && let Progress::Over(over) =
-                        response.advance(&model, &mut state, u64::MAX).ok()?
+                    && let Progress::Over(over) = response
+                        .advance_unobserved(&model, &mut state, u64::MAX)
+                        .ok()?
                 {
                     end = Some(over);
                     rest = Rest::after(&model, &state, over, at_rest);
@@ -144,7 +145,10 @@ impl Prediction {
         let end = match end {
             Some(end) => end,
             None => loop {
-                if let Progress::Over(end) = response.advance(&model, &mut state, u64::MAX).ok()? {
+                if let Progress::Over(end) = response
+                    .advance_unobserved(&model, &mut state, u64::MAX)
+                    .ok()?
+                {
                     rest = Rest::after(&model, &state, end, at_rest);
                     break end;
                 }

@@ -1,6 +1,6 @@
 //! Estimates from recorded readings: the same detection and the same updates as with live ones.
 
-use crate::estimation::detection::detector::{Detection, Detector, WITNESS_RATE};
+use crate::estimation::detection::detector::{Detection, Detector};
 use crate::estimation::detection::second_blow::SecondBlow;
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
@@ -49,7 +49,7 @@ pub fn estimate_recorded(
     let preparations = hypotheses.len() as f64;
     let column = StandingColumn::undamaged(parameters);
     let mut estimator = Estimator::new(parameters, &column, sensors.to_vec(), hypotheses, seed)?;
-    let Some(detection) = detect(sensors, readings) else {
+    let Some(detection) = detect(&estimator, readings) else {
         return Ok(None);
     };
     let mut prepared = 0.0;
@@ -73,20 +73,13 @@ pub fn estimate_prepared(
     readings: &Readings,
 ) -> Result<Option<RecordedImpact>, EstimatorError> {
     check(estimator.sensors(), readings)?;
-    let detection = detect(estimator.sensors(), readings);
+    let detection = detect(estimator, readings);
     Ok(detection.map(|detection| follow(estimator, detection, readings, &mut |_| {})))
 }
 
 /// Whether the sensors are fast enough for an impact, and their readings come at the rates that are declared.
 fn check(sensors: &[Sensor], readings: &Readings) -> Result<(), EstimatorError> {
-    if !sensors.is_empty() && sensors.iter().all(|it| it.rate < WITNESS_RATE) {
-        let each = sensors
-            .iter()
-            .map(|it| format!("{} ({} Hz)", it.name, it.rate));
-        return Err(EstimatorError::TooSlow {
-            sensors: each.collect::<Vec<_>>().join(", "),
-        });
-    }
+    EstimatorError::unless_fast_enough(sensors)?;
     for (index, sensor) in sensors.iter().enumerate() {
         let Some(found) = readings.rate_of(index) else {
             continue;
@@ -148,15 +141,31 @@ fn second_blow(sensors: &[Sensor], readings: &Readings, contact: f64) -> Option<
     blow.found()
 }
 
-fn detect(sensors: &[Sensor], readings: &Readings) -> Option<Detection> {
-    let mut detector = Detector::new(sensors);
+/// The first impact, without the sways that look like one at first.
+fn detect(estimator: &Estimator, readings: &Readings) -> Option<Detection> {
+    let mut detector = Detector::new(estimator.sensors());
     for (time, values) in readings.rows() {
         for (sensor, &value) in values.iter().enumerate() {
             let detection = detector.push(sensor, time, value);
-            if detection.is_some() {
-                return detection;
+            if let Some(detection) = detection.filter(|it| !is_sway(estimator, readings, it)) {
+                return Some(detection);
             }
         }
     }
     None
+}
+
+/// Whether the column sways in what follows a contact, as far as live estimates would know of it.
+fn is_sway(estimator: &Estimator, readings: &Readings, detection: &Detection) -> bool {
+    let mut sway = estimator.sway(detection);
+    let contact = detection.contact.time;
+    let end = contact + HORIZON;
+    let rows = readings.rows();
+    let rows = rows.filter(|(time, _)| (contact..=end).contains(time));
+    for (time, values) in rows {
+        for (sensor, &value) in values.iter().enumerate() {
+            sway.push(sensor, time, value);
+        }
+    }
+    sway.found().is_some()
 }

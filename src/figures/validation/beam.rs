@@ -506,6 +506,7 @@ const BUCKLING: &str = "
 ### Buckling curves
 
 The largest axial force of pinned columns in S355 with residual stresses and a bow of L/1000, over the buckling curves of EN 1993-1-1, by length.
+Hollow sections have curve a, square corners and no residual stresses.
 
 ";
 

@@ -2,11 +2,12 @@
 //! and the critical velocities of columns at rest.
 //!
 //! Second opinions on impacts come first, the newest before the others; then second opinions on predictions, then ranges, then the
-//! critical velocities of columns that have been hit. Columns that differ by their names only have the same results, which are
-//! computed once. For the critical velocities of the other columns, of which a fleet has many after the start, the
-//! thread takes only a part of a processor, because they are not urgent. What a column no longer awaits is abandoned, after the
-//! response that is being computed. The solver threads and this one share queues without locks only: a thread with the lowest
-//! priority must not hold a lock that they need. A pop may spin while a push is preempted, which is rare.
+//! critical velocities of columns that have been hit. What is more urgent interrupts what is being computed, before its next response.
+//! Columns that differ by their names only have the same results, which are computed once. For the critical velocities of the other
+//! columns, of which a fleet has many after the start, the thread takes only a part of a processor, because they are not urgent. What
+//! a column no longer awaits is abandoned, after the response that is being computed. The solver threads and this one share queues
+//! without locks only: a thread with the lowest priority must not hold a lock that they need. A pop may spin while a push is
+//! preempted, which is rare.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -192,63 +193,12 @@ impl Background {
     }
 
     fn run(&self, tell: &dyn Fn()) {
-        let mut found: VecDeque<(BackgroundTask, Command)> = VecDeque::new();
-        let mut opinions = Vec::new();
-        let mut rested = processor_time();
+        let mut work = Work::new(self, tell);
         while !self.stop.load(Ordering::SeqCst) {
-            // The newest first: who has just been hit is looked at now.
-            while let Some(opinion) = self.wanted[BackgroundKind::SecondOpinion as usize].pop() {
-                opinions.push(opinion);
-            }
-            // Somebody waits for it; a column that has been hit comes first.
-            if opinions.is_empty()
-                && let Some(Asked { task, reply }) = self.asked.pop()
-            {
-                reply(task.compute());
-                continue;
-            }
-            let others = || self.wanted.iter().find_map(ArrayQueue::pop);
-            let Some(wanted) = opinions.pop().or_else(others) else {
+            if !work.do_one(BackgroundKind::COUNT) {
                 self.notifier.wait(MAX_SLEEP);
-                continue;
-            };
-            let command = self.result(&wanted, &mut found, &mut rested);
-            let is_counted = usize::from(wanted.task.kind().is_of_critical_velocities());
-            // There is room: a column wants nothing more of a queue before it has taken its result.
-            let _ = self.known.push(Box::new((wanted, command)));
-            self.unknown.fetch_sub(is_counted, Ordering::Relaxed);
-            tell();
-        }
-    }
-
-    /// Computes a result, or finds it among those of before; `None` if it is no longer awaited.
-    fn result(
-        &self,
-        wanted: &Wanted,
-        found: &mut VecDeque<(BackgroundTask, Command)>,
-        rested: &mut u64,
-    ) -> Option<Command> {
-        let task = &wanted.task;
-        if let Some((_, command)) = found.iter().find(|(it, _)| task.has_the_result_of(it)) {
-            return Some(command.clone());
-        }
-        let is_urgent = !self.rests || task.kind() != BackgroundKind::Undamaged;
-        let command = task.compute(&mut || {
-            if !is_urgent {
-                self.rest(rested);
             }
-            !self.stop.load(Ordering::Relaxed) && !wanted.is_abandoned()
-        });
-        if is_urgent {
-            // It took no part of the others' time.
-            *rested = processor_time();
         }
-        let command = command?;
-        if found.len() == MAX_KNOWN {
-            found.pop_front();
-        }
-        found.push_back((task.clone(), command.clone()));
-        Some(command)
     }
 
     /// Waits if enough has been computed since the last rest, which ended at `rested` \[ns of processor time\], unless a column
@@ -270,6 +220,93 @@ impl Background {
             self.notifier.wait(Duration::from_nanos(left));
         }
         *rested = processor_time();
+    }
+}
+
+/// What the thread has at hand.
+struct Work<'a> {
+    shared: &'a Background,
+    tell: &'a dyn Fn(),
+    /// Second opinions that wait, the newest last.
+    opinions: Vec<Arc<Wanted>>,
+    found: VecDeque<(BackgroundTask, Command)>,
+    /// Processor time at the end of the last rest \[ns\].
+    rested: u64,
+}
+
+impl<'a> Work<'a> {
+    fn new(shared: &'a Background, tell: &'a dyn Fn()) -> Self {
+        Self {
+            shared,
+            tell,
+            opinions: Vec::new(),
+            found: VecDeque::new(),
+            rested: processor_time(),
+        }
+    }
+
+    /// Does the most urgent of what waits, if its kind comes before this one; `false` if there is nothing of the sort.
+    fn do_one(&mut self, before: usize) -> bool {
+        let shared = self.shared;
+        if before == BackgroundKind::SecondOpinion as usize {
+            return false;
+        }
+        // The newest first: who has just been hit is looked at now.
+        while let Some(opinion) = shared.wanted[BackgroundKind::SecondOpinion as usize].pop() {
+            self.opinions.push(opinion);
+        }
+        if let Some(opinion) = self.opinions.pop() {
+            self.answer(opinion);
+        } else if let Some(Asked { task, reply }) = shared.asked.pop() {
+            // Somebody waits for it; a column that has been hit comes first.
+            reply(task.compute());
+        } else if let Some(other) = shared.wanted[..before].iter().find_map(ArrayQueue::pop) {
+            self.answer(other);
+        } else {
+            return false;
+        }
+        true
+    }
+
+    fn answer(&mut self, wanted: Arc<Wanted>) {
+        let command = self.result(&wanted);
+        let is_counted = usize::from(wanted.task.kind().is_of_critical_velocities());
+        // There is room: a column wants nothing more of a queue before it has taken its result.
+        let _ = self.shared.known.push(Box::new((wanted, command)));
+        self.shared.unknown.fetch_sub(is_counted, Ordering::Relaxed);
+        (self.tell)();
+    }
+
+    /// Computes a result, or finds it among those of before; `None` if it is no longer awaited.
+    fn result(&mut self, wanted: &Wanted) -> Option<Command> {
+        let task = &wanted.task;
+        if let Some((_, command)) = self.found.iter().find(|(it, _)| task.has_the_result_of(it)) {
+            return Some(command.clone());
+        }
+        let (shared, kind) = (self.shared, task.kind());
+        let is_urgent = !shared.rests || kind != BackgroundKind::Undamaged;
+        let command = task.compute(&mut || {
+            if !is_urgent {
+                shared.rest(&mut self.rested);
+            }
+            // The critical velocities take seconds, for which a verdict would wait.
+            while !shared.stop.load(Ordering::Relaxed) {
+                if !self.do_one(kind as usize) {
+                    break;
+                }
+            }
+            !shared.stop.load(Ordering::Relaxed) && !wanted.is_abandoned()
+        });
+        if is_urgent {
+            // It took no part of the others' time.
+            self.rested = processor_time();
+        }
+        let command = command?;
+        if self.found.len() == MAX_KNOWN {
+            self.found.pop_front();
+        }
+        self.found.push_back((task.clone(), command.clone()));
+        Some(command)
     }
 }
 
@@ -300,11 +337,12 @@ mod tests {
     use crate::parameters::Parameters;
     use crate::twin::{Command, ImpactCommand, Twin};
 
-    /// A twin with short responses, after an impact if `is_hit`.
-    fn task(is_hit: bool) -> BackgroundTask {
+    /// A twin with short responses and without the beam, after an impact if `is_hit`.
+    fn twin(is_hit: bool) -> Twin {
         let values = [
             ("solver.dt", 1e-4.into()),
             ("response.duration", 0.05.into()),
+            ("beam.mode", "off".into()),
         ];
         let parameters = Parameters::from_values(values).expect("admissible");
         let mut twin = Twin::new(parameters, None, Box::new(|| 0), 0).expect("stands");
@@ -331,8 +369,39 @@ mod tests {
                 twin.run_ahead(u64::MAX, now, &mut out);
             }
         }
-        let task = twin.critical_velocity_task().expect("at rest");
+        twin
+    }
+
+    fn task(is_hit: bool) -> BackgroundTask {
+        let task = twin(is_hit).critical_velocity_task().expect("at rest");
         BackgroundTask::CriticalVelocities(Box::new(task))
+    }
+
+    /// The critical velocities began while the second opinion was computed, and the range of the verdict waited for their end, which
+    /// took longer than people watched.
+    #[test]
+    fn the_range_of_a_verdict_does_not_wait_for_critical_velocities_that_are_being_computed() {
+        let background = Background::new(1);
+        let tell = || {};
+        let mut work = Work::new(&background, &tell);
+        assert!(background.want(0, task(true)).is_some());
+        let begun = background.wanted[BackgroundKind::Damaged as usize].pop();
+        let range = twin(true).range_task().expect("awaited");
+        let range = BackgroundTask::Range(Box::new(range));
+        assert!(background.want(0, range).is_some());
+        work.answer(begun.expect("wanted"));
+        let results = std::iter::from_fn(|| background.take());
+        let order: Vec<_> = results
+            .map(|known| (known.0.task.kind(), known.1.is_some()))
+            .collect();
+        assert_eq!(
+            order,
+            [
+                (BackgroundKind::Range, true),
+                (BackgroundKind::Damaged, true)
+            ]
+        );
+        assert_eq!(background.unknown(), 0);
     }
 
     #[test]

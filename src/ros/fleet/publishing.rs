@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use ros2_client::Publisher;
 
-use crate::endpoints::{Endpoint, MAX_DEPTH_OF_A_FLEET};
+use crate::endpoints::Endpoint;
 use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
@@ -100,7 +100,7 @@ impl FleetPublishing {
     pub fn shared_topic(&self, topic: Topic) -> Option<Endpoint> {
         match topic {
             Topic::JointStates | Topic::Markers => None,
-            _ => Some(kept_of_all(topic.endpoint(), self.board.columns().len())),
+            _ => Some(topic.endpoint().kept_of_all(self.board.columns().len())),
         }
     }
 
@@ -258,6 +258,7 @@ impl FleetPublishing {
         let writer = self.writers.get(&column).and_then(|it| it.of(topic));
         if let Some(writer) = writer
             && !sending.is_over
+            && !sending.withholds(topic.endpoint())
             && !sending.publish(writer, raw.clone())
         {
             NodeCounters::count(&sending.counters.unpublished);
@@ -395,17 +396,4 @@ impl FleetPublishing {
             columns: batch.columns,
         }
     }
-}
-
-/// The endpoint with a history for all columns, if it keeps messages for late joiners.
-fn kept_of_all(endpoint: &Endpoint, columns: usize) -> Endpoint {
-    let mut endpoint = *endpoint;
-    if endpoint.qos.transient_local {
-        endpoint.qos.depth = match endpoint.qos.depth {
-            // A late joiner gets the newest message of each column.
-            1 => columns.clamp(1, MAX_DEPTH_OF_A_FLEET),
-            _ => endpoint.depth_of_a_fleet(columns),
-        };
-    }
-    endpoint
 }

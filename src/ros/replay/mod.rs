@@ -2,8 +2,11 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - foxglove.rs: A recording over the WebSocket of Foxglove, whose clients play, pause and seek
 // - pace.rs: The due times of recorded messages
 
+#[cfg(feature = "foxglove")]
+mod foxglove;
 mod pace;
 
 use std::path::PathBuf;
@@ -16,6 +19,8 @@ use ros2_client::qos::{Durability, History, Liveliness, QosProfile, Reliability,
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 
+#[cfg(feature = "foxglove")]
+pub use foxglove::replay_to_foxglove;
 pub use pace::RATES;
 
 use super::environment::Environment;
@@ -153,6 +158,10 @@ pub enum ReplayError {
         /// The recording.
         bag: PathBuf,
     },
+    /// Foxglove cannot be served.
+    #[cfg(feature = "foxglove")]
+    #[error("{0}")]
+    Foxglove(String),
 }
 
 /// Replays a recording until its end, or until the user stops it.
@@ -226,11 +235,11 @@ struct Channel {
     publisher: Publisher<Raw>,
 }
 
-fn channels(
-    node: &mut Node,
-    reader: &Reader,
+/// The topics to replay, with their indices in the recording.
+fn chosen<'a>(
+    reader: &'a Reader,
     options: &ReplayOptions,
-) -> Result<Vec<Channel>, ReplayError> {
+) -> Result<Vec<(usize, &'a RecordedTopic)>, ReplayError> {
     let topics = reader.topics();
     let same =
         |one: &str, other: &str| one.trim_start_matches('/') == other.trim_start_matches('/');
@@ -242,7 +251,7 @@ fn channels(
             });
         }
     }
-    let chosen = |topic: &&RecordedTopic| match options.topics.is_empty() {
+    let is_chosen = |topic: &RecordedTopic| match options.topics.is_empty() {
         true => {
             let replaces_clock = options.clock.is_some() && *topic.name == *endpoints::CLOCK.name;
             !recording::is_journal(topic) && !replaces_clock
@@ -252,10 +261,18 @@ fn channels(
             .iter()
             .any(|wanted| same(&topic.name, wanted)),
     };
-    topics
-        .iter()
-        .filter(chosen)
-        .map(|topic| {
+    let all = topics.iter().enumerate();
+    Ok(all.filter(|(_, it)| is_chosen(it)).collect())
+}
+
+fn channels(
+    node: &mut Node,
+    reader: &Reader,
+    options: &ReplayOptions,
+) -> Result<Vec<Channel>, ReplayError> {
+    chosen(reader, options)?
+        .into_iter()
+        .map(|(_, topic)| {
             let resolved = node.names().resolve(NameKind::Topic, &topic.name)?;
             let publisher = node.raw_publisher(&resolved, &topic.type_name, profile(topic))?;
             Ok(Channel {
@@ -459,17 +476,20 @@ impl Player<'_> {
     }
 
     fn show(&mut self, pace: &Pace) {
-        let (first, last) = self.span;
-        let since =
-            |time: i64| Duration::from_nanos(time.saturating_sub(first).max(0).unsigned_abs());
-        let progress = ReplayProgress {
-            played: since(pace.position(now()).min(last)),
-            whole: since(last),
-            sent: self.replayed.sent,
-            rate: pace.rate(),
-            paused: pace.is_paused(),
-        };
+        let progress = progress(pace, self.span, self.replayed.sent);
         self.controls.show(&progress);
+    }
+}
+
+/// How far a replay of a recording with this span is.
+fn progress(pace: &Pace, (first, last): (i64, i64), sent: u64) -> ReplayProgress {
+    let since = |time: i64| Duration::from_nanos(time.saturating_sub(first).max(0).unsigned_abs());
+    ReplayProgress {
+        played: since(pace.position(now()).min(last)),
+        whole: since(last),
+        sent,
+        rate: pace.rate(),
+        paused: pace.is_paused(),
     }
 }
 

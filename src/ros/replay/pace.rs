@@ -63,6 +63,12 @@ impl Pace {
         self.anchor.0 = self.anchor.0.max(recorded);
     }
 
+    /// Goes to a recorded time, paused or not.
+    #[cfg_attr(not(feature = "foxglove"), allow(dead_code))] // only its clients seek
+    pub fn seek(&mut self, recorded: i64, now: i64) {
+        self.anchor = (recorded, now);
+    }
+
     pub fn set_rate(&mut self, rate: f64, now: i64) {
         self.anchor = (self.position(now), now);
         self.rate = rate.clamp(*RATES.start(), *RATES.end());
@@ -96,6 +102,16 @@ mod tests {
             (pace.position(11 * S), pace.due(5 * S)),
             (4 * S, Some(12 * S))
         );
+    }
+
+    #[test]
+    fn a_sought_time_is_due_at_once() {
+        let mut pace = Pace::new(2.0, 0, 0);
+        pace.seek(10 * S, S);
+        assert_eq!((pace.due(10 * S), pace.position(S)), (Some(S), 10 * S));
+        pace.pause(2 * S);
+        pace.seek(4 * S, 3 * S);
+        assert_eq!((pace.due(4 * S), pace.position(9 * S)), (None, 4 * S));
     }
 
     #[test]

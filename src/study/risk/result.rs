@@ -7,9 +7,10 @@ use super::fragility::{FragilityCurve, curve};
 use super::scenario::Scenario;
 use super::sensitivity::ActionSensitivity;
 use super::tally::Tally;
-use super::target::{AnnualRisk, NOT_EVALUATED, NotEvaluated, OBLIQUE_HITS};
+use super::target::{ASSUMED_INPUTS, AnnualRisk, NOT_EVALUATED, NotEvaluated, OBLIQUE_HITS};
 use super::traffic::Exposure;
 use crate::assessment::Action;
+use crate::parameters::Parameters;
 use crate::study::{ACTIONS, VerdictModel};
 
 /// The result of a study.
@@ -104,6 +105,15 @@ impl RiskResult {
         self.model = model;
         if model != VerdictModel::Bars && scenario.orientation.is_some() {
             self.not_evaluated.retain(|it| it.what != OBLIQUE_HITS);
+        }
+        self
+    }
+
+    /// The same result of a study of this column, which says where nobody has given an input of it.
+    #[must_use]
+    pub fn of_column(mut self, parameters: &Parameters) -> Self {
+        if !parameters.settings().assessment.assumed.is_empty() {
+            self.not_evaluated.push(ASSUMED_INPUTS);
         }
         self
     }

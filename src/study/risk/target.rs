@@ -118,18 +118,25 @@ pub const NOT_EVALUATED: [NotEvaluated; 4] = [
     },
     NotEvaluated {
         what: OBLIQUE_HITS,
-        effect: "every hit bends the strong axis; x 5 on inspect, x 1.4 on shore, if every one bends the weak axis (HEB220 at a street)",
+        effect: "every hit has the direction of impact.direction; if every one bends the weak axis, x 1.4 on shore, and x 5 on inspect \
+                 only where no base plate is checked (HEB220 at a street); orientation_deg and --model evaluate it",
     },
     NotEvaluated {
         what: "base plate and anchors",
-        effect: "x 5 on inspect: 20 to 28 % of the impacts overload a usual plate unnoticed where no base is checked; with \
-                 base.connection or a named section the plate is checked, but its strength does not scatter",
+        effect: "where a plate is checked (base.connection, or a named section), its strength does not scatter; where none is, 20 to \
+                 28 % of the impacts overload a usual plate unnoticed, x 5 on inspect, which does not multiply with the orientation",
     },
     NotEvaluated {
         what: "mechanical model",
         effect: "5 to 11 % of the speed at which the action changes, either way (fibre beam, lorries)",
     },
 ];
+
+/// Beside them, where `assessment.assumed` lists inputs.
+pub(super) const ASSUMED_INPUTS: NotEvaluated = NotEvaluated {
+    what: "inputs that nobody has given",
+    effect: "steel, load or supports are assumed (assessment.assumed lists them); other values might raise every probability",
+};
 
 #[cfg(test)]
 mod tests {

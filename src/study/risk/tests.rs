@@ -47,6 +47,25 @@ fn result(scenario: &Scenario, tally: &Tally, confidence: f64) -> RiskResult {
     )
 }
 
+/// A study of a column whose load is assumed did not say so.
+#[test]
+fn a_risk_says_where_an_input_of_the_column_is_assumed() {
+    let scenario = scenario("parking_garage", &[]);
+    let sampler = DepartureSampler::new(&scenario, 1);
+    let column = Known(|_: &Departure| Action::None);
+    let tally = run(&RiskStudy::new(&sampler, &column), 1, 0..100);
+    let whole = Parameters::default();
+    let section = [("section.name", Value::from("HEB300"))];
+    let assumed = whole.with_changes(section).unwrap();
+    let says = |parameters: &Parameters| {
+        let result = result(&scenario, &tally, 0.95).of_column(parameters);
+        let mut left_out = result.not_evaluated.iter();
+        left_out.any(|it| it.what == "inputs that nobody has given")
+    };
+    assert!(!says(&whole));
+    assert!(says(&assumed));
+}
+
 /// At a distance of 0 the speed at the column is that of the road, so that P(V > v) is known.
 fn lognormal_exceedance(scenario: &Scenario, speed: f64) -> f64 {
     1.0 - scenario.speed.distribution.probability(speed * 3.6)

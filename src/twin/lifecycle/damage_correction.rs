@@ -27,6 +27,9 @@ impl Twin {
         if let Some(corrected) = corrected {
             self.forbid_resuming();
             self.at_rest = corrected;
+            if let Some(last) = &mut self.registry.life.last_impact {
+                last.residual_v1 = None;
+            }
             self.correct_beam(measured);
             self.assess();
             self.forget_other_critical_velocities();

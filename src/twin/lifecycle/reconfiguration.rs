@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::Twin;
-use crate::parameters::{Parameters, Value};
+use crate::parameters::{Parameters, SectionShape, Value};
 use crate::time::Nanos;
 use crate::time::seconds;
 use crate::twin::command::Accepted;
 use crate::twin::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
-use crate::twin::plant::Plant;
-use crate::twin::rejection::Rejection;
+use crate::twin::plant::{OF_ITS_MAKE, Plant};
+use crate::twin::rejection::{Rejection, RejectionCode};
 
 /// Maximum length of a response \[steps\] whose end is computed in order to judge a change that waits for it: at most about a
 /// second, which the sender of the change has to wait.
@@ -17,6 +17,14 @@ const MAX_FORESEEN_STEPS: f64 = 1e6;
 
 /// Steps in which the end of a response is computed.
 const FORESEEING_SLICE: u64 = 1024;
+
+/// A damage belongs to the shape of the section, which the numbers of the two bars need not tell.
+fn check_shape(is_damaged: bool, [from, to]: [SectionShape; 2]) -> Result<(), Rejection> {
+    match is_damaged && from != to {
+        true => Err(Rejection::new(RejectionCode::ColumnDamaged, OF_ITS_MAKE)),
+        false => Ok(()),
+    }
+}
 
 impl Twin {
     pub(super) fn set_parameters(
@@ -71,12 +79,13 @@ impl Twin {
         out: &mut impl Outputs,
     ) -> Result<(), Rejection> {
         let from = self.parameters.current().column_properties();
+        let shapes = self.shapes(wanted);
         let Some(at_rest) = self.predicted_at_rest(now, out) else {
             return Ok(());
         };
         at_rest
             .with_properties(&from, &wanted.column_properties())
-            .map(|_| ())
+            .and_then(|_| check_shape(at_rest.is_damaged(), shapes))
             .map_err(|Rejection { code, reason }| {
                 let reason = format!(
                     "the change cannot take effect when the response to the impact ends: by then, {reason}"
@@ -107,8 +116,18 @@ impl Twin {
     /// The column at rest with other parameters.
     fn column_with(&self, wanted: &Parameters) -> Result<Plant, Rejection> {
         let from = self.parameters.current().column_properties();
-        self.at_rest
-            .with_properties(&from, &wanted.column_properties())
+        let column = self
+            .at_rest
+            .with_properties(&from, &wanted.column_properties())?;
+        let is_damaged = self.at_rest.is_damaged() || !self.registry.life.beam.is_undamaged();
+        check_shape(is_damaged, self.shapes(wanted))?;
+        Ok(column)
+    }
+
+    /// The shape of the section so far, and the one that is wanted.
+    fn shapes(&self, wanted: &Parameters) -> [SectionShape; 2] {
+        let current: &Parameters = self.parameters.current();
+        [current, wanted].map(|it| it.settings().section.shape)
     }
 
     /// Replaces the column at rest. The last response can be resumed only if it was that of the same column.

@@ -33,7 +33,7 @@ impl Twin {
     #[must_use]
     pub fn range_task(&self) -> Option<RangeTask> {
         if let Some(response) = &self.response {
-            return response.range_task(self.journal.responses);
+            return response.range_task(self.journal.responses, &self.registry.life.beam);
         }
         self.range_task_at_rest()
             .filter(|_| self.has_unknown_range())
@@ -50,8 +50,9 @@ impl Twin {
             self.journal.responses,
             self.parameters.current(),
             &self.at_rest.model.properties,
-            judged.impact,
+            &judged.striking(),
             judged.earlier.as_ref(),
+            (&judged.opinion, &judged.beam_before),
             self.assessed.as_ref()?,
         ))
     }

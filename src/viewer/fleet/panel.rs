@@ -53,6 +53,11 @@ pub(super) fn word(action: Option<Action>) -> &'static str {
     action_word(action.map_or(TwinStatus::ACTION_UNKNOWN, action_code))
 }
 
+/// A length in m as it is shown.
+fn millimetres(length: f64) -> String {
+    format!("{:.1} mm", 1e3 * length)
+}
+
 /// The whole panel.
 #[must_use]
 pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32>) -> String {
@@ -88,15 +93,17 @@ pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32
             false => "",
         };
         let reserve = mark.reserve.map_or("?".to_owned(), |it| format!("{it:.2}"));
-        let state = match mark.phase {
-            TwinPhase::Idle | TwinPhase::Rest => "",
-            phase => phase_word(phase_code(phase)),
+        let phase = phase_word(phase_code(mark.phase));
+        // The displacement at which the response of such a column ended is not one that remains.
+        let [residual, state] = match mark.phase {
+            TwinPhase::Collapsed | TwinPhase::Fractured => [phase.to_owned(), String::new()],
+            TwinPhase::Idle | TwinPhase::Rest => [millimetres(mark.residual_v1), String::new()],
+            _ => [millimetres(mark.residual_v1), phase.to_owned()],
         };
         text.push_str(&format!(
-            "| {} | {}{predicted} | {:.1} mm | {reserve} | {state} |\n",
+            "| {} | {}{predicted} | {residual} | {reserve} | {state} |\n",
             escaped(&short(&fleet.ids[*index])),
             word(mark.worst()),
-            1e3 * mark.residual_v1,
         ));
     }
     if notable.len() > MAX_LISTED {
@@ -114,6 +121,32 @@ mod tests {
     use super::*;
     use crate::parameters::FleetColumn;
     use std::sync::Arc;
+
+    /// The panel once gave a fractured column a residual displacement of 127.3 mm.
+    #[test]
+    fn a_fractured_column_has_its_state_and_no_residual_displacement() {
+        let column = FleetColumn {
+            name: "/c0".into(),
+            parameters: Arc::default(),
+        };
+        let mut fleet = ShownFleet::new(&[column], Vec::new());
+        fleet.ids[0] = "c0".into();
+        for (phase, shown) in [
+            (TwinPhase::Fractured, "| FRACTURED | ? |  |"),
+            (TwinPhase::Collapsed, "| COLLAPSED | ? |  |"),
+            (TwinPhase::Faulted, "| 127.3 mm | ? | FAULTED |"),
+        ] {
+            let mark = ColumnMark {
+                action: Some(Action::Evacuate),
+                phase,
+                impacts: 1,
+                residual_v1: 0.1273,
+                ..ColumnMark::default()
+            };
+            let text = panel(&fleet, &[mark], None);
+            assert!(text.contains(&format!("| EVACUATE {shown}")), "{text}");
+        }
+    }
 
     #[test]
     fn the_worst_columns_come_first_and_names_are_no_markdown() {

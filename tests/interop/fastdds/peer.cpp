@@ -5,7 +5,8 @@
 //
 // Without a folder it has no DDS security. With a clock offset it believes that it is another time, as an attacker would whose
 // certificate has expired; a credulous one takes every certificate for genuine, its own and the twin's, so that it goes through
-// the handshake with any. It sends an event every 0.1 s, whether there is a reader or not, until it has received a forecast of one
+// the handshake with any. If the folder holds own_permissions.p7s, its own stack obeys those, and it shows the others,
+// permissions.p7s, to the twin: it skips its own checks and nothing else. It sends an event every 0.1 s, whether there is a reader or not, until it has received a forecast of one
 // of its own events or the time is over, and prints one line of JSON: which entities its own security let it create, how many
 // writers and readers it was matched with, what it sent, how many samples it received by topic, and the counts of the last
 // twin_status.
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <dlfcn.h>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -34,6 +36,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <openssl/bio.h>
 #include <openssl/x509_vfy.h>
 
 using namespace eprosima::fastdds::dds;
@@ -44,8 +47,10 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
 
 static long clock_offset = 0;
 static bool credulous = false;
+// The permissions that its own stack obeys, if they are not those that it shows.
+static std::string own_permissions;
 
-// The two functions below are called by the libraries, because those of the program come before theirs.
+// The three functions below are called by the libraries, because those of the program come before theirs.
 
 // OpenSSL asks this one whether a certificate has expired.
 extern "C" time_t time(time_t* result) noexcept {
@@ -61,6 +66,16 @@ extern "C" int X509_verify_cert(X509_STORE_CTX* context) {
   using Verify = int (*)(X509_STORE_CTX*);
   static const Verify real = reinterpret_cast<Verify>(dlsym(RTLD_NEXT, "X509_verify_cert"));
   return credulous ? 1 : real(context);
+}
+
+// Fast DDS reads with this one of OpenSSL what it obeys itself; what it shows to others it reads with a stream of C++.
+extern "C" BIO* BIO_new_file(const char* path, const char* mode) {
+  using Open = BIO* (*)(const char*, const char*);
+  static const Open real = reinterpret_cast<Open>(dlsym(RTLD_NEXT, "BIO_new_file"));
+  static const std::string shown = "/permissions.p7s";
+  const std::string asked = path;
+  const bool is_shown = asked.size() >= shown.size() && asked.compare(asked.size() - shown.size(), shown.size(), shown) == 0;
+  return real(is_shown && !own_permissions.empty() ? own_permissions.c_str() : path, mode);
 }
 
 // An encoded message, with its encapsulation.
@@ -131,8 +146,8 @@ static std::map<std::string, uint64_t> counts_of(Bytes& status) {
   uint32_t nanosec;
   uint8_t phase;
   std::string frame, column, event;
-  uint64_t accepted, rejected;
-  cdr >> sec >> nanosec >> frame >> column >> phase >> event >> accepted >> rejected;
+  uint64_t accepted, merged, rejected;
+  cdr >> sec >> nanosec >> frame >> column >> phase >> event >> accepted >> merged >> rejected;
   return {{"events_accepted", accepted}, {"events_rejected", rejected}};
 }
 
@@ -208,7 +223,11 @@ int main(int argc, char** argv) {
   const std::chrono::seconds patience(std::atoi(argv[2]));
   const std::string column = argv[3], prefix = argv[4];
   DomainParticipantQos qos = loopback_only(domain);
-  if (argc > 5) secure(qos, argv[5]);
+  if (argc > 5) {
+    secure(qos, argv[5]);
+    const std::string own = argv[5] + std::string("/own_permissions.p7s");
+    if (std::ifstream(own).good()) own_permissions = own;
+  }
   if (argc > 6) clock_offset = std::atol(argv[6]);
   credulous = argc > 7 && argv[7] == std::string("credulous");
 

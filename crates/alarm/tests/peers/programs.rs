@@ -5,13 +5,17 @@ use std::collections::VecDeque;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::PATIENCE;
+
+#[path = "free_port.rs"]
+mod free_port;
+pub use free_port::free_port;
 
 /// A process that is killed at the end.
 pub struct Running(pub Child);
@@ -82,15 +86,6 @@ impl Lines {
     }
 }
 
-/// A port that nobody uses at the moment.
-pub fn free_port() -> u16 {
-    TcpListener::bind("127.0.0.1:0")
-        .unwrap()
-        .local_addr()
-        .unwrap()
-        .port()
-}
-
 /// The broker, on a port of its own.
 pub struct Mosquitto {
     pub port: u16,
@@ -143,9 +138,11 @@ impl Mosquitto {
             .stderr(Stdio::null())
             .spawn()
             .expect("Debian's package mosquitto is installed");
-        self.process = Some(Running(child));
+        let broker = &mut self.process.insert(Running(child)).0;
         let began = Instant::now();
         while TcpStream::connect(("127.0.0.1", self.port)).is_err() {
+            let ended = broker.try_wait().unwrap();
+            assert!(ended.is_none(), "mosquitto ended with {ended:?}");
             assert!(began.elapsed() < PATIENCE, "mosquitto does not listen");
             std::thread::sleep(Duration::from_millis(10));
         }
@@ -189,11 +186,10 @@ impl Mosquitto {
                 began.elapsed() < PATIENCE,
                 "the subscriber does not subscribe"
             );
-            let sent = Command::new("mosquitto_pub")
-                .args(["-h", "127.0.0.1", "-p", &port, "-t", "hello", "-m", "{}"])
-                .status();
-            assert!(sent.expect("mosquitto-clients is installed").success());
-            if lines.greeted() {
+            let mut hello = Command::new("mosquitto_pub");
+            hello.args(["-h", "127.0.0.1", "-p", &port, "-t", "hello", "-m", "{}"]);
+            let sent = hello.status().expect("mosquitto-clients is installed");
+            if sent.success() && lines.greeted() {
                 return lines;
             }
         }

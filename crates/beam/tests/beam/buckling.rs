@@ -2,38 +2,83 @@
 
 use crate::found;
 use crate::reference::{column, section};
-use column_beam::{BeamModel, BowAxes};
+use column_beam::{BeamModel, BowAxes, Shape};
 use column_mechanics::{BendingAxis, BucklingCurve, Support};
+
+/// A section with its curves: area, second moments and buckling curves about the strong and the weak axis.
+type Known = (String, Shape, f64, [f64; 2], [BucklingCurve; 2]);
+
+fn rolled(name: &str) -> Known {
+    let rolled = section(name);
+    let properties = rolled.properties();
+    let curves = [BendingAxis::Strong, BendingAxis::Weak]
+        .map(|axis| BucklingCurve::of_rolled(&rolled, 355e6, axis));
+    let second_moments = [properties.second_moment, rolled.weak_second_moment()];
+    let shape = Shape::Rolled(rolled);
+    (
+        name.to_owned(),
+        shape,
+        properties.area,
+        second_moments,
+        curves,
+    )
+}
+
+/// Hot-finished hollow sections have curve a about both axes (EN 1993-1-1, table 6.2); corners are square.
+fn hollow() -> [Known; 3] {
+    let rectangle = |h: f64, b: f64, t: f64| {
+        let (g, c) = (h - 2.0 * t, b - 2.0 * t);
+        let moment = |h: f64, b: f64, g: f64, c: f64| (b * h * h * h - c * g * g * g) / 12.0;
+        let shape = Shape::Rectangular {
+            depth: h,
+            width: b,
+            thickness: t,
+        };
+        let name = format!("RHS{:.0}x{:.0}x{:.0}", 1e3 * h, 1e3 * b, 1e3 * t);
+        let moments = [moment(h, b, g, c), moment(b, h, c, g)];
+        (name, shape, h * b - g * c, moments, [BucklingCurve::A; 2])
+    };
+    let (outer, inner) = (0.2191_f64, 0.1991_f64);
+    let pi = std::f64::consts::PI;
+    let ring = pi / 64.0 * (outer * outer * outer * outer - inner * inner * inner * inner);
+    let tube = Shape::Circular {
+        diameter: outer,
+        thickness: 0.01,
+    };
+    let area = 0.25 * pi * (outer * outer - inner * inner);
+    let curves = [BucklingCurve::A; 2];
+    [
+        rectangle(0.2, 0.2, 0.01),
+        rectangle(0.3, 0.1, 0.008),
+        ("CHS219.1x10".to_owned(), tube, area, [ring; 2], curves),
+    ]
+}
 
 #[test]
 fn capacities_lie_on_the_buckling_curves() {
     let mut wrong = Vec::new();
     let mut rows = Vec::new();
     let mut extremes = [f64::INFINITY, 0.0_f64];
-    for name in [
+    let names = [
         "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
-    ] {
+    ];
+    for (name, shape, area, second_moments, curves) in names.map(rolled).into_iter().chain(hollow())
+    {
         for length in [2.0, 3.0, 4.0, 6.0, 8.0] {
             for (axis, bow, place) in [
                 (BendingAxis::Strong, BowAxes::Strong, 0),
                 (BendingAxis::Weak, BowAxes::Weak, 1),
             ] {
-                let mut it = column(name, 355e6, 1e-4);
+                let mut it = column("HEB220", 355e6, 1e-4);
+                it.shape = shape;
                 (it.length_below, it.length_above) = (0.5 * length, 0.5 * length);
                 (it.base, it.top) = (Support::Pinned, Support::Pinned);
                 (it.residual_stress, it.bow, it.bow_axes) = (true, -1.0, bow);
                 let found = BeamModel::new(&it).unwrap().undamaged_capacity()[place];
-                let rolled = section(name);
-                let area = rolled.properties().area;
-                let second_moment = match axis {
-                    BendingAxis::Strong => rolled.properties().second_moment,
-                    BendingAxis::Weak => rolled.weak_second_moment(),
-                };
                 let pi = std::f64::consts::PI;
-                let critical = pi * pi * 210e9 * second_moment / (length * length);
+                let critical = pi * pi * 210e9 * second_moments[place] / (length * length);
                 let squash = 355e6 * area;
-                let curve = BucklingCurve::of_rolled(&rolled, 355e6, axis);
-                let expected = curve.reduction((squash / critical).sqrt()) * squash;
+                let expected = curves[place].reduction((squash / critical).sqrt()) * squash;
                 let ratio = found / expected;
                 rows.push(format!("{name},{axis:?},{length},{ratio:.4}"));
                 extremes = [extremes[0].min(ratio), extremes[1].max(ratio)];
@@ -47,4 +92,55 @@ fn capacities_lie_on_the_buckling_curves() {
     println!("extremes {extremes:?}");
     assert!(wrong.is_empty(), "{wrong:#?}");
     found::keep("buckling", "section,axis,length_m,ratio", &rows);
+}
+
+/// Two slender columns lie up to 16 % above their curve about the strong axis. The mesh is not the cause. The residual stresses are:
+/// they do not grow with the yield strength, so that at the same slenderness a column of the weakest steel, for which the curves
+/// were made, lies nearer to its curve.
+#[test]
+fn slender_columns_above_the_curve_lie_nearer_to_it_with_the_weakest_steel() {
+    for name in ["HEA220", "HEB220"] {
+        let rolled = section(name);
+        let (area, second_moment) = (rolled.properties().area, rolled.properties().second_moment);
+        let pi = std::f64::consts::PI;
+        let ratio = |strength: f64, elements: usize, residual_stress: bool| {
+            // The slenderness of 8 m in S355.
+            let length = 8.0 * (355e6 / strength).sqrt();
+            let mut it = column(name, strength, 1e-4);
+            (it.length_below, it.length_above) = (0.5 * length, 0.5 * length);
+            (it.base, it.top) = (Support::Pinned, Support::Pinned);
+            (it.residual_stress, it.bow, it.bow_axes) = (residual_stress, -1.0, BowAxes::Strong);
+            it.elements = elements;
+            let found = BeamModel::new(&it).unwrap().undamaged_capacity()[0];
+            let squash = strength * area;
+            let critical = pi * pi * 210e9 * second_moment / (length * length);
+            let slenderness = (squash / critical).sqrt();
+            let curve = BucklingCurve::of_rolled(&rolled, strength, BendingAxis::Strong);
+            found / (curve.reduction(slenderness) * squash)
+        };
+        let coarse = ratio(355e6, 0, true);
+        let fine = ratio(355e6, 120, true);
+        let weakest = ratio(235e6, 0, true);
+        let without = ratio(355e6, 0, false);
+        println!("{name}: {coarse} fine {fine} S235 {weakest} without residual stress {without}");
+        assert!((fine / coarse - 1.0).abs() < 5e-3);
+        assert!(weakest < coarse - 0.03 && coarse < without);
+    }
+}
+
+/// The push-down ended after its first fine increment, before the maximum: 1.2 % too low here.
+#[test]
+fn a_push_down_passes_its_maximum_with_fine_increments() {
+    // OpenSees, `data/beam_reference.json`.
+    for (name, length, residual_stress, axes, expected) in [
+        ("HEB220", 4.0, false, BowAxes::Both, 2_410_300.0),
+        ("IPE300", 3.0, true, BowAxes::Weak, 1_007_900.0),
+    ] {
+        let mut it = column(name, 355e6, 1e-4);
+        (it.length_below, it.length_above) = (0.5 * length, 0.5 * length);
+        (it.base, it.top) = (Support::Pinned, Support::Pinned);
+        (it.residual_stress, it.bow, it.bow_axes) = (residual_stress, -1.0, axes);
+        let found = BeamModel::new(&it).unwrap().capacity_bowed(it.bows());
+        assert!((found / expected - 1.0).abs() < 2e-3, "{name}: {found}");
+    }
 }

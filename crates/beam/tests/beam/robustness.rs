@@ -28,7 +28,22 @@ impl Random {
 
 #[test]
 fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
-    let count = std::env::var("COLUMN_TWIN_EXPLORE").map_or(40, |n| n.parse().unwrap());
+    let more = std::env::var("COLUMN_TWIN_EXPLORE").map(|n| n.parse().unwrap());
+    let [count, tested] = more.map_or([40, 6], |count| [count; 2]);
+    explore(count, tested);
+}
+
+/// A response that is not solved is a collapse only where the impact point has moved by more than 8 % of the length; otherwise it fails
+/// here. Every collapse is tested by displacement: with its top held and lowered, the column must nowhere bear its load.
+#[test]
+#[ignore = "takes minutes; .ci/long runs it"]
+fn a_thousand_random_columns_conserve_energy_and_end_in_rest_or_collapse() {
+    explore(1000, 1000);
+}
+
+/// Computes a hit on each of the first `count` random columns, and tests collapses among the first `tested` by displacement.
+fn explore(count: i32, tested: i32) {
+    let (mut confirmed, mut hanging, mut doubtful) = (0, 0, Vec::new());
     let mut random = Random(2026);
     let (mut collapses, mut unstable, mut worst, mut failed) = (0, 0, 0.0_f64, Vec::new());
     let mut slowest = 0.0_f64;
@@ -109,7 +124,21 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
                     );
                 }
                 match found.outcome {
-                    Outcome::Collapse => collapses += 1,
+                    Outcome::Collapse => {
+                        collapses += 1;
+                        if number < tested {
+                            let model = BeamModel::new(&it).unwrap();
+                            match model.test_collapse(&hit, None).unwrap() {
+                                Some(test) if test.share_borne < 1.0 && !test.hangs => {
+                                    confirmed += 1;
+                                }
+                                Some(test) if test.hangs => hanging += 1,
+                                test => doubtful.push(format!(
+                                    "{number} {name} {test:?} {found:?} {it:?} {hit:?}"
+                                )),
+                            }
+                        }
+                    }
                     _ => assert!(damage.is_some(), "{number}"),
                 }
             }
@@ -122,7 +151,12 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
         failed.len(),
         whole / f64::from(count)
     );
+    println!(
+        "by displacement: {confirmed} confirmed, {hanging} hang from their springs, {} doubtful",
+        doubtful.len()
+    );
     assert!(failed.is_empty(), "{failed:#?}");
+    assert!(doubtful.is_empty(), "{doubtful:#?}");
     assert!(worst <= 1e-8, "{worst:e}");
 }
 
@@ -266,6 +300,24 @@ fn a_hit_from_the_other_side_is_its_mirror_image() {
     });
     found.sort_by(f64::total_cmp);
     assert!(found[2] - found[0] < 1e-6 * found[0], "{found:?}");
+}
+
+/// The two bars add the bows of both hits.
+#[test]
+fn a_hit_from_behind_bends_a_damaged_column_back() {
+    let mut it = column("HEB220", 355e6, 1e-3);
+    it.top_load = 0.5e6;
+    it.top_spring_stiffness = 1e7;
+    let model = BeamModel::new(&it).unwrap();
+    let (one, damage) = model.simulate(&hit(1500.0, 6.0, None, 0.0), None).unwrap();
+    let (two, _) = model
+        .simulate(&hit(1500.0, 6.0, None, 180.0), damage.as_ref())
+        .unwrap();
+    let [before, _] = two.displaced_before_m;
+    let bow = one.residual_displacement_m;
+    println!("{bow} m, then {} m", before + two.residual_displacement_m);
+    assert!((before + bow).abs() < 0.01 * bow, "{before} {bow}");
+    assert!((before + two.residual_displacement_m).abs() < 0.5 * bow);
 }
 
 #[test]

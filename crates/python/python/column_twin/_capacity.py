@@ -67,7 +67,7 @@ class Capacity:
 
     @property
     def action(self) -> Action:
-        """What has to be done."""
+        """The required action."""
         return Action[self.report["action"].upper()]
 
     def plot(self, ax: Axes | None = None) -> Axes:

@@ -43,7 +43,7 @@ class Vehicle:
     name: str
     """Such as mid_car."""
     description: str
-    """What it is, in a few words."""
+    """A few words about it."""
     mass: float
     """Total mass [kg]."""
     data: dict[str, Any]

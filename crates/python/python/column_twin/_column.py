@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Iterator, KeysView, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
@@ -13,12 +14,20 @@ import numpy.typing as npt
 
 from ._capacity import Capacity, PushDown
 from ._codes import Action
-from ._errors import ColumnTwinError, IncompleteWarning, ParameterError, ParameterWarning, SimulationError
+from ._errors import (
+    ColumnTwinError,
+    IncompleteWarning,
+    ParameterError,
+    ParameterWarning,
+    SimulationError,
+    UnknownParameterError,
+)
 from ._evaluation import Evaluation, table_of
+from ._keyword_check import nearest, with_checked_keywords
 from ._loading import native
 from ._map import CriticalVelocity, Map, RefinedMap
 from ._properties import ColumnProperties
-from ._range import AxisValues, NativeAxis, native_axis
+from ._range import AxisValues, NativeAxis, expect_numbers, native_axis, numbers
 from ._result import Result
 from ._risk import Risk
 from ._sensors import ImpactEstimate, Readings
@@ -50,12 +59,15 @@ def _plain(value: Any) -> Any:
 
 def _changes(changes: Mapping[str, Setting] | None, overrides: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Names with dots from both notations; keywords come last and win."""
-    given = list((changes or {}).items()) + [(name.replace("__", "."), it) for name, it in overrides.items()]
+    # Of a column what was given: what follows from it would otherwise stay as it is under later changes.
+    first = changes.parameters if isinstance(changes, Column) else changes or {}
+    given = list(first.items()) + [(name.replace("__", "."), it) for name, it in overrides.items()]
     return [(name, _plain(value)) for name, value in given]
 
 
-def _name(vehicle: str | None) -> str | None:
-    """The name of a vehicle, and not a mass, a velocity or arrays of them."""
+def _name(vehicle: str | None, **impact: float | None) -> str | None:
+    """The name of a vehicle, and not a mass, a velocity or arrays of them; of the impact no number is a truth value."""
+    expect_numbers(impact)
     if vehicle is None or isinstance(vehicle, str):
         return vehicle
     raise TypeError(
@@ -64,10 +76,19 @@ def _name(vehicle: str | None) -> str | None:
     )
 
 
+def _whole(name: str, number: float, least: int, most: int) -> int:
+    """A whole number of this range."""
+    if isinstance(number, Real) and not isinstance(number, bool) and least <= number <= most and int(number) == number:
+        return int(number)
+    raise ParameterError(f"{name}: expected a whole number from {least} to {most}, found {number!r}")
+
+
+def _seed(seed: int) -> int:
+    return _whole("seed", seed, 0, 2**64 - 1)
+
+
 def _threads(threads: int | None) -> int | None:
-    if threads is not None and threads < 1:
-        raise ParameterError(f"threads: expected at least 1, found {threads}")
-    return threads
+    return None if threads is None else _whole("threads", threads, 1, 2**32)
 
 
 def _map_request(
@@ -84,7 +105,15 @@ def _compared_name(compare: str | Mapping[str, AxisValues] | None) -> str | None
     return None if compare is None else next(iter(compare)).replace("__", ".")
 
 
-class Column:
+_AXES = ("mass", "velocity", "height", "section", "vehicle", "direction")
+"""The names of axes that are no parameters."""
+
+_MAP_KEYWORDS = ("vehicle", "compare", "shard", "threads", "model", "changes")
+"""The keywords of a map that are no axes."""
+
+
+@with_checked_keywords
+class Column(Mapping[str, Value]):
     """A steel column that a vehicle may hit, with its parameters. It never changes: `with_changes` and `after` make another one.
 
     Every parameter of docs/parameters.md has a default. A dot in its name is two underscores in a keyword; a mapping takes the
@@ -95,8 +124,11 @@ class Column:
 
     All units are SI.
 
+    It is a read-only mapping of the names of all parameters to the values that are computed with: `"top.load" in column`,
+    `column.get("top.load")`, `column.items()`, `dict(column)`. `parameters` has the values as they are given.
+
     Raises:
-        ParameterError: names or values that are not accepted, all faults at once.
+        ParameterError: names or values that are not accepted, all faults together.
     """
 
     __slots__ = ("_native",)
@@ -166,7 +198,7 @@ class Column:
         """
         from ._program import report
 
-        self._native.evaluate(_name(vehicle), mass, velocity)
+        self._native.evaluate(_name(vehicle, mass=mass, velocity=velocity), mass, velocity)
         if self.is_damaged:
             raise ParameterError(
                 "report: expected an undamaged column, found one that an impact has damaged; simulate has its numbers, and a node that "
@@ -200,7 +232,7 @@ class Column:
         >>> heavier = column.with_changes(section__name="HEB 260")
 
         Raises:
-            ParameterError: names or values that are not accepted, all faults at once; a damaged column.
+            ParameterError: names or values that are not accepted, all faults together; a damaged column.
         """
         return self._changed(_changes(changes, overrides))
 
@@ -222,13 +254,16 @@ class Column:
         `column["section.area"]` is the area of the named section. `parameters` has what was given.
 
         Raises:
-            ParameterError: there is no parameter of this name; the text names the nearest ones.
+            ParameterError: there is no parameter of this name; the text names the nearest ones. It is a KeyError, too.
         """
         value: Value | None = self._native.get(name)
         if value is None:
-            # The same text as for a change of a parameter that does not exist.
-            native.Column.load([], [(name, 0.0)])
-            raise KeyError(name)
+            try:
+                # The same text as for a change of a parameter that does not exist.
+                native.Column.load([], [(name, 0.0)])
+            except ParameterError as reason:
+                raise UnknownParameterError(str(reason)) from None
+            raise UnknownParameterError(f"{name} is not a parameter of this column")
         return value
 
     def __contains__(self, name: object) -> bool:
@@ -242,10 +277,6 @@ class Column:
     def __len__(self) -> int:
         """The number of parameters."""
         return len(self.parameters)
-
-    def keys(self) -> KeysView[str]:
-        """The names of all parameters: with them, `dict(column)` has the numbers that are computed with."""
-        return self.parameters.keys()
 
     @property
     def parameters(self) -> dict[str, Value]:
@@ -338,7 +369,7 @@ class Column:
         direction = None if impact is None else impact._direction
         beam = None if impact is None else impact.report.get("beam")
         by_beam = isinstance(beam, dict) and beam["outcome"] != "elastic"
-        left = self._native.after(vehicle, mass, velocity, direction, by_beam)
+        left = self._native.after(_name(vehicle, mass=mass, velocity=velocity), mass, velocity, direction, by_beam)
         if left is None:
             raise SimulationError("the column does not stand after this impact: it has collapsed or is fractured")
         return self._of(left)
@@ -384,11 +415,12 @@ class Column:
         Warns:
             ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
+        vehicle = _name(vehicle, mass=mass, velocity=velocity, direction=direction)
         if direction is not None:
             direction = float(direction)
             if not -np.pi < direction <= np.pi:
                 raise ParameterError(f"direction {direction}: expected an angle above -pi and at most pi, in rad")
-        names, columns, report = self._native.simulate(_name(vehicle), mass, velocity, direction, str(model))
+        names, columns, report = self._native.simulate(vehicle, mass, velocity, direction, str(model))
         history = {name: np.frombuffer(it, dtype=np.float64) for name, it in zip(names, columns)}
         fields = json.loads(report)
         if velocity is None:
@@ -406,9 +438,9 @@ class Column:
     ) -> Evaluation:
         """One impact without its history: action, displacements, contact force, capacity.
 
-        Arguments, errors and warnings are those of `simulate`.
+        Arguments, errors and warnings are the same as for `simulate`.
         """
-        return Evaluation._of(*self._native.evaluate(_name(vehicle), mass, velocity))
+        return Evaluation._of(*self._native.evaluate(_name(vehicle, mass=mass, velocity=velocity), mass, velocity))
 
     def evaluate_batch(
         self,
@@ -435,7 +467,8 @@ class Column:
             An array of the broadcast shape and of the structured type `EVALUATION`, in SI units.
 
         Raises:
-            ParameterError: impacts that are not accepted; the text names the element, counted in the flattened array.
+            ParameterError: impacts that are not accepted, or masked elements; the text names the element, counted in the flattened
+                array.
             SimulationError: a response that cannot be computed.
 
         Warns:
@@ -444,11 +477,11 @@ class Column:
         vehicle = _name(vehicle)
         if velocity is None:
             velocity = float(self._native.get("impact.velocity"))
-        speeds = np.asarray(velocity, dtype=np.float64)
+        speeds = numbers("velocity", velocity)
         if mass is None:
             shape, weights = speeds.shape, None
         else:
-            both = np.broadcast_arrays(np.asarray(mass, dtype=np.float64), speeds)
+            both = np.broadcast_arrays(numbers("mass", mass), speeds)
             shape, weights, speeds = both[0].shape, both[0].tobytes(), both[1]
         rows = self._native.evaluate_batch(vehicle, weights, speeds.tobytes(), _threads(threads))
         return table_of(rows).reshape(shape)
@@ -464,7 +497,7 @@ class Column:
         changes: Mapping[str, AxisValues] | None = None,
         **ranges: Unpack[AxisKeywords],
     ) -> Map:
-        """A damage map over two quantities, on all processors.
+        """A damage map over two quantities or more, on all processors.
 
         An axis is `mass`, `velocity`, `height`, `section`, `vehicle`, `direction` [rad], or any parameter that is a number
         (`top__load`). Its values are a `Range`, a list or an array of numbers, or a list of names of a catalogue; or it is a text in
@@ -474,6 +507,11 @@ class Column:
         >>> column.map("section=HEB 200,HEB 240,HEB 300", velocity=np.linspace(1.0, 20.0, 50), vehicle="van")
         >>> column.map(velocity=Range(1, 25, points=50), top__load=[2e5, 5e5], compare={"section": ["HEB 220", "HEB 300"]})
         >>> column.map(direction=np.radians([0.0, 45.0, 90.0]), velocity=[4.0, 8.0], vehicle="mid_car", model="both")
+        >>> column.map(top__load=[2e5, 5e5], vehicle=["van", "mid_car"], mass=[1500, 2500], velocity=Range(2, 12, points=6))
+
+        The velocity is the last axis of the arrays, the mass the one before it, and vehicle and direction follow all other quantities;
+        apart from that the axes stand in the order in which they are given. The last two are the rows and columns of figures.
+        `Map.at` chooses values of the further ones, of which there may be 10 000 combinations.
 
         Other Python threads run meanwhile, and Ctrl-C interrupts the map.
 
@@ -483,7 +521,7 @@ class Column:
         Args:
             axes: axes in the notation of the command line, such as `velocity=1:25:100`.
             vehicle: the vehicle of all cells; a list of names is an axis.
-            compare: one more quantity, for each of whose values there is a map over the same axes.
+            compare: one more quantity, for each of whose values there is a map over the same axes, with a label of its own.
             shard: part of the map that is computed, (number from 1, number of parts), for several machines; all others are
                 masked. `Map.merged` puts the parts together.
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
@@ -494,8 +532,8 @@ class Column:
             ranges: axes by keywords; two underscores are a dot.
 
         Raises:
-            ParameterError: axes, values or a number of cells that are not accepted; of a damaged column, an axis of the column, a
-                comparison, or a model other than `bars`.
+            ParameterError: axes, values or a number of cells that are not accepted; for a damaged column, an axis or a comparison of
+                what belongs to the column, or a model other than `bars`.
 
         Warns:
             IncompleteWarning: cells that cannot be computed. They are masked, and `failures` has the reasons.
@@ -512,7 +550,7 @@ class Column:
             warnings.warn(
                 f"{len(damage.failures)} of {damage.cells.size} cells cannot be computed and are masked; the first, {place}: {reason}",
                 IncompleteWarning,
-                stacklevel=2,
+                stacklevel=3,
             )
         return damage
 
@@ -526,31 +564,43 @@ class Column:
         changes: Mapping[str, AxisValues] | None = None,
         **ranges: Unpack[AxisKeywords],
     ) -> RefinedMap:
-        """The boundaries of the actions on a map, to 1 %, without its cells: `column-twin map --refine`.
+        """The boundaries of the actions on a map of two axes, to 1 %, without its cells: `column-twin map --refine`.
 
-        Arguments and errors are those of `map`.
+        Arguments and errors are the same as for `map`; a third axis is an error.
         """
         vehicle, given, compared = self._planned(axes, vehicle, compare, changes, ranges)
         return RefinedMap._of(json.loads(self._native.refine(_map_request(vehicle, given, compared, threads, model))))
 
-    @staticmethod
+    def _expect_axis(self, name: str) -> None:
+        """A name that is neither an axis nor a parameter may be a misspelt keyword."""
+        if name in _AXES or name in self:
+            return
+        meant = nearest(name, (*_AXES, *_MAP_KEYWORDS))
+        if meant:
+            raise ParameterError(f"{name} is neither a keyword nor an axis of a map (did you mean {meant}?)")
+        # The nearest parameter.
+        self[name]
+
     def _planned(
+        self,
         axes: tuple[str, ...],
         vehicle: str | Sequence[str] | None,
         compare: str | Mapping[str, AxisValues] | None,
         changes: Mapping[str, AxisValues] | None,
         ranges: Mapping[str, Any],
     ) -> tuple[str | None, list[NativeAxis], NativeAxis | None]:
-        """The vehicle, the two axes and the compared quantity of a map."""
+        """The vehicle, the axes and the compared quantity of a map."""
         given: list[NativeAxis] = list(axes)
         named = {**(changes or {}), **{name.replace("__", "."): values for name, values in ranges.items()}}
         if vehicle is not None and not isinstance(vehicle, str):
             named["vehicle"], vehicle = vehicle, None
+        for name in named:
+            self._expect_axis(name)
         given.extend(native_axis(name, values) for name, values in named.items())
-        if len(given) != 2:
+        if len(given) < 2:
             found = ", ".join(str(axis if isinstance(axis, str) else axis[0]) for axis in given) or "none"
             raise ParameterError(
-                "a map has two axes, such as mass=Range(2000, 12000, points=50), velocity=Range(1, 25, points=50); "
+                "a map has two axes or more, such as mass=Range(2000, 12000, points=50), velocity=Range(1, 25, points=50); "
                 f"found {found}"
             )
         if isinstance(compare, Mapping):
@@ -568,20 +618,21 @@ class Column:
         velocity: float | None = None,
         seed: int = 1,
     ) -> Readings:
-        """What the sensors of the column read in an impact, with their errors: `column-twin simulate --readings`.
+        """The readings of the sensors of the column in an impact, with their errors: `column-twin simulate --readings`.
 
-        The sensors are those of `sensors.names`, such as in config/sensors_industrial.yaml. The same seed gives the same readings.
+        The sensors are declared by `sensors.names`, such as in config/sensors_industrial.yaml. The same seed gives the same readings.
 
         Raises:
             ParameterError: an impact that is not accepted, or a column without sensors.
         """
-        return Readings(self._native.sensor_readings(_name(vehicle), mass, velocity, seed))
+        vehicle = _name(vehicle, mass=mass, velocity=velocity)
+        return Readings(self._native.sensor_readings(vehicle, mass, velocity, _seed(seed)))
 
     def estimate(self, readings: Readings | str | os.PathLike[str], *, seed: int = 1) -> ImpactEstimate | None:
-        """What struck the undamaged column, by the readings of its sensors: `column-twin estimate`. It takes seconds.
+        """The vehicle that struck the undamaged column, estimated from the readings of its sensors: `column-twin estimate`. It takes seconds.
 
         Args:
-            readings: those of `sensor_readings`, or a file in CSV: `time` [s] and a column for each sensor.
+            readings: from `sensor_readings`, or a file in CSV: `time` [s] and a column for each sensor.
             seed: seed of the random numbers; the same seed gives the same estimate.
 
         Returns:
@@ -592,7 +643,7 @@ class Column:
         """
         if not isinstance(readings, Readings):
             readings = Readings.from_file(readings)
-        found = self._native.estimate(readings.csv, seed)
+        found = self._native.estimate(readings.csv, _seed(seed))
         return None if found is None else ImpactEstimate(json.loads(found))
 
     def critical_velocities(
@@ -609,7 +660,8 @@ class Column:
             lowest: where the scan begins [m/s].
             highest: where it ends [m/s].
         """
-        brackets, _ = self._native.critical_velocities(_name(vehicle), mass, lowest, highest)
+        vehicle = _name(vehicle, mass=mass, lowest=lowest, highest=highest)
+        brackets, _ = self._native.critical_velocities(vehicle, mass, lowest, highest)
         actions = [it for it in Action if it is not Action.NONE]
         return {it: CriticalVelocity(*bracket) for it, bracket in zip(actions, brackets)}
 
@@ -660,7 +712,7 @@ class Column:
                 columns whose webs stand in any direction to the road.
             scenarios: file of scenarios of your own, as config/risk.json.
             samples: vehicles that are drawn.
-            seed: seed of the random numbers.
+            seed: seed of the random numbers, a whole number from 0 to 2^64 - 1.
             confidence: level of the intervals.
             exact: compute the response of every sample, and predict none from critical speeds.
             threads: number of threads; default: as many as there are processors.
@@ -670,13 +722,14 @@ class Column:
         Raises:
             ParameterError: a scenario, law or number that is not accepted, or a damaged column.
         """
+        if not isinstance(scenario, str):
+            raise ParameterError(f"scenario: expected a name such as 'urban', found {scenario!r}")
+        expect_numbers({"vehicles_per_day": vehicles_per_day, "years": years, "distance": distance, "confidence": confidence})
         for name, number in (("vehicles_per_day", vehicles_per_day), ("years", years)):
             if not (np.isfinite(number) and number > 0.0):
                 raise ParameterError(f"{name} {number}: expected a finite number > 0")
         if not 0.5 <= confidence <= 0.9999:
             raise ParameterError(f"confidence {confidence}: expected a number from 0.5 to 0.9999, such as 0.95")
-        if not 1 <= samples <= 10**12 or int(samples) != samples:
-            raise ParameterError(f"samples {samples}: expected a whole number from 1 to 1e12")
         text = None
         if scenarios is not None:
             try:
@@ -692,11 +745,11 @@ class Column:
                 "distributions": moved + list(distributions),
                 "vehicles_per_day": float(vehicles_per_day),
                 "years": float(years),
-                "samples": int(samples),
-                "seed": seed,
+                "samples": _whole("samples", samples, 1, 10**12),
+                "seed": _seed(seed),
                 "confidence": float(confidence),
                 "model": str(model),
-                "exact": exact,
+                "exact": bool(exact),
                 "threads": _threads(threads),
             }
         )
@@ -708,12 +761,12 @@ class Column:
         """The axial capacity of the column as it is, or with arguments, of the column after this impact.
 
         A static push-down finds the largest force that the column carries; docs/assessment.md describes it.
-        Arguments and errors are those of `simulate`.
+        Arguments and errors are the same as for `simulate`.
         """
         if vehicle is None and mass is None and velocity is None:
             report, curve = self._native.capacity()
         else:
-            report, curve = self._native.capacity_after(_name(vehicle), mass, velocity)
+            report, curve = self._native.capacity_after(_name(vehicle, mass=mass, velocity=velocity), mass, velocity)
         return Capacity(json.loads(report), PushDown(*(np.frombuffer(it, dtype=np.float64) for it in curve)))
 
     def _title(self) -> str:

@@ -10,7 +10,7 @@ class ColumnTwinError(Exception):
 class ParameterError(ColumnTwinError, ValueError):
     """Parameters, an impact or a study that are not accepted.
 
-    The text names what was expected, what was found and where; all faults are reported at once.
+    The text names what was expected, what was found and where; all faults are reported together.
     """
 
     @property
@@ -18,6 +18,13 @@ class ParameterError(ColumnTwinError, ValueError):
         """The faults, one line each."""
         first, *faults = str(self).splitlines() or [""]
         return [fault.strip() for fault in faults] or [first]
+
+
+class UnknownParameterError(ParameterError, KeyError):
+    """There is no parameter of this name. Also a `KeyError`, by which a mapping tells that it has no such key."""
+
+    # That of KeyError would put the text into quotes.
+    __str__ = Exception.__str__
 
 
 class SimulationError(ColumnTwinError, RuntimeError):

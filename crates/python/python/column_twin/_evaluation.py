@@ -65,7 +65,7 @@ for _found, _expected in ((EVALUATION.itemsize, native.ROW_BYTES), (CELL.itemsiz
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What one impact leads to, as far as a study compares it. SI units."""
+    """The effects of one impact that a study compares. SI units."""
 
     mass: float
     """Total mass of the vehicle [kg]."""
@@ -86,7 +86,7 @@ class Evaluation:
     max_plastic_rotation: float
     """Largest plastic rotation of a hinge [rad]."""
     action: Action
-    """What has to be done."""
+    """The required action."""
     outcome: Outcome
     """Whether the column yields, collapses or fractures."""
     deciding_criterion: str

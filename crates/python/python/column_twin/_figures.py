@@ -117,8 +117,10 @@ def damage_map(damage: Map, ax: Axes | None, label: str | None) -> Axes:
     if (cells["action"] == 255).any():
         handles.append(Patch(color=NOT_COMPUTED, label="not computed"))
     ax.legend(handles=handles, fontsize="small", loc="upper left")
-    if damage.cells.ndim == 3:
-        ax.set_title(label or damage.labels[0])
+    title = [label or damage.labels[0]] if damage.compared is not None else []
+    title += [axis._text(0) for axis in damage.fixed]
+    if title:
+        ax.set_title(", ".join(title))
     return ax
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from html import escape
+from itertools import islice, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -141,14 +142,23 @@ def column(column: Column) -> str:
     return f"<div><b>{text}</b>{below}</div>"
 
 
+_PLANES = 12
+"""Most planes of a map that are drawn."""
+
+
 def damage_map(damage: Map) -> str:
-    """How many cells have each action, and a drawing of the plane, one for each column that is compared."""
-    cells = damage._data.reshape(len(damage.labels), len(damage.rows), len(damage.columns))
+    """How many cells have each action, and drawings of the planes, one for each column that is compared and each combination of the
+    values of further axes."""
+    cells = damage._data.reshape(-1, len(damage.rows), len(damage.columns))
+    texts = [[axis._text(it) for it in range(len(axis))] for axis in (*damage.fixed, *damage.further)]
+    captions = [", ".join(it) for it in islice(product(damage.labels, *texts), _PLANES)]
     parts = [
         f"<figure style=\"display:inline-block;margin:4px\">{_plane(plane['action'])}"
-        f"<figcaption>{escape(label)}</figcaption></figure>"
-        for label, plane in zip(damage.labels, cells)
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+        for caption, plane in zip(captions, cells)
     ]
+    if len(cells) > _PLANES:
+        parts.append(f"<div>{_PLANES} of {len(cells)} planes</div>")
     counts = [
         f"{_badge(action)} {int((cells['action'] == action).sum())}"
         for action in Action

@@ -59,6 +59,8 @@ class ParameterKeywords(TypedDict, total=False):
     """t_w: thickness of the web, for its shear; overrides the value of a named section. A user-defined section yields in shear if it has this and `section.height` [m]"""
     section__flange_thickness: Number
     """t_f: thickness of the flanges, for the shear of the web; overrides the value of a named section [m]"""
+    section__shape: Literal["i_or_h", "rectangular_hollow", "circular_hollow"]
+    """shape of a user-defined section. rectangular_hollow: `section.height` and `section.width` over walls of the thickness `section.web_thickness`; circular_hollow: the diameter is `section.height`, the thickness of the wall `section.web_thickness`"""
     steel__grade: Text
     """steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty: the steel is user-defined. If files and overrides give one of the numbers but no grade, the grade is empty"""
     steel__young_modulus: Number
@@ -241,6 +243,8 @@ class ParameterKeywords(TypedDict, total=False):
     """plastic shear angle at which the web of a bar is fractured: the response ends there, and the column is fractured (ASCE/SEI 41-17, links that yield in shear; recalled). `assessment.ultimate_rotation: 0` lifts this limit, too [rad]"""
     assessment__criteria: Sequence[str]
     """criteria that decide the action; all others are shown only. `collapse` always decides"""
+    assessment__assumed: Sequence[str]
+    """inputs of the column that nobody has given and whose defaults are assumed: the action is then a lower bound, and its range reaches `evacuate`. Unless this list is given, it holds those that are left out where section.name or section.area is given. Another value of one of them removes it from the list; to confirm the assumed value, give this list without it"""
     assessment__range_velocity: Number
     """relative range of the speed of the vehicle, to both sides, within which the action of a verdict is sought. 0.1: a speed that is read from skid marks or a camera [A]"""
     assessment__range_height: Number
@@ -265,6 +269,8 @@ class ParameterKeywords(TypedDict, total=False):
     """initial bow of the fibre beam about each axis of `beam.bow_axes`, at most a twentieth of its height; 0: straight; negative: a thousandth of the height [m]"""
     beam__bow_axes: Literal["both", "strong", "weak"]
     """axes about which the fibre beam is bowed before the impact, and about which its capacity counts"""
+    beam__steel: Literal["bilinear", "plateau"]
+    """stress of the steel of the fibre beam over its strain. bilinear: it hardens from the first yield on, with `hardening.ratio`; plateau: it yields at the same stress at first and then hardens up to the tensile strength of `steel.grade` (EN 1993-1-14, after Yun and Gardner 2017)"""
     state__directory: Text
     """directory of the state file, which is named after the column and preserves the damage across restarts; `$XDG_STATE_HOME` is `~/.local/state` unless the environment sets it; empty: the damage is lost when the program ends"""
     real_time__priority: Whole
@@ -314,11 +320,11 @@ class ParameterKeywords(TypedDict, total=False):
     alarm__spool: Text
     """directory of the alarms that wait for delivery; each node needs one of its own; `$XDG_STATE_HOME` as for `state.directory`"""
     alarm__heartbeat: Number
-    """time between two heartbeats, whose absence tells the receiver that the node does not run or cannot be reached [s]"""
+    """time between two heartbeats, whose absence shows the receiver that the node does not run or cannot be reached [s]"""
     alarm__mqtt__broker: Text
     """broker of MQTT 5, such as mqtts://broker.example:8883; empty: no alarms by MQTT"""
     alarm__mqtt__client_id: Text
-    """name by which the broker knows the node; two nodes with the same one disconnect one another; empty: from the name of the node"""
+    """name by which the broker identifies the node; two nodes with the same one disconnect one another; empty: from the name of the node"""
     alarm__mqtt__topic: Text
     """template of the topics, with the fields {node}, {subject} (the column, or column/sensor) and {kind} (action, sensor_failed, node_stopped, heartbeat or test)"""
     alarm__mqtt__user: Text
@@ -326,7 +332,7 @@ class ParameterKeywords(TypedDict, total=False):
     alarm__mqtt__password_file: Text
     """file with the password of the user, which nobody else may read (mode 0600)"""
     alarm__mqtt__ca_file: Text
-    """certificates of the authorities that are trusted (PEM); empty: those of the system"""
+    """certificates of the authorities that are trusted (PEM); empty: the authorities of the system"""
     alarm__mqtt__certificate_file: Text
     """certificate of the node with its chain (PEM), if the broker asks for one"""
     alarm__mqtt__key_file: Text
@@ -342,7 +348,7 @@ class ParameterKeywords(TypedDict, total=False):
     alarm__webhook__secret_file: Text
     """file with the key of the signatures: whsec_ and at least 24 bytes in Base64 (Standard Webhooks, mode 0600)"""
     alarm__webhook__ca_file: Text
-    """certificates of the authorities that are trusted (PEM); empty: those of the system"""
+    """certificates of the authorities that are trusted (PEM); empty: the authorities of the system"""
     alarm__webhook__certificate_file: Text
     """certificate of the node with its chain (PEM), if the receiver asks for one"""
     alarm__webhook__key_file: Text
@@ -355,6 +361,14 @@ class ParameterKeywords(TypedDict, total=False):
     """whether it is an alarm that the node stops, in order or not"""
     metrics__address: Text
     """address and port from which Prometheus reads, such as 127.0.0.1:9464; empty: no metrics"""
+    foxglove__mode: Literal["off", "serve"]
+    """off: no live topics for Foxglove; serve: Foxglove connects to this program, past DDS and its security"""
+    foxglove__address: Text
+    """address and port to serve on; everybody who reaches an address that is not loopback sees the topics"""
+    foxglove__origins: Sequence[str]
+    """web pages that may connect, by their origins; programs, which send no origin, and pages of this machine always may"""
+    foxglove__control: bool
+    """whether Foxglove may set parameters and reset columns; `senders.*` does not limit it"""
     sensors__names: Sequence[str]
     """names of the sensors on the column, which the names of their parameters contain"""
 
@@ -564,4 +578,4 @@ class AxisKeywords(TypedDict, total=False):
     viewer__magnification: AxisNumbers
     """magnification factor of the displacements in the pictures; 1: true to scale"""
     alarm__heartbeat: AxisNumbers
-    """time between two heartbeats, whose absence tells the receiver that the node does not run or cannot be reached [s]"""
+    """time between two heartbeats, whose absence shows the receiver that the node does not run or cannot be reached [s]"""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from ._codes import Action
 from ._errors import ParameterError
 from ._evaluation import CATEGORIES, CELL, UNITS
+from ._range import expect_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +35,7 @@ class CriticalVelocity(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MapAxis:
-    """What varies along an axis of a map, and its values."""
+    """The quantity of an axis of a map, and its values."""
 
     name: str
     """`mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or the name of a parameter."""
@@ -53,19 +54,46 @@ class MapAxis:
     def __len__(self) -> int:
         return int(self.values.size)
 
+    def _place(self, value: object) -> int:
+        """The place of a value; of numbers, differences by rounding do not count."""
+        if self.values.dtype.kind == "U":
+            wanted = "".join(str(value).split()).casefold()
+            found = [index for index, it in enumerate(self.values) if str(it).casefold() == wanted]
+        else:
+            expect_numbers({self.name: value})
+            try:
+                found = list(np.flatnonzero(np.isclose(self.values, float(value), rtol=1e-9, atol=0.0)))  # type: ignore[arg-type]
+            except (TypeError, ValueError):
+                found = []
+        if len(found) != 1:
+            raise ParameterError(f"{self.name}: expected one of {_listed(self.values)}; found {value!r}")
+        return int(found[0])
+
+    def _text(self, place: int) -> str:
+        """The name of a value, or the number with title and unit."""
+        value = self.values[place]
+        return str(value) if self.values.dtype.kind == "U" else f"{self.title} {value:g} {self.unit}".rstrip()
+
+
+def _listed(values: npt.NDArray[Any]) -> str:
+    """The values in words; of many, the first and the last."""
+    texts = [str(it) for it in values.tolist()]
+    return ", ".join(texts if len(texts) <= 8 else [*texts[:4], "...", texts[-1]])
+
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Action, displacements, capacity and contact force over a plane of two quantities, for one column or several."""
+    """Action, displacements, capacity and contact force over two quantities or more, for one column or several."""
 
     rows: MapAxis
-    """The first axis of the arrays: the mass in a map of mass and velocity."""
+    """The last axis but one of the arrays: the mass in a map of mass and velocity."""
     columns: MapAxis
-    """The second axis of the arrays."""
+    """The last axis of the arrays: the velocity."""
     labels: list[str]
     """Names of the columns that are compared; one where nothing is compared."""
     cells: npt.NDArray[np.void]
-    """The fields of `EVALUATION` but mass and velocity, of shape (rows, columns), or (labels, rows, columns) for a comparison.
+    """The fields of `EVALUATION` but mass and velocity, of shape (rows, columns); further axes come before them, and the labels of a
+    comparison before all axes.
     Masked where a cell could not be computed, or belongs to another part of the map: comparisons, sums and means leave it out."""
     failures: dict[tuple[int, ...], str]
     """Why cells could not be computed, by their place."""
@@ -81,15 +109,24 @@ class Map:
     the reason why the beam has no answer. Empty for `bars`."""
     beam_units: dict[str, str] = field(default_factory=dict)
     """The unit of each entry of `beam`; empty where there is none."""
+    further: tuple[MapAxis, ...] = ()
+    """The axes of a map over more than two quantities that are neither rows nor columns, in the order of the arrays."""
+    fixed: tuple[MapAxis, ...] = ()
+    """The axes of which `at` has chosen one value, each with that value alone."""
+
+    @property
+    def axes(self) -> tuple[MapAxis, ...]:
+        """All axes in the order of the arrays; the labels of a comparison come before them."""
+        return (*self.further, self.rows, self.columns)
 
     @classmethod
     def _of(cls, computed: dict[str, Any], compared: str | None) -> Map:
         axes = [
             MapAxis(it["name"], it["title"], it["unit"], np.asarray(it["values"]))
-            for it in (computed["rows"], computed["columns"])
+            for it in (*computed["further"], computed["rows"], computed["columns"])
         ]
         labels: list[str] = computed["labels"]
-        shape = (*([len(labels)] if compared is not None else []), len(axes[0]), len(axes[1]))
+        shape = (*([len(labels)] if compared is not None else []), *map(len, axes))
         table = np.frombuffer(computed["cells"], dtype=CELL)
         first: int = computed["first"]
         failures = {first + index: text for index, text in computed["failures"].items()}
@@ -99,13 +136,13 @@ class Map:
             name: np.frombuffer(values, dtype=np.float64) if isinstance(values, bytearray) else np.array(values, dtype=object)
             for name, _, _, values in computed["beam"]
         }
-        damage = cls._of_cells((axes[0], axes[1]), labels, compared, table, failures, part, beam)
+        damage = cls._of_cells(axes, labels, compared, table, failures, part, beam)
         return replace(damage, model=computed["model"], beam_units={name: unit for name, unit, _, _ in computed["beam"]})
 
     @classmethod
     def _of_cells(
         cls,
-        axes: tuple[MapAxis, MapAxis],
+        axes: Sequence[MapAxis],
         labels: list[str],
         compared: str | None,
         table: npt.NDArray[np.void],
@@ -114,7 +151,7 @@ class Map:
         beam: dict[str, npt.NDArray[Any]],
     ) -> Map:
         """A map of the cells of `part` and what the beam says of them, with the failures by the numbers of their cells."""
-        shape = (*([len(labels)] if compared is not None else []), len(axes[0]), len(axes[1]))
+        shape = (*([len(labels)] if compared is not None else []), *map(len, axes))
         count = int(np.prod(shape))
 
         def whole(values: npt.NDArray[Any], missing: Any) -> npt.NDArray[Any]:
@@ -136,7 +173,8 @@ class Map:
             cells = np.ma.MaskedArray(cells, mask=mask)
         places = {tuple(int(it) for it in np.unravel_index(index, shape)): text for index, text in failures.items()}
         of_beam = {name: whole(it, None if it.dtype == object else np.nan) for name, it in beam.items()}
-        return cls(axes[0], axes[1], labels, cells, places, compared, part, beam=of_beam)
+        *further, rows, columns = axes
+        return cls(rows, columns, labels, cells, places, compared, part, beam=of_beam, further=tuple(further))
 
     @classmethod
     def merged(cls, parts: Sequence[Map]) -> Map:
@@ -154,9 +192,9 @@ class Map:
         tables = []
         of_beam: dict[str, list[npt.NDArray[Any]]] = {name: [] for name in one.beam}
         for it in ordered:
-            same = it.labels == one.labels and it.compared == one.compared and all(
+            same = (it.labels, it.compared, len(it.axes)) == (one.labels, one.compared, len(one.axes)) and all(
                 (mine.name, mine.unit) == (its.name, its.unit) and np.array_equal(mine.values, its.values)
-                for mine, its in ((one.rows, it.rows), (one.columns, it.columns))
+                for mine, its in zip(one.axes, it.axes)
             )
             if not same:
                 raise ParameterError("merged: expected parts of one map, found parts with different axes")
@@ -173,8 +211,7 @@ class Map:
         if reached != one.cells.size:
             raise ParameterError(f"merged: the cells from {reached} to {one.cells.size - 1} are missing")
         beam = {name: np.concatenate(them) for name, them in of_beam.items()}
-        axes = (one.rows, one.columns)
-        damage = cls._of_cells(axes, one.labels, one.compared, np.concatenate(tables), failures, None, beam)
+        damage = cls._of_cells(one.axes, one.labels, one.compared, np.concatenate(tables), failures, None, beam)
         return replace(damage, model=one.model, beam_units=one.beam_units)
 
     @property
@@ -187,15 +224,15 @@ class Map:
         return self.cells[field]
 
     def to_pandas(self) -> pd.DataFrame:
-        """A table with one row per cell: label, both axes, then the fields, with codes as words, and the results of the beam. Needs pandas."""
+        """A table with one row per cell: label, all axes, those of which `at` has chosen a value, then the fields, with codes as words, and
+        the results of the beam. Needs pandas."""
         import pandas as pd
 
-        labels, rows, columns = np.meshgrid(
-            np.array(self.labels), self.rows.values, self.columns.values, indexing="ij", sparse=False
-        )
-        table = pd.DataFrame(
-            {"label": labels.ravel(), self.rows.name: rows.ravel(), self.columns.name: columns.ravel()}
-        )
+        names = ["label", *(axis.name for axis in self.axes)]
+        places = np.meshgrid(np.array(self.labels), *(axis.values for axis in self.axes), indexing="ij", sparse=False)
+        table = pd.DataFrame({name: values.ravel() for name, values in zip(names, places)})
+        for axis in self.fixed:
+            table[axis.name] = axis.values[0]
         flat = self._data.reshape(-1)
         for name in flat.dtype.names or ():
             if name in CATEGORIES:
@@ -210,8 +247,8 @@ class Map:
         return table
 
     def to_xarray(self) -> xr.Dataset:
-        """The map as a data set: each axis and the compared quantity are dimensions with coordinates, and everything has its unit.
-        Needs xarray.
+        """The map as a data set: each axis, however many there are, and the compared quantity are dimensions with coordinates, and
+        everything has its unit. Needs xarray.
 
         Dots in names are underscores (`top_load`). Codes are numbers with `flag_values` and `flag_meanings`, NaN where a cell has not
         been computed.
@@ -220,11 +257,13 @@ class Map:
         """
         import xarray as xr
 
-        axes = [self.rows, self.columns]
-        names = [axis.name.replace(".", "_") for axis in axes]
-        coordinates: dict[str, Any] = {
-            name: (name, axis.values, {"units": axis.unit or "1", "long_name": axis.title}) for name, axis in zip(names, axes)
-        }
+        def notes_of(axis: MapAxis) -> dict[str, Any]:
+            return {"units": axis.unit or "1", "long_name": axis.title}
+
+        names = [axis.name.replace(".", "_") for axis in self.axes]
+        coordinates: dict[str, Any] = {name: (name, axis.values, notes_of(axis)) for name, axis in zip(names, self.axes)}
+        for axis in self.fixed:
+            coordinates[axis.name.replace(".", "_")] = ((), axis.values[0], notes_of(axis))
         if self.compared is not None:
             label = self.compared.replace(".", "_")
             names.insert(0, label)
@@ -244,13 +283,62 @@ class Map:
             fields[name] = (names, values, notes)
         return xr.Dataset(fields, coordinates, {"model": self.model})
 
+    def at(self, values: Mapping[str, object] | None = None, /, **keywords: object) -> Map:
+        """The map at one value of some of its `further` axes; with one of each, it is the plane that a figure shows.
+
+        >>> damage = column.map(top__load=[2e5, 6e5], mass=[1500, 2500], velocity=[4.0, 8.0], vehicle="van")
+        >>> damage.at(top__load=6e5).plot()
+
+        Args:
+            values: values by the names of their axes, with dots.
+            keywords: values by keywords; two underscores are a dot.
+
+        Raises:
+            ParameterError: a name that is none of the further axes, a value that the axis does not have, or a part of a map.
+        """
+        if self.part is not None:
+            raise ParameterError("at: expected a whole map, found a part of one; put its parts together with Map.merged")
+        chosen = {**(values or {}), **{name.replace("__", "."): value for name, value in keywords.items()}}
+        names = [axis.name for axis in self.further]
+        for name in chosen:
+            if name not in names:
+                raise ParameterError(f"at: expected one of the further axes, {', '.join(names) or 'of which there are none'}; found {name}")
+        places = [axis._place(chosen[axis.name]) if axis.name in chosen else None for axis in self.further]
+        # In front of the further axes there are the labels of a comparison, behind them the plane.
+        ahead = [None] if self.compared is not None else []
+        whole = [*ahead, *places, None, None]
+        index = tuple(slice(None) if it is None else it for it in whole)
+        failures = {
+            tuple(it for it, fixed in zip(place, whole) if fixed is None): text
+            for place, text in self.failures.items()
+            if all(fixed in (None, it) for it, fixed in zip(place, whole))
+        }
+        fixed = [replace(axis, values=axis.values[[it]]) for axis, it in zip(self.further, places) if it is not None]
+        return replace(
+            self,
+            cells=self.cells[index],
+            failures=failures,
+            beam={name: of_beam[index] for name, of_beam in self.beam.items()},
+            further=tuple(axis for axis, it in zip(self.further, places) if it is None),
+            fixed=(*self.fixed, *fixed),
+        )
+
     def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
-        """Action as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib."""
+        """Action as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib.
+
+        Raises:
+            ParameterError: a map over more than two quantities; choose a plane of it with `at`.
+        """
         from . import _figures
 
         return _figures.damage_map(self, ax, label)
 
     def _of_label(self, label: str | None) -> npt.NDArray[np.void]:
+        if self.further:
+            plane = ", ".join(f"{axis.name.replace('.', '__')}={axis.values[0].item()!r}" for axis in self.further)
+            raise ParameterError(
+                f"plot: a figure shows two axes, and this map has {len(self.axes)}; choose a plane, such as map.at({plane}).plot()"
+            )
         cells = self._data
         if cells.ndim == 2:
             return cells
@@ -258,15 +346,13 @@ class Map:
             label = self.labels[0]
         if label not in self.labels:
             raise ValueError(f"the map has no column {label!r}; it has {', '.join(self.labels)}")
-        plane: npt.NDArray[np.void] = cells[self.labels.index(label)]
-        return plane
+        of_label: npt.NDArray[np.void] = cells[self.labels.index(label)]
+        return of_label
 
     def __repr__(self) -> str:
         worst = [str(it) for it in Action if (self._data["action"] == it).any()]
-        return (
-            f"<Map {' x '.join(str(it) for it in self.cells.shape)}, {self.rows.name} and {self.columns.name}: "
-            f"{', '.join(worst)}>"
-        )
+        names = " and ".join(axis.name for axis in self.axes)
+        return f"<Map {' x '.join(str(it) for it in self.cells.shape)}, {names}: {', '.join(worst)}>"
 
     def _repr_html_(self) -> str:
         from . import _html

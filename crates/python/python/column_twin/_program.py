@@ -9,6 +9,7 @@ import subprocess
 import sysconfig
 import tempfile
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,11 +45,19 @@ def run_program(*arguments: str | os.PathLike[str]) -> str:
 
 
 def _run(path: str, arguments: Sequence[str]) -> str:
-    ran = subprocess.run([path, *arguments], capture_output=True, text=True, encoding="utf-8")
-    if ran.returncode != 0:
+    with subprocess.Popen([path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8") as program:
+        # In another thread: after Ctrl-C, `communicate` itself would wait a quarter of a second for the program before it raises.
+        with ThreadPoolExecutor(1) as reader:
+            printed = reader.submit(program.communicate)
+            try:
+                output, errors = printed.result()
+            except BaseException:
+                program.kill()
+                raise
+    if program.returncode != 0:
         command = " ".join(arguments[:1])
-        raise ProgramError(f"column-twin {command} ended with exit code {ran.returncode}: {ran.stderr.strip()}")
-    return ran.stdout
+        raise ProgramError(f"column-twin {command} ended with exit code {program.returncode}: {errors.strip()}")
+    return output
 
 
 def report(

@@ -129,7 +129,7 @@ class Result:
 
     @property
     def action(self) -> Action | None:
-        """What has to be done; None if the capacity could not be computed."""
+        """The required action; None if the capacity could not be computed."""
         action = self.report["action"]
         return None if action is None else Action[action.upper()]
 

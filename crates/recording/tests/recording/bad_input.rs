@@ -139,6 +139,40 @@ fn metadata_that_does_not_match() {
     Reader::open(&bag.directory).unwrap();
 }
 
+/// Wherever a file ends, exactly what precedes the cut is read and saved.
+#[test]
+fn of_a_file_cut_at_200_places_everything_before_the_cut_is_saved() {
+    const CUTS: usize = 200;
+    let bag = bag_of(ChunkCompression::Lz4);
+    let whole = fs::read(&bag.file).unwrap();
+    fs::remove_file(bag.directory.join("metadata.yaml")).unwrap();
+    let expected = sample(3000);
+    let mut last = 0;
+    for cut in 1..=CUTS {
+        fs::write(&bag.file, &whole[..whole.len() * cut / (CUTS + 1)]).unwrap();
+        let reader = Reader::open(&bag.file).unwrap();
+        assert!(!reader.wholeness().is_whole(), "cut {cut}");
+        let read = reader.message_count();
+        assert!(read >= last, "cut {cut}: {read} after {last}");
+        last = read;
+        let saved = bag.directory.with_file_name(format!("cut_{cut}"));
+        if reader.topics().is_empty() {
+            let nothing = repair(&bag.directory, Some(&saved));
+            assert!(
+                matches!(nothing, Err(RecordingError::NothingToSave { .. })),
+                "cut {cut}"
+            );
+            continue;
+        }
+        let repaired = repair(&bag.directory, Some(&saved)).unwrap().unwrap();
+        assert_eq!(repaired.messages, read, "cut {cut}");
+        let copy = Reader::open(&saved).unwrap();
+        assert!(copy.wholeness().is_whole(), "cut {cut}");
+        sample::assert_reads_back(&copy, &expected[..usize::try_from(read).unwrap()]);
+    }
+    assert!(last > 1500, "{last}");
+}
+
 #[test]
 fn a_truncated_file_is_read_up_to_its_end_and_repaired() {
     for compression in sample::COMPRESSIONS {

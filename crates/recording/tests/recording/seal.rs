@@ -17,7 +17,7 @@ use super::recorder::recordings;
 use super::sample::{self, COMPRESSIONS, sample, text_entry, text_topics, topics};
 
 /// Number of random changes.
-const CHANGES: u64 = 1000;
+const CHANGES: u64 = 1120;
 
 /// Messages between two flushes.
 pub const FLUSHED: usize = 20;
@@ -163,7 +163,7 @@ fn a_copy_with_other_chunks_and_the_same_records_holds() {
 }
 
 #[test]
-fn one_thousand_random_single_changes_are_all_noticed() {
+fn of_1120_random_single_changes_every_one_is_noticed() {
     let sealed = Sealed::new();
     let original = sealed.parts();
     let mut kinds = [0; KINDS];

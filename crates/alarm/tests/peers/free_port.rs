@@ -1,0 +1,22 @@
+//! A port for a server of a test.
+
+use std::net::TcpListener;
+use std::sync::atomic::{AtomicU16, Ordering};
+
+const PORTS: u16 = 15_000;
+
+/// A TCP port of 127.0.0.1 that nobody uses, from 15000 to 29999.
+///
+/// Linux gives the ports from 32768 on to outgoing connections. One of those can be taken before its server listens,
+/// even by the client that waits for the server.
+pub fn free_port() -> u16 {
+    static TRIED: AtomicU16 = AtomicU16::new(0);
+    let first = u16::try_from(std::process::id() % u32::from(PORTS)).expect("less than PORTS");
+    loop {
+        let tried = TRIED.fetch_add(1, Ordering::Relaxed);
+        let port = PORTS + (first + tried % PORTS) % PORTS;
+        if TcpListener::bind(("127.0.0.1", port)).is_ok() {
+            return port;
+        }
+    }
+}
