@@ -122,9 +122,9 @@ pub struct Assessment {
     pub load_basis: LoadBasis,
     /// Every criterion.
     pub criteria: Vec<Criterion>,
-    /// The finding that decides, without the action that is a lower bound.
+    /// What has to be done, without the action that is a lower bound, and why, each as sentences.
     #[serde(skip)]
-    finding: String,
+    finding: [String; 2],
     /// The load, and what the model does not know.
     #[serde(skip)]
     limits: String,
@@ -171,6 +171,16 @@ impl Assessment {
         }
     }
 
+    /// What stands before everything else, in two lines: what has to be done, in capitals, and why, with the number that decides and its
+    /// limit.
+    #[must_use]
+    pub fn first_lines(&self) -> [String; 2] {
+        let [what, why] = &self.finding;
+        let bound = if self.at_least { AT_LEAST } else { "" };
+        let action = in_capitals(self.action);
+        [format!("{bound}{action}: {what}"), why.clone()]
+    }
+
     /// Takes the verdict of the fibre beam on the same impact where it is more severe, with its reason and its deciding criterion;
     /// `because` says why it counts, as a part of a sentence. Returns whether it did.
     pub(crate) fn yield_to(&mut self, beam: &Self, because: &str) -> bool {
@@ -185,13 +195,13 @@ impl Assessment {
             return false;
         };
         self.criteria = self.worse_criteria(beam);
-        self.finding = format!(
-            "{} Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
-            capitalised(beam.action.order()),
+        let why = format!(
+            "Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
             beam.cause,
             numbers(deciding),
             self.action
         );
+        self.finding = [capitalised(beam.action.order()), why];
         self.limits = format!(" {} {OF_THE_BEAM}", beam.load);
         self.cause = beam.cause;
         self.action = beam.action;
@@ -236,7 +246,8 @@ impl Assessment {
             false => String::new(),
         };
         self.reservations = missing_data(&self.not_evaluated) + &self.limits;
-        self.reason = format!("{bound}{}{}", self.finding, self.reservations);
+        let [what, why] = &self.finding;
+        self.reason = format!("{bound}{what} {why}{}", self.reservations);
     }
 
     /// What the reason says beside the finding that decides: what was not evaluated and what is not known.
@@ -500,22 +511,26 @@ fn numbers(criterion: &Criterion) -> String {
     text + "."
 }
 
-/// What has to be done, the cause, and the number with its limit; or how far the column has come where nothing decides.
-fn finding(input: &AssessmentInput, action: Action, cause: &str, deciding: &Criterion) -> String {
-    match (action, input.utilisation) {
-        (Action::None, Some(utilisation)) => {
-            format!("No deciding criterion is exceeded. Largest utilisation: {utilisation}.")
+/// What has to be done; and the cause with the number and its limit, or how far the column has come where nothing decides.
+fn finding(
+    input: &AssessmentInput,
+    action: Action,
+    cause: &str,
+    deciding: &Criterion,
+) -> [String; 2] {
+    let what = match action {
+        Action::None => "No deciding criterion is exceeded.".to_owned(),
+        _ => capitalised(action.order()),
+    };
+    let why = match (action, input.utilisation) {
+        (Action::None, Some(utilisation)) => format!("Largest utilisation: {utilisation}."),
+        (Action::None, None) => {
+            let (name, statement) = (deciding.name, &deciding.statement);
+            format!("The closest to its limit is {name}: {statement}")
         }
-        (Action::None, None) => format!(
-            "No deciding criterion is exceeded. The closest to its limit is {}: {}",
-            deciding.name, deciding.statement
-        ),
-        _ => format!(
-            "{} Cause: {cause}.{}",
-            capitalised(action.order()),
-            numbers(deciding)
-        ),
-    }
+        _ => format!("Cause: {cause}.{}", numbers(deciding)),
+    };
+    [what, why]
 }
 
 /// What engineers call what is not known, by its name, as a part of a sentence.

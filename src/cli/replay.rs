@@ -25,7 +25,6 @@ use column_twin::ros::replay::{
 const CLOCK_HZ: &str = "40";
 
 /// Where Foxglove connects by default.
-#[cfg(feature = "foxglove")]
 const FOXGLOVE: &str = "127.0.0.1:8765";
 
 /// Arguments of `column-twin replay`, besides the ROS arguments.
@@ -60,8 +59,8 @@ pub struct ReplayArgs {
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE", requires = "shown")]
     config: Option<PathBuf>,
-    /// Instead of publishing, serve the recording to Foxglove at this address, with playback control, until Ctrl-C
-    #[cfg(feature = "foxglove")]
+    /// Instead of publishing, serve the recording to Foxglove at this address, with playback control, until Ctrl-C; needs a program
+    /// with the feature `foxglove`
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = FOXGLOVE, conflicts_with_all = ["clock", "wait_for_readers"])]
     #[cfg_attr(feature = "viewer", arg(conflicts_with = "shown"))]
     foxglove: Option<String>,
@@ -125,18 +124,29 @@ pub fn run(
         clock: arguments.clock,
         wait_for_readers: Duration::from_secs(u64::from(arguments.wait_for_readers)),
     };
-    #[cfg(feature = "foxglove")]
     if let Some(address) = &arguments.foxglove {
-        let mut terminal = Terminal::new();
-        let served = replay_to_foxglove(&options, address, &mut terminal);
-        drop(terminal);
-        return report(&served.map_err(failure)?, out);
+        return report(&serve_foxglove(&options, address)?, out);
     }
     let environment = client_environment(ros)?;
     let mut terminal = Terminal::new();
     let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
     drop(terminal); // restores the terminal before anything is printed
     report(&replayed.map_err(failure)?, out)
+}
+
+#[cfg(feature = "foxglove")]
+fn serve_foxglove(options: &ReplayOptions, address: &str) -> Result<Replayed, Failure> {
+    // It restores the terminal before anything is printed.
+    replay_to_foxglove(options, address, &mut Terminal::new()).map_err(failure)
+}
+
+#[cfg(not(feature = "foxglove"))]
+fn serve_foxglove(_: &ReplayOptions, _: &str) -> Result<Replayed, Failure> {
+    Err(Failure::plain(
+        Exit::BadInput,
+        "--foxglove: this program was built without live topics for Foxglove; build it with: cargo build --release --features \
+         foxglove. Or open the MCAP file of the recording in Foxglove",
+    ))
 }
 
 fn failure(error: ReplayError) -> Failure {

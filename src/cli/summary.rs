@@ -82,14 +82,20 @@ impl Summary<'_> {
 
     /// The verdict, before everything else.
     fn verdict(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let words = match &self.evaluation.assessment {
-            Some(assessment) => assessment.in_words(),
-            None => match &self.evaluation.capacity_fault {
-                Some(fault) => format!("NOT ASSESSED: {fault}"),
-                None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
-            },
-        };
-        wrapped(f, "Action", &words)?;
+        match (&self.evaluation.assessment, &self.evaluation.capacity_fault) {
+            (Some(assessment), _) => {
+                // Neither line is broken, so that the number that decides stands in the second one.
+                let [what, why] = assessment.first_lines();
+                writeln!(f, "Action     {what}\n           {why}")?;
+                wrapped(f, "", assessment.reservations().trim_start())?;
+            }
+            (None, Some(fault)) => wrapped(f, "Action", &format!("NOT ASSESSED: {fault}"))?,
+            (None, None) => wrapped(
+                f,
+                "Action",
+                "NOT ASSESSED: the capacity of the column could not be computed",
+            )?,
+        }
         if let Some(range) = &self.evaluation.range {
             wrapped(f, "Range", &range.to_string())?;
         }

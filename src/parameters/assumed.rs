@@ -36,7 +36,8 @@ pub(super) const ASSUMED: Parameter = Parameter {
     },
     applies: Applies::AtOnce,
     meaning: "inputs of the column that nobody has given and whose defaults are assumed: the action is then a lower bound, and its range \
-              reaches `evacuate`. Unless this list is given, it holds those that are left out where section.name or section.area is given. \
+              reaches `evacuate`. Unless this list is given, it holds those that are left out where column_id, section.name or section.area is \
+              given. \
               Another value of one of them removes it from the list; to confirm the assumed value, give this list without it",
 };
 
@@ -121,6 +122,14 @@ mod tests {
             let parameters = Parameters::load(&[file.into()], &[]).expect("admissible");
             assert_eq!(assumed(&parameters), [""; 0], "{file}");
         }
+    }
+
+    /// It had the section, the load and the supports of the built-in column as if somebody had given them, and got a plain NONE.
+    #[test]
+    fn a_column_of_which_only_the_name_is_given_is_assumed_to_be_the_built_in_one() {
+        assert_eq!(assumed(&loaded(&["column_id:=a3"])), NAMES);
+        let renamed = loaded(&[]).with_changes([("column_id", Value::from("a3"))]);
+        assert_eq!(assumed(&renamed.expect("admissible")), NAMES);
     }
 
     /// Its load and its supports were assumed without a word.

@@ -23,8 +23,10 @@ pub(super) struct Verdict {
     headline: String,
     /// Why, in plain words.
     cause: String,
-    /// The number that decides and its limit; empty where there is none.
-    numbers: String,
+    /// The number that decides and its limit, in the line of the cause; empty where there is none.
+    number: String,
+    /// The other causes, and the shape that the hit leaves.
+    besides: String,
     /// The model that decides.
     model: String,
     /// Between which actions the verdict lies; empty where it is not known.
@@ -53,7 +55,8 @@ impl Verdict {
                     class: "warning",
                     headline: format!("NO ASSESSMENT: {NOT_ASSESSED}"),
                     cause: format!("There is no assessment, because {reason}."),
-                    numbers: by_two_bars(impact),
+                    number: String::new(),
+                    besides: by_two_bars(impact),
                     model: String::new(),
                     range: String::new(),
                     reservations,
@@ -77,8 +80,9 @@ impl Verdict {
                 _ => class_of(assessment.action),
             },
             headline: headline(assessment),
-            cause: cause(assessed),
-            numbers: numbers(impact, assessed),
+            cause: cause(assessment),
+            number: number(impact, assessed),
+            besides: format!("{}{}", other_causes(assessed), shape(impact, assessed)),
             model: model(assessed),
             range: range.map_or(String::new(), |range| {
                 format!("Range of the verdict: {range}.")
@@ -93,8 +97,8 @@ impl Verdict {
         html! {
             div.verdict.(self.class) {
                 p.headline { (before) (self.headline) }
-                p { strong { (self.cause) } }
-                @if !self.numbers.is_empty() { p { (self.numbers) } }
+                p { strong { (self.cause) } " " (self.number) }
+                p { (self.besides) }
                 @if !self.model.is_empty() { p { (self.model) } }
                 @if !self.range.is_empty() { p { (self.range) } }
                 @for reservation in &self.reservations { p.reservation { (reservation) } }
@@ -120,36 +124,38 @@ fn headline(assessment: &Assessment) -> String {
     format!("{at_least}{action}: {}", assessment.action.order())
 }
 
-fn cause(assessed: &Assessed) -> String {
-    let assessment = &assessed.assessment;
+fn cause(assessment: &Assessment) -> String {
     match assessment.action {
         Action::None => "No limit of the checks that decide is exceeded.".to_owned(),
-        action => {
-            let others = assessed.criteria.iter().filter(|it| {
-                let is_as_severe = it.decides && it.exceeded == Some(true) && it.action == action;
-                is_as_severe && it.name != assessment.deciding_criterion
-            });
-            let causes: Vec<_> = others.map(|it| it.cause).collect();
-            let also = match &causes[..] {
-                [] => String::new(),
-                _ => format!(" Also: {}.", causes.join("; ")),
-            };
-            format!("Cause: {}.{also}", assessment.cause)
-        }
+        _ => format!("Cause: {}.", assessment.cause),
     }
 }
 
-/// The number that decides with its limit, and the shape that the hit leaves.
-fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
+/// The causes of the other checks that lead to the same action, as a sentence before the next one; empty where there are none.
+fn other_causes(assessed: &Assessed) -> String {
     let assessment = &assessed.assessment;
-    let mut text = String::new();
+    let others = assessed.criteria.iter().filter(|it| {
+        let is_as_severe =
+            it.decides && it.exceeded == Some(true) && it.action == assessment.action;
+        is_as_severe && it.name != assessment.deciding_criterion
+    });
+    let causes: Vec<_> = others.map(|it| it.cause).collect();
+    match (&causes[..], assessment.action) {
+        ([], _) | (_, Action::None) => String::new(),
+        _ => format!("Also: {}. ", causes.join("; ")),
+    }
+}
+
+/// The number that decides with its limit, or how far the column has come where nothing decides.
+fn number(impact: &ReportedImpact, assessed: &Assessed) -> String {
+    let assessment = &assessed.assessment;
     match assessed.deciding() {
         Some(criterion) if assessment.action > Action::None && criterion.name != "collapse" => {
-            if let (Some(value), Some(limit)) =
-                (value_in_words(criterion), limit_in_words(criterion))
-            {
-                let name = criterion.quantity();
-                text = format!("{name}: {value}; limit {limit}. ");
+            match (value_in_words(criterion), limit_in_words(criterion)) {
+                (Some(value), Some(limit)) => {
+                    format!("{}: {value}; limit {limit}.", criterion.quantity())
+                }
+                _ => String::new(),
             }
         }
         // Of an oblique hit the two bars know a part.
@@ -159,11 +165,15 @@ fn numbers(impact: &ReportedImpact, assessed: &Assessed) -> String {
                 && !impact.is_oblique() =>
         {
             let utilisation = Utilisation::of_report(&impact.report);
-            text = format!("Largest utilisation of the column: {utilisation}. ");
+            format!("Largest utilisation of the column: {utilisation}.")
         }
-        _ => (),
+        _ => String::new(),
     }
-    text + &match assessed.by_beam() {
+}
+
+/// The shape that the hit leaves, by the model that decides.
+fn shape(impact: &ReportedImpact, assessed: &Assessed) -> String {
+    match &assessed.by_beam() {
         Some(by_beam) => beam_words::outcome(by_beam),
         None => by_two_bars(impact),
     }

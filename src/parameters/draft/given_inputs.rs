@@ -8,6 +8,8 @@ use crate::parameters::value::Value;
 
 /// The parameters of which each one says which section a column has.
 const SECTION: [&str; 2] = ["section.name", "section.area"];
+/// Whoever gives a column its name has a column of his own, even if he says nothing else of it.
+const NAME: &str = "column_id";
 
 impl Draft {
     /// Lets the list follow a change of the section where that is the one of the built-in column, of which nobody has said anything.
@@ -17,14 +19,14 @@ impl Draft {
             let index = Parameter::index_of(name);
             index.is_some_and(|it| self.slots[it].value == PARAMETERS[it].default_value())
         };
-        let mut names = ["column_id", ASSUMED.name].into_iter().chain(SECTION);
+        let mut names = [NAME, ASSUMED.name].into_iter().chain(SECTION);
         let is_built_in = names.all(has_default);
         if let Some(index) = Parameter::index_of(ASSUMED.name).filter(|_| is_built_in) {
             self.slots[index].place = None;
         }
     }
 
-    /// Which inputs of a column whose section is given nobody has given. A list that is given itself, as in what this program writes,
+    /// Which inputs of a column whose name or section is given nobody has given. A list that is given itself, as in what this program writes,
     /// loses an input of which another value is given later. Of the built-in column whose section is replaced, an input with the
     /// built-in value counts as given only where it is given together with the section.
     pub(super) fn follow_given_inputs(&mut self) {
@@ -32,10 +34,12 @@ impl Draft {
             return;
         };
         let list = &self.slots[index];
-        let has_section = SECTION.iter().any(|name| {
-            let section = self.slot(name).filter(|it| it.group > 0 && !it.is_same);
-            section.is_some_and(|it| it.value != Value::from("") && it.value != Value::from(0.0))
-        });
+        let given = |name: &str| self.slot(name).filter(|it| it.group > 0 && !it.is_same);
+        let is_own_column = given(NAME).is_some()
+            || SECTION
+                .iter()
+                .filter_map(|name| given(name))
+                .any(|it| it.value != Value::from("") && it.value != Value::from(0.0));
         let is_assumed = |input: &AssumedInput| {
             let mut slots = input.given_by().iter().filter_map(|name| {
                 let index = Parameter::index_of(name)?;
@@ -47,7 +51,7 @@ impl Draft {
             });
             match list.place {
                 Some(_) => slots.all(|it| it.is_same || it.group <= list.group),
-                None => has_section && slots.next().is_none(),
+                None => is_own_column && slots.next().is_none(),
             }
         };
         let candidates = match (&list.place, &list.value) {

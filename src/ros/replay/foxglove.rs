@@ -249,6 +249,10 @@ impl Player<'_> {
                 if topic.is_kept {
                     before.insert(topic.channel, (message.log_time, bytes));
                 }
+                // A long recording takes seconds to read, and whoever waits for them may want to stop or to go elsewhere.
+                if let Some(waited) = self.poll_if_due(now()) {
+                    return Ok(waited);
+                }
                 continue;
             }
             self.send_all(std::mem::take(&mut before));
@@ -285,15 +289,12 @@ impl Player<'_> {
         self.wait_for(self.span.1)
     }
 
-    /// Waits until a recorded time is due, and meanwhile hears clients, keys and signals.
+    /// Waits until a recorded time is due, and meanwhile polls.
     fn wait_for(&mut self, recorded: i64) -> Waited {
         loop {
             let at = now();
-            if at >= self.next_poll {
-                self.next_poll = at + POLL_PERIOD.as_nanos() as i64;
-                if let Some(waited) = self.poll(at) {
-                    return waited;
-                }
+            if let Some(waited) = self.poll_if_due(at) {
+                return waited;
             }
             let due = self.pace.due(recorded);
             if due.is_some_and(|due| due <= at) {
@@ -303,7 +304,12 @@ impl Player<'_> {
         }
     }
 
-    fn poll(&mut self, at: i64) -> Option<Waited> {
+    /// Hears clients, keys and signals, at most once in a period.
+    fn poll_if_due(&mut self, at: i64) -> Option<Waited> {
+        if at < self.next_poll {
+            return None;
+        }
+        self.next_poll = at + POLL_PERIOD.as_nanos() as i64;
         self.tell_notices();
         let shown = progress(&self.pace, self.span, self.sent);
         self.controls.show(&shown);
