@@ -71,8 +71,12 @@ pub struct VerdictLoad {
 pub struct OtherModel {
     /// Whether the column gives way under its load.
     pub collapsed: bool,
-    /// Whether the steel yields anywhere.
+    /// Whether the steel yields anywhere, beyond what residual stresses alone make it yield.
     pub yielded: bool,
+    /// Largest residual rotations of cross-sections below and above the impact point \[rad\].
+    pub rotation: [f64; 2],
+    /// Residual shear angles of the web below and above the impact point \[rad\].
+    pub shear_angle: [f64; WEBS],
     /// Residual displacement of the impact point, whatever its direction \[m\]; `None` after a collapse.
     pub residual: Option<f64>,
     /// Largest residual distance of the axis from that of the undamaged column, at any height \[m\]; `None` after a collapse.
@@ -362,11 +366,23 @@ impl AssessmentInput {
         }
     }
 
-    /// The same impact as another model sees it. Its plastic rotations are those of the kink that its residual displacement makes.
+    /// The same impact as another model sees it. Its plastic rotations are those of its cross-sections.
     #[must_use]
     pub fn by_another_model(&self, other: &OtherModel) -> Self {
-        let kink = other.residual.filter(|_| other.yielded).unwrap_or(0.0);
-        let [below, above] = [kink / self.length_below, kink / self.length_above];
+        let stands_bent = other.yielded && !other.collapsed;
+        let [below, above] = if stands_bent {
+            other.rotation
+        } else {
+            [0.0; 2]
+        };
+        let shear = self.shear.map(|shear| AssessedShear {
+            plastic_angle: if stands_bent {
+                other.shear_angle
+            } else {
+                [0.0; WEBS]
+            },
+            ..shear
+        });
         let mut base_demand = self.base_demand;
         if let Some(demand) = &mut base_demand {
             demand.has_flowed = other.yielded;
@@ -384,6 +400,7 @@ impl AssessmentInput {
                 ..impact
             }),
             plastic_rotation: [below, above, above, below],
+            shear,
             residual_v1: other.residual,
             larger_bow: other.bow,
             utilisation: None,
@@ -439,6 +456,14 @@ impl AssessmentInput {
         let kink = self.bow_of_kink(self.residual_v1?);
         let column = self.bow_of_column().filter(|bow| *bow > kink);
         Some(column.unwrap_or(kink))
+    }
+
+    /// The kink that the residual displacement makes at the impact point \[rad\]; `None` if the column has no equilibrium, or it is
+    /// not known.
+    #[must_use]
+    pub fn kink(&self) -> Option<f64> {
+        let v1 = self.residual_v1?.abs();
+        Some(v1 / self.length_below + v1 / self.length_above)
     }
 
     /// The bow of the bent part over its length if the impact point lies this far from the line between the supports \[m\].

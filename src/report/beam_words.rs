@@ -3,7 +3,6 @@
 use super::assessed::ByBeam;
 use super::impact_section::ResultRow;
 use super::words::{millimetres, part_of};
-use crate::assessment::largest_plastic_rotation;
 use crate::column::Outcome;
 use crate::figures::units::significant;
 use crate::second_opinion::is_out_of_plane;
@@ -118,7 +117,8 @@ fn bow(by_beam: ByBeam<'_>) -> String {
     format!("{} = {}{at}", millimetres(bow), part_of(bow, seen.height()))
 }
 
-/// The kink that remains at the impact point \[rad\], with which the checks judge the beam.
+/// The kink that remains at the impact point \[rad\], as it can be measured along the axis: with the shear of the web, of which the
+/// plastic rotations know nothing.
 fn kink((_, seen): ByBeam<'_>) -> f64 {
-    largest_plastic_rotation(&seen.plastic_rotation)
+    seen.kink().unwrap_or(f64::NAN)
 }

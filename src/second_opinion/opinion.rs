@@ -213,6 +213,8 @@ impl SecondOpinion {
         bars.by_another_model(&OtherModel {
             collapsed: !stands,
             yielded: self.has_yielded(),
+            rotation: beam.residual_rotation_rad,
+            shear_angle: beam.residual_shear_angle_rad,
             residual: stands.then_some(residual),
             bow: stands.then_some(beam.residual_bow_m),
             peak,
@@ -299,10 +301,10 @@ impl SecondOpinion {
         }
     }
 
-    /// Whether a fibre has yielded, now or in an earlier impact.
+    /// Whether the steel has yielded, now or in an earlier impact, beyond what residual stresses alone make it yield.
     #[must_use]
     pub fn has_yielded(&self) -> bool {
-        self.beam.outcome != BeamEnd::Elastic
+        self.beam.outcome != BeamEnd::Elastic && self.beam.yielded_beyond_residual_stress
     }
 
     /// How the response of the beam ends, in the words of the two bars.

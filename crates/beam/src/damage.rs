@@ -43,7 +43,7 @@ struct Yielded {
 }
 
 /// The rotation of a triad that was upright.
-fn rotation(triad: &Triad) -> [f64; 3] {
+pub(crate) fn rotation(triad: &Triad) -> [f64; 3] {
     let [a, b, c] = triad;
     let per = 2.0 / (1.0 + a[0] + b[1] + c[2]);
     [b[2] - c[1], c[0] - a[2], a[1] - b[0]].map(|x| per * x)

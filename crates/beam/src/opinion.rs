@@ -6,7 +6,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError, BowAxes};
 use super::contact::touches;
-use super::damage::Damage;
+use super::damage::{Damage, rotation};
+use super::element::Triad;
 use super::mesh::{self, nearest};
 use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
@@ -81,10 +82,22 @@ pub struct BeamOutcome {
     /// At which height above the base \[m\]; NaN after a collapse.
     #[serde(default = "not_known", deserialize_with = "nan_where_null")]
     pub residual_bow_height_m: f64,
+    /// Largest rotation of a cross-section below and above the impact point that all impacts have left, from the undamaged column under
+    /// its load, about any horizontal axis \[rad\]; NaN after a collapse. The sum is the kink at the impact without the shear of the
+    /// web, which turns no cross-section.
+    #[serde(default = "neither_known", deserialize_with = "nans_where_null")]
+    pub residual_rotation_rad: [f64; 2],
+    /// Angle by which all impacts have left the web sheared below and above the impact point \[rad\]; NaN after a collapse.
+    #[serde(default = "neither_known", deserialize_with = "nans_where_null")]
+    pub residual_shear_angle_rad: [f64; 2],
     /// When the peak displacement is reached \[s\].
     pub max_displacement_time_s: f64,
     /// How it ended.
     pub outcome: Outcome,
+    /// Whether a section without the residual stresses of rolling would have yielded, too: they make a fibre yield long before, without
+    /// leaving anything to be seen.
+    #[serde(default = "is_so")]
+    pub yielded_beyond_residual_stress: bool,
     /// Largest axial force that the undamaged column bears, bowed about the strong axis and about the weak axis \[N\]; 0 about an
     /// axis about which the column has to be held to bear its load.
     pub undamaged_capacity_n: [f64; 2],
@@ -111,6 +124,20 @@ pub struct BeamOutcome {
 /// A state file of an earlier build does not have it.
 fn not_known() -> f64 {
     f64::NAN
+}
+
+fn neither_known() -> [f64; 2] {
+    [f64::NAN; 2]
+}
+
+fn is_so() -> bool {
+    true
+}
+
+/// JSON has no NaN, which is written as null.
+fn nans_where_null<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {
+    let found = <[Option<f64>; 2]>::deserialize(from)?;
+    Ok(found.map(|it| it.unwrap_or(f64::NAN)))
 }
 
 /// JSON has no NaN, which is written as null.
@@ -162,6 +189,10 @@ struct Remains {
     displacement: [f64; 2],
     /// Distance from the undamaged axis and its height.
     bow: [f64; 2],
+    /// Of cross-sections and of the web, below and above the impact point, from the undamaged column.
+    rotation: [f64; 2],
+    shear: [f64; 2],
+    yielded_beyond_residual_stress: bool,
     damage: Damage,
 }
 
@@ -345,9 +376,17 @@ impl BeamModel {
                 [bowed, bowed_left.filter(|_| residual.is_some())].map(|force| force.unwrap_or(0.0))
             }
         };
-        let (remains, bow, damage) = match residual {
-            Some(it) => (it.displacement, it.bow, Some(it.damage)),
-            None => ([f64::NAN; 2], [f64::NAN; 2], None),
+        let nothing = [f64::NAN; 2];
+        let (remains, bow, rotation, shear, beyond, damage) = match residual {
+            Some(it) => (
+                it.displacement,
+                it.bow,
+                it.rotation,
+                it.shear,
+                it.yielded_beyond_residual_stress,
+                Some(it.damage),
+            ),
+            None => (nothing, nothing, nothing, nothing, true, None),
         };
         let outcome = BeamOutcome {
             max_displacement_m: course.largest[0],
@@ -357,12 +396,15 @@ impl BeamModel {
             displaced_before_m: before,
             residual_bow_m: bow[0],
             residual_bow_height_m: bow[1],
+            residual_rotation_rad: rotation,
+            residual_shear_angle_rad: shear,
             max_displacement_time_s: course.time,
             outcome: match (damage.is_none(), course.yielded) {
                 (true, _) => Outcome::Collapse,
                 (false, true) => Outcome::Plastic,
                 (false, false) => Outcome::Elastic,
             },
+            yielded_beyond_residual_stress: beyond,
             undamaged_capacity_n: undamaged,
             residual_capacity_n: left,
             base_shear_n: course.base_shear,
@@ -508,17 +550,17 @@ impl BeamModel {
         let node = nearest(&heights, column.length_below);
         let touches = touches(column, &heights);
         let undamaged = match damage {
-            None => state.moved.clone(),
+            None => state.clone(),
             Some(_) => {
                 let mut new = beam.undamaged();
                 if !settle(&beam, &mut new, &mut solver) {
                     return Err(Stopped::Unstable);
                 }
-                new.moved
+                new
             }
         };
         let rest = state.moved[node];
-        watch.begin(&undamaged, &state.moved, node);
+        watch.begin(&undamaged.moved, &state.moved, node);
         let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
         if !run.follow(secs, &rest, watch) {
             return Err(Stopped::Budget);
@@ -529,7 +571,7 @@ impl BeamModel {
             });
         }
         // Both are at rest: what lies between is what earlier impacts have left.
-        let before = run.between(&undamaged[node], &rest);
+        let before = run.between(&undamaged.moved[node], &rest);
         let mut residual = None;
         if !run.course.collapsed {
             let stands = settle(&beam, &mut run.state, &mut run.solver);
@@ -541,7 +583,15 @@ impl BeamModel {
                 watch.rest(&run.state.moved);
                 residual = Some(Remains {
                     displacement: run.displacement(&rest),
-                    bow: largest_distance(&run.state.moved, &undamaged, &heights[..=last]),
+                    bow: largest_distance(&run.state.moved, &undamaged.moved, &heights[..=last]),
+                    rotation: [0..=node, node..=last].map(|nodes| {
+                        largest_rotation(&run.state.triads[nodes.clone()], &undamaged.triads[nodes])
+                    }),
+                    shear: std::array::from_fn(|bar| {
+                        (run.state.shear[bar] - undamaged.shear[bar]).abs()
+                    }),
+                    yielded_beyond_residual_stress: (run.state.points.iter())
+                        .any(|point| beam.section.has_yielded_beyond_residual_stress(point)),
                     damage: Damage::of(&beam, &run.state),
                 });
             }
@@ -697,4 +747,13 @@ fn largest_distance(moved: &[[f64; 3]], undamaged: &[[f64; 3]], heights: &[f64])
         }
     }
     largest
+}
+
+/// The largest rotation of cross-sections from where they are in the undamaged column, about any horizontal axis \[rad\].
+fn largest_rotation(triads: &[Triad], undamaged: &[Triad]) -> f64 {
+    let turned = triads.iter().zip(undamaged).map(|(now, before)| {
+        let ([_, y, z], [_, of_y, of_z]) = (rotation(now), rotation(before));
+        libm::hypot(y - of_y, z - of_z)
+    });
+    turned.fold(0.0, f64::max)
 }

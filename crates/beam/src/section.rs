@@ -435,6 +435,19 @@ impl Section {
         })
     }
 
+    /// Whether a fibre has flowed further than its residual stress alone makes it flow: a section without residual stresses would have
+    /// yielded, too. One that such a section would have borne elastically strains a fibre plastically by its residual stress over
+    /// `E` at most.
+    pub fn has_yielded_beyond_residual_stress(&self, point: &PointState) -> bool {
+        let beyond = |plastic: f64, initial: f64| plastic > initial.abs();
+        let mut plain = self.plastic_strains(point).zip(&self.plain.initial);
+        let mut web = point.web.iter().zip(&self.web.initial);
+        plain.any(|(strain, initial)| beyond(strain.abs(), *initial))
+            || web.any(|([normal, shear], initial)| {
+                beyond(libm::hypot(*normal, shear / 3.0_f64.sqrt()), *initial)
+            })
+    }
+
     /// A section whose fibres have these plastic strains.
     pub fn point(&self, plain: &[f64], web: Vec<[f64; 2]>) -> PointState {
         let mut state = self.undamaged();
