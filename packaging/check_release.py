@@ -38,7 +38,7 @@ class Copy:
         self.git("init", "--quiet")
         # The commit of a release has its date, and states the release, already.
         for name, expression, by in (("CHANGELOG.md", rf"^## \[Unreleased\] - {re.escape(self.version)}$", f"## [{self.version}] - 2026-01-31"),
-                                     ("README.md", "has not been released", "is a release")):
+                                     ("README.md", "is not released", "is a release")):
             (self.root / name).write_text(re.sub(expression, by, self.read(name), flags=re.MULTILINE))
         self.commit()
         self.tools.mkdir()
@@ -165,7 +165,7 @@ def main() -> None:
     rejected("a lock file of before", version("Cargo.lock", rf'(?<=name = "column_beam"\nversion = "){number}'), "Cargo.lock: expected column_beam")
     rejected("a changelog without the version", version("CHANGELOG.md", rf"(?<=^## \[){number}"), "CHANGELOG.md: expected a section")
     rejected("a changelog without a date", without_date, "CHANGELOG.md: expected a section")
-    rejected("a README of before", lambda copy: copy.replace("README.md", r"\Z", "It has not been released.\n"), "README.md: it says")
+    rejected("a README of before", lambda copy: copy.replace("README.md", r"\Z", "It is not released.\n"), "README.md: it says")
     rejected("a tag at another commit", tagged_before, "does not exist; it names")
     print("packaging/release.sh --dry-run accepts and rejects what it should")
 
