@@ -6,8 +6,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::assessed::Assessed;
 use super::details::ReportDetails;
-use super::detected_section;
 #[cfg(feature = "record")]
+use super::detected_section;
 use super::facts::fact;
 use super::impact_section;
 use super::limits_section;

@@ -61,7 +61,6 @@ mod document;
 mod energy_balance;
 mod estimate_document;
 mod estimate_section;
-#[cfg(feature = "record")]
 mod facts;
 mod impact_section;
 mod inspection;

@@ -173,7 +173,7 @@ fn number(impact: &ReportedImpact, assessed: &Assessed) -> String {
 
 /// The shape that the hit leaves, by the model that decides.
 fn shape(impact: &ReportedImpact, assessed: &Assessed) -> String {
-    match &assessed.by_beam() {
+    match assessed.by_beam() {
         Some(by_beam) => beam_words::outcome(by_beam),
         None => by_two_bars(impact),
     }
