@@ -47,8 +47,8 @@ class Vehicle:
     mass: float
     """Total mass, which an impact has unless another one is given [kg]."""
     data: dict[str, Any]
-    """Every number, with the unit in its name, its tag ([T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption) and its
-    source, as in config/vehicles.json."""
+    """Every number with its source and its tag, as in config/vehicles.json; the names end with the SI unit. The tags are [T] read in the
+    source, [C] computed, [M] recalled and not verified, and [A] assumption."""
 
     def __repr__(self) -> str:
         return f"<Vehicle {self.name}: {self.description}, {self.mass:g} kg>"

@@ -38,7 +38,8 @@ class Outcome(IntEnum):
     COLLAPSED = 2
     """The column has lost its shape or its equilibrium."""
     FRACTURED = 3
-    """A hinge has exceeded its ultimate plastic rotation, or a web its ultimate plastic shear angle. It is fractured and carries nothing."""
+    """A hinge has exceeded its ultimate plastic rotation, or a web its ultimate plastic shear angle: it is fractured and carries
+    nothing."""
 
     def __str__(self) -> str:
         return self.name.lower()

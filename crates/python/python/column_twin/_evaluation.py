@@ -95,8 +95,9 @@ class Evaluation:
     """Name of the criterion from which the action follows, one of `CRITERIA`."""
 
     @classmethod
-    def _of(cls, numbers: list[float], codes: bytes) -> Evaluation:
-        mass, velocity, max_v1, residual_v1, force, capacity, ratio, reserve, rotation = numbers
+    def _of(cls, velocity: float, numbers: list[float], codes: bytes) -> Evaluation:
+        # The native part has the component of the velocity in the plane of the two bars.
+        mass, _, max_v1, residual_v1, force, capacity, ratio, reserve, rotation = numbers
         action, outcome, criterion = codes
         return cls(
             mass=mass,

@@ -17,8 +17,8 @@ class ColumnProperties:
     height: float
     """L_a + L_b: height of the column [m]."""
     impact_height: float
-    """L_a: height of the impact point above the base [m]. Where `geometry.height` gives the column, a vehicle that a call names strikes at its
-    own height instead."""
+    """L_a: height of the impact point above the base [m]. Where `geometry.height` gives the column, a vehicle that a call names strikes
+    at its own height instead."""
     area: float
     """A: area of the section [m^2]."""
     second_moment: float

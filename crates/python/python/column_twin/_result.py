@@ -108,12 +108,12 @@ class Result:
 
     @property
     def crush(self) -> _Array:
-        """Crush of each spring of the vehicle, beginning at the front [m], of shape (steps, springs), with no springs in a rigid vehicle."""
+        """Crush of each spring of the vehicle, beginning at the front [m], of shape (steps, springs); a rigid vehicle has no springs."""
         return self._of_springs("crush", "m")
 
     @property
     def crush_force(self) -> _Array:
-        """Force of each spring of the vehicle, beginning at the front [N], of shape (steps, springs), with no springs in a rigid vehicle."""
+        """Force of each spring of the vehicle, beginning at the front [N], of shape (steps, springs); a rigid vehicle has no springs."""
         return self._of_springs("crush_force", "N")
 
     @property
@@ -140,8 +140,8 @@ class Result:
 
     @property
     def criteria(self) -> list[dict[str, Any]]:
-        """The criteria, each with `name`, `edition`, `tag`, `value`, `limit`, `unit`, `margin`, `action`, a statement in words, and `decides`
-        for the criterion from which the action follows. It is empty if the capacity could not be computed."""
+        """The criteria, each with `name`, `edition`, `tag`, `value`, `limit`, `unit`, `margin`, `action`, a statement in words, and
+        `decides` for the criterion from which the action follows. It is empty if the capacity could not be computed."""
         return list(self.report["criteria"] or [])
 
     @property
