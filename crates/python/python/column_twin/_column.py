@@ -675,7 +675,8 @@ class Column(Mapping[str, Value]):
         >>> column.refined_map(mass=Range(1000, 3000, points=20), velocity=Range(1, 20, points=40), vehicle="van").plot()
 
         Args:
-            axes: as in `map`, two axes in all.
+            axes: as in `map`, two axes in all. The axis of the columns, such as the velocity, is a `Range`, along which a boundary is
+                searched.
             vehicle: the vehicle of all responses, as in `simulate`.
             compare: as in `map`.
             threads: as in `map`.
@@ -684,7 +685,7 @@ class Column(Mapping[str, Value]):
             ranges: as in `map`.
 
         Raises:
-            ParameterError: as in `map`, and more than two axes.
+            ParameterError: as in `map`, more than two axes, or an axis of the columns that is a list.
 
         Warns:
             IncompleteWarning: rows that cannot be computed in whole; `RefinedMap.report` contains the reasons.
