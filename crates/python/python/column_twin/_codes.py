@@ -13,7 +13,7 @@ class Action(IntEnum):
     SHORE and EVACUATE. docs/assessment.md describes the criteria from which they follow."""
 
     NONE = 0
-    """No criterion that decides is exceeded."""
+    """No criterion that counts for the action is exceeded."""
     INSPECT = 1
     """Have an engineer examine the column."""
     RESTRICT = 2

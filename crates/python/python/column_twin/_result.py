@@ -140,8 +140,9 @@ class Result:
 
     @property
     def criteria(self) -> list[dict[str, Any]]:
-        """The criteria, each with `name`, `edition`, `tag`, `value`, `limit`, `unit`, `margin`, `action`, a statement in words, and
-        `decides` for the criterion from which the action follows. It is empty if the capacity could not be computed."""
+        """The criteria of docs/assessment.md, each with `name`, `edition`, `tag`, `value`, `limit`, `unit`, `exceeded`, `action`, and a
+        `statement` in words. `margin` is the distance to the limit relative to it, negative where the criterion is exceeded, and `decides`
+        is whether the criterion counts for the action. The list is empty if the capacity could not be computed."""
         return list(self.report["criteria"] or [])
 
     @property
