@@ -59,6 +59,16 @@ def test_numbers_in_another_unit_are_told_with_theirs(steel: Column) -> None:
         Column(steel__young_modulus=210_000.0)
 
 
+def test_a_direction_in_degrees_is_told(steel: Column) -> None:
+    """`Column(impact__direction=90.0)` was a hit with the whole velocity, as if it came along the web."""
+    with pytest.raises(ParameterError, match=r"direction 90.0: expected an angle .* in rad, such as np.radians\(90.0\)"):
+        steel.simulate("van", velocity=5.0, direction=90.0)
+    for call in (Column, steel.with_changes):
+        with pytest.warns(ParameterWarning, match=r"impact.direction: 90.0 is no direction, .*np.radians\(90.0\)") as found:
+            call(impact__direction=90.0)
+        assert found[0].filename == __file__
+
+
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
 def test_what_is_not_finite_is_found_by_its_index(steel: Column, wrong: float) -> None:
     with pytest.raises(ParameterError, match="element 2: .*"):
@@ -174,7 +184,7 @@ def test_a_map_is_a_collection_of_its_fields(steel: Column) -> None:
     assert list(damage) == list(damage.cells.dtype.names or ())
     with pytest.raises(ParameterError, match=r"found 'max_v2' \(did you mean max_v1\?\)"):
         damage["max_v2"]
-    with pytest.raises(ParameterError, match="found 'mass'; the values of an axis are in `axes`"):
+    with pytest.raises(ParameterError, match="found 'mass'; `axes` has the values of the axes"):
         damage["mass"]
     with pytest.raises(ParameterError, match=r"shard: expected the number of a part and the number of parts, .*; found '1/4'"):
         steel.map(mass=[1500.0, 2500.0], velocity=[2.0, 4.0], shard="1/4")  # type: ignore[arg-type]

@@ -85,6 +85,16 @@ def _name(vehicle: str | None, **impact: float | None) -> str | None:
     )
 
 
+def _no_direction(given: list[tuple[str, Any]]) -> list[str]:
+    """A warning about a direction in degrees, most likely, which the two bars take for none."""
+    return [
+        f"impact.direction: {value} is no direction, so that the two bars take the whole velocity; expected an angle above -pi and at most "
+        f"pi, in rad, such as np.radians({value})"
+        for name, value in given
+        if name == "impact.direction" and isinstance(value, Real) and not -np.pi < float(value) <= np.pi
+    ]
+
+
 def _whole(name: str, number: float, least: int, most: int) -> int:
     """A whole number of this range."""
     if isinstance(number, Real) and not isinstance(number, bool) and least <= number <= most and int(number) == number:
@@ -166,7 +176,7 @@ class Column(Mapping[str, Value]):
         TypeError: a value of another type, such as None, or `changes` that are no mapping.
 
     Warns:
-        ParameterWarning: a deprecated value, or a mass that the vehicle cannot have.
+        ParameterWarning: a deprecated value, a mass that the vehicle cannot have, or a direction that is none.
     """
 
     __slots__ = ("_native",)
@@ -194,7 +204,7 @@ class Column(Mapping[str, Value]):
             ParameterError: no file, a file that cannot be read, or names or values that are not accepted, with line and column.
 
         Warns:
-            ParameterWarning: a deprecated value, or a mass that the vehicle cannot have.
+            ParameterWarning: a deprecated value, a mass that the vehicle cannot have, or a direction that is none.
         """
         if not files:
             raise ParameterError("from_file: expected one parameter file or more, found none; Column() has the defaults")
@@ -270,8 +280,9 @@ class Column(Mapping[str, Value]):
 
     @classmethod
     def _load(cls, files: list[str], changes: Mapping[str, Setting] | None, overrides: Mapping[str, Any]) -> native.Column:
-        column, found = native.Column.load(files, _changes(changes, overrides))
-        cls._warn(found)
+        given = _changes(changes, overrides)
+        column, found = native.Column.load(files, given)
+        cls._warn(found + _no_direction(given))
         return column
 
     @staticmethod
@@ -302,13 +313,13 @@ class Column(Mapping[str, Value]):
             TypeError: a value of another type, such as None, or `changes` that are no mapping.
 
         Warns:
-            ParameterWarning: a deprecated value, or a mass that the vehicle cannot have.
+            ParameterWarning: a deprecated value, a mass that the vehicle cannot have, or a direction that is none.
         """
         return self._changed(_changes(changes, overrides))
 
     def _changed(self, changes: list[tuple[str, Any]]) -> Column:
         changed, found = self._native.with_changes(changes)
-        self._warn(found)
+        self._warn(found + _no_direction(changes))
         return self._of(changed)
 
     def to_file(self, path: str | os.PathLike[str]) -> None:
@@ -486,8 +497,8 @@ class Column(Mapping[str, Value]):
 
         Args:
             vehicle: `rigid`, or a name of `vehicles()`; default: the parameter `vehicle.name`.
-            mass: total mass of the vehicle [kg]; default: with `vehicle` its own mass, which `rigid` does not have, otherwise the parameter
-                `impact.mass`.
+            mass: total mass of the vehicle [kg]; 0 stands for its own mass, which `rigid` does not have. Default: with `vehicle` its own
+                mass, otherwise the parameter `impact.mass`.
             velocity: speed of the vehicle over the ground [m/s], from 1e-6 to 60; default: the parameter `impact.velocity`.
             direction: direction of travel [rad], above -pi and at most pi; 0 bends the column about its strong axis. In any other
                 direction, the two bars take the component of the motion in their plane. Default: the parameter `impact.direction`.

@@ -37,7 +37,8 @@ class ProgramError(ColumnTwinError, RuntimeError):
 
 
 class ParameterWarning(UserWarning):
-    """A parameter value that is deprecated or has no effect, or a mass that the vehicle cannot have, such as one in tonnes."""
+    """A parameter value that is deprecated or has no effect, a mass that the vehicle cannot have, such as one in tonnes, or a direction
+    that is none, such as one in degrees."""
 
 
 class IncompleteWarning(UserWarning):

@@ -251,7 +251,7 @@ class Map:
         if field not in self:
             names = CELL.names or ()
             meant = nearest(str(field), names)
-            hint = f" (did you mean {meant}?)" if meant else "; the values of an axis are in `axes`"
+            hint = f" (did you mean {meant}?)" if meant else "; `axes` has the values of the axes, and `beam` the results of the fibre beam"
             raise ParameterError(f"a map has the fields {', '.join(names)}; found {field!r}{hint}")
         return self.cells[field]
 
