@@ -105,7 +105,7 @@ def page() -> str:
         if found:
             text += f"\n## {name}\n\n{definition(found)}"
         elif constant:
-            text += f"\n## {name}\n\n{constant[2]}\n"
+            text += f"\n## {name.replace('_', chr(92) + '_')}\n\n{constant[2]}\n"
     return text + TYPES_HEAD + "".join(row for module in modules for row in types(module.body))
 
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 HINGES = ("1a", "1b", "2", "3")
 """Below and above the impact point, at the top, and at the base: the order of the columns of every array over hinges."""
 
-_Array = npt.NDArray[np.float64]
-
 
 class Result:
     """The response of a column to one impact: histories, and the report with capacity, criteria and action. `Column.simulate` makes it.
@@ -31,12 +29,13 @@ class Result:
 
     title: str
     """Column and impact in one line."""
-    history: dict[str, _Array]
-    """The columns of `column-twin simulate --csv` by their names, which end with the unit; each array has one value for each step."""
+    history: dict[str, npt.NDArray[np.float64]]
+    """The columns of `column-twin simulate --csv` by their names, which end with the unit where there is one; each array has one
+    value for each step."""
     report: dict[str, Any]
     """The fields of `column-twin simulate --json`, in SI units; None where there is no value. docs/glossary.md explains them."""
 
-    def __init__(self, title: str, history: Mapping[str, _Array], report: Mapping[str, Any]) -> None:
+    def __init__(self, title: str, history: Mapping[str, npt.NDArray[np.float64]], report: Mapping[str, Any]) -> None:
         self.title = title
         self.history = dict(history)
         self.report = dict(report)
@@ -45,74 +44,75 @@ class Result:
         self._struck: str | None = None
         """The column, for `Column.after`."""
 
-    def _of_hinges(self, before: str, unit: str) -> _Array:
+    def _of_hinges(self, before: str, unit: str) -> npt.NDArray[np.float64]:
         return np.column_stack([self.history[f"{before}{hinge}_{unit}"] for hinge in HINGES])
 
-    def _of_springs(self, before: str, unit: str) -> _Array:
+    def _of_springs(self, before: str, unit: str) -> npt.NDArray[np.float64]:
         count = len(self.report["crush_max_m"])
         columns = [self.history[f"{before}{number + 1}_{unit}"] for number in range(count)]
         return np.column_stack(columns) if columns else np.empty((self.time.size, 0))
 
     @property
-    def time(self) -> _Array:
+    def time(self) -> npt.NDArray[np.float64]:
         """Time since the event, at which the vehicle starts at its initial gap [s]."""
         return self.history["t_s"]
 
     @property
-    def v1(self) -> _Array:
+    def v1(self) -> npt.NDArray[np.float64]:
         """Transverse displacement of the impact point [m]."""
         return self.history["v1_m"]
 
     @property
-    def u1(self) -> _Array:
+    def u1(self) -> npt.NDArray[np.float64]:
         """Axial displacement of the impact point, positive downwards [m]."""
         return self.history["u1_m"]
 
     @property
-    def beta1(self) -> _Array:
+    def beta1(self) -> npt.NDArray[np.float64]:
         """Rotation of the impact point [rad]."""
         return self.history["beta1_rad"]
 
     @property
-    def u2(self) -> _Array:
+    def u2(self) -> npt.NDArray[np.float64]:
         """Axial displacement of the top, positive downwards [m]."""
         return self.history["u2_m"]
 
     @property
-    def contact_force(self) -> _Array:
+    def contact_force(self) -> npt.NDArray[np.float64]:
         """Force between vehicle and column, without impact impulses [N]."""
         return self.history["contact_force_N"]
 
     @property
-    def moments(self) -> _Array:
+    def moments(self) -> npt.NDArray[np.float64]:
         """Bending moments of the hinges 1a, 1b, 2 and 3 [N m], of shape (steps, 4)."""
         return self._of_hinges("M", "Nm")
 
     @property
-    def normal_forces(self) -> _Array:
+    def normal_forces(self) -> npt.NDArray[np.float64]:
         """Normal forces of the hinges 1a, 1b, 2 and 3, positive in tension [N], of shape (steps, 4)."""
         below, above = self.history["Na_N"], self.history["Nb_N"]
         return np.column_stack([below, above, above, below])
 
     @property
-    def base_forces(self) -> _Array:
-        """Shear force [N], moment [N m] and normal force [N] that the column exerts on its base, of shape (steps, 3). The normal force is
-        positive in tension."""
+    def base_forces(self) -> npt.NDArray[np.float64]:
+        """Shear force [N], moment [N m] and normal force [N] at the base, of shape (steps, 3). The shear force is positive where the base
+        holds the column back from the direction of travel, the moment is positive with a positive shear force, and the normal force is
+        positive in tension, which lifts the base."""
         columns = ("base_shear_N", "base_moment_Nm", "base_normal_force_N")
         return np.column_stack([self.history[column] for column in columns])
 
     @property
-    def plastic_rotations(self) -> _Array:
+    def plastic_rotations(self) -> npt.NDArray[np.float64]:
         """Plastic rotations of the hinges 1a, 1b, 2 and 3 [rad], of shape (steps, 4)."""
         return self._of_hinges("theta_p", "rad")
 
     @property
-    def crush(self) -> _Array:
+    def crush(self) -> npt.NDArray[np.float64]:
         """Crush of each spring of the vehicle, beginning at the front [m], of shape (steps, springs); a rigid vehicle has no springs."""
         return self._of_springs("crush", "m")
 
     @property
-    def crush_force(self) -> _Array:
+    def crush_force(self) -> npt.NDArray[np.float64]:
         """Force of each spring of the vehicle, beginning at the front [N], of shape (steps, springs); a rigid vehicle has no springs."""
         return self._of_springs("crush_force", "N")
 
