@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 class PushDown(NamedTuple):
     """A static push-down: the top of the column is lowered until the column carries no more. Each array has one value for each of its
-    points, in the order of the shortening; the arrays are empty if the column carries nothing."""
+    points, in the order of the shortening, and is read-only; the arrays are empty if the column carries nothing."""
 
     shortening: npt.NDArray[np.float64]
     """Shortening of the column, from its length without load [m]."""

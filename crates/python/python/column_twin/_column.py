@@ -131,6 +131,13 @@ def _direction(direction: float | None) -> float | None:
     return float(direction)
 
 
+def _read_only(values: bytearray) -> npt.NDArray[np.float64]:
+    """An array of a result, which a caller cannot change for the next one."""
+    array = np.frombuffer(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
 def _brackets(found: Sequence[tuple[float | None, float | None]]) -> dict[Action, CriticalVelocity]:
     """The critical velocities of the actions from INSPECT on."""
     return {action: CriticalVelocity(*bracket) for action, bracket in zip(list(Action)[1:], found)}
@@ -514,7 +521,7 @@ class Column(Mapping[str, Value]):
         vehicle = _name(vehicle, mass=mass, velocity=velocity, direction=direction)
         direction = _direction(direction)
         names, columns, report = self._native.simulate(vehicle, mass, velocity, direction, str(model))
-        history = {name: np.frombuffer(it, dtype=np.float64) for name, it in zip(names, columns)}
+        history = {name: _read_only(it) for name, it in zip(names, columns)}
         fields = json.loads(report)
         if velocity is None:
             velocity = float(self._native.get("impact.velocity"))
@@ -979,7 +986,7 @@ class Column(Mapping[str, Value]):
             report, curve = self._native.capacity()
         else:
             report, curve = self._native.capacity_after(_name(vehicle, mass=mass, velocity=velocity), mass, velocity)
-        return Capacity(json.loads(report), PushDown(*(np.frombuffer(it, dtype=np.float64) for it in curve)))
+        return Capacity(json.loads(report), PushDown(*map(_read_only, curve)))
 
     def _title(self) -> str:
         """The section, or the name of the column where the section is user-defined."""

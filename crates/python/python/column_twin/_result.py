@@ -30,8 +30,8 @@ class Result:
     title: str
     """Column and impact in one line."""
     history: dict[str, npt.NDArray[np.float64]]
-    """The columns of `column-twin simulate --csv` by their names, which end with the unit where there is one; each array has one
-    value for each step."""
+    """The columns of `column-twin simulate --csv` by their names, which end with the unit where there is one. Each array has one value
+    for each step, and is read-only."""
     report: dict[str, Any]
     """The fields of `column-twin simulate --json`, in SI units; None where there is no value. docs/glossary.md explains them."""
 
