@@ -42,4 +42,4 @@ class ParameterWarning(UserWarning):
 
 
 class IncompleteWarning(UserWarning):
-    """Cells of a map that could not be computed, and are masked in it."""
+    """Cells of a map that could not be computed, and are masked in it, or rows of a refined map that could not be computed in whole."""
