@@ -915,8 +915,8 @@ class Column(Mapping[str, Value]):
             years: period for which the probabilities hold [a].
             distance: distance of the column from the edge of the road [m]; default: the example of the scenario, so give your own.
             distributions: other distributions of inputs, such as `speed_km_h=lognormal:12:5`, or `orientation_deg=uniform:-90:90` for
-                columns whose webs stand in any direction to the road. The inputs are the entries of config/risk.json, whose names end with their
-                units; docs/risk.md lists the distributions.
+                columns whose webs stand in any direction to the road. The inputs are the entries of config/risk.json, whose names end
+                with their units; docs/risk.md lists the distributions.
             scenarios: file with your own scenarios, in the format of config/risk.json; default: the scenarios of the program.
             samples: number of vehicles that are drawn, at least 1.
             seed: seed of the random numbers, a whole number from 0 to 2^64 - 1; the same seed gives the same result.
