@@ -21,6 +21,19 @@ This page is generated from the docstrings of `crates/python/python/column_twin`
 All quantities are in SI units.
 """
 
+# The types in signatures that have no heading of their own.
+TYPES = ("Model", "Value", "Setting", "AxisNumbers", "AxisNames", "AxisValues")
+
+TYPES_HEAD = """
+## Types in signatures
+
+`**overrides: Unpack[ParameterKeywords]` are keywords for all [parameters](parameters.md), and `**ranges: Unpack[AxisKeywords]` for the
+parameters that are numbers, and for mass, velocity, height, direction and section; two underscores are a dot.
+
+| name | definition | meaning |
+|---|---|---|
+"""
+
 Definition = ast.ClassDef | ast.FunctionDef
 
 
@@ -73,6 +86,13 @@ def definition(node: Definition) -> str:
     return text
 
 
+def types(body: list[ast.stmt]) -> Iterator[str]:
+    """The rows of the types in signatures."""
+    for node, after in zip(body, body[1:]):
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in TYPES:
+            yield f"| `{ast.unparse(node.targets[0])}` | `{ast.unparse(node.value)}` | {text_of(after)} |\n"
+
+
 def page() -> str:
     modules = [ast.parse(path.read_text()) for path in sorted(PACKAGE.glob("*.py"))]
     package = ast.parse((PACKAGE / "__init__.py").read_text())
@@ -85,8 +105,8 @@ def page() -> str:
         if found:
             text += f"\n## {name}\n\n{definition(found)}"
         elif constant:
-            text += f"\n## {name}\n\n{constant[2]}\n"
-    return text
+            text += f"\n## {name.replace('_', chr(92) + '_')}\n\n{constant[2]}\n"
+    return text + TYPES_HEAD + "".join(row for module in modules for row in types(module.body))
 
 
 if __name__ == "__main__":

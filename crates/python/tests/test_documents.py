@@ -1,7 +1,9 @@
-"""Every Python example of the book runs as it is, or the page has the reason in front of it: `<!-- not run: REASON -->`."""
+"""Every Python example of the book and of the docstrings runs as it is, or the page has the reason in front of it:
+`<!-- not run: REASON -->`."""
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import subprocess
@@ -9,7 +11,11 @@ import sys
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 import pytest
+
+import column_twin
+from column_twin import Column
 
 ROOT = Path(__file__).resolve().parents[3]
 BLOCK = re.compile(r"(?:<!-- not run: (?P<reason>.+?) -->\n)?```python\n(?P<code>.*?)```", re.DOTALL)
@@ -41,6 +47,37 @@ def test_the_examples_of_a_page(page: str, tmp_path: Path, monkeypatch: pytest.M
             assert eval(given["expression"], names) == pytest.approx(float(given["value"]), rel=1e-3), given[0]
 
 
+# It reads a recording, as test_program.py does.
+NOT_RUN = {"read_recording"}
+
+
+def examples_of_docstrings() -> dict[str, str]:
+    """The lines behind `>>>` in the docstring of each class and function."""
+    found = {}
+    for path in sorted((ROOT / "crates/python/python/column_twin").glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name not in NOT_RUN:
+                lines = (ast.get_docstring(node) or "").splitlines()
+                code = [line.removeprefix(">>> ") for line in lines if line.startswith(">>> ")]
+                if code:
+                    found[f"{path.stem}.{node.name}"] = "\n".join(code)
+    return found
+
+
+@pytest.mark.parametrize("name", examples_of_docstrings())
+def test_the_examples_of_a_docstring(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`to_pandas` once showed arguments that `evaluate_batch` no longer took, and `run_program` options that never were."""
+    matplotlib.use("agg")
+    (tmp_path / "config").symlink_to(ROOT / "config")
+    monkeypatch.chdir(tmp_path)
+    column = Column.from_file("config/heb220_s355.yaml")
+    sensed = Column.from_file("config/heb220_s355.yaml", "config/sensors_industrial.yaml")
+    names: dict[str, object] = {**vars(column_twin), "np": np, "column": column, "sensed": sensed}
+    names["damage"] = column.map(mass=[1500.0, 2500.0], velocity=[8.0, 10.0], vehicle="van")
+    names["readings"] = sensed.sensor_readings("mid_car", velocity=12.0)
+    exec(compile(examples_of_docstrings()[name], name, "exec"), names)
+
+
 def test_the_reference_is_up_to_date() -> None:
     command = [sys.executable, str(ROOT / "crates/python/tests/python_reference.py")]
     generated = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -52,3 +89,4 @@ def test_the_reference_is_up_to_date() -> None:
 
 def test_the_readme_has_an_example() -> None:
     assert {"README.md", "docs/guide.md", "docs/python.md"} <= set(examples())
+    assert {"_column.simulate", "_evaluation.to_pandas", "_program.run_program"} <= set(examples_of_docstrings())

@@ -82,7 +82,7 @@ def test_a_fault_in_a_batch_names_its_element() -> None:
         Column().evaluate_batch("rigid", mass=[0.0, 1.0], velocity=2.0)
     with pytest.raises(ParameterError, match="threads: expected a whole number from 1 to .*, found 0"):
         Column().evaluate_batch(mass=1500.0, velocity=[1.0], threads=0)
-    with pytest.raises(ValueError, match="could not convert"):
+    with pytest.raises(ParameterError, match="mass: element 0 is 'heavy'; expected numbers"):
         Column().evaluate_batch(mass=["heavy"], velocity=[1.0])
 
 
@@ -110,6 +110,16 @@ def test_a_change_is_made_as_a_whole_or_not_at_all(paper: Column) -> None:
     assert paper["top.load"] == before["top.load"]
     with pytest.raises(ParameterError, match="did you mean top.load"):
         paper["top.laod"]
+
+
+def test_files_and_mappings_are_not_mixed_up(tmp_path: Path) -> None:
+    """A path in the place of the mapping was an AttributeError, and `from_file` without a file was the column of the defaults."""
+    with pytest.raises(TypeError, match="changes: expected a mapping .*, found str; Column.from_file reads parameter files"):
+        Column("config/heb220_s355.yaml")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="from_file: expected one parameter file or more, found none"):
+        Column.from_file(*tmp_path.glob("*.yaml"))
+    with pytest.raises(ParameterError, match="vehicle.masses: element 1 is True; expected numbers"):
+        Column({"vehicle.masses": [500.0, True]})
 
 
 def test_deprecated_values_are_warnings() -> None:

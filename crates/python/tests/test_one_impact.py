@@ -130,6 +130,20 @@ def test_arrays_over_hinges_and_springs(steel: Column) -> None:
     assert steel.simulate("rigid", mass=1500.0, velocity=3.0).crush.shape[1] == 0
 
 
+def test_the_arrays_of_a_result_cannot_be_changed(steel: Column) -> None:
+    """`v1 = result.v1; v1 *= 1e3` changed the history, and the next figure was a thousand times too large."""
+    result = steel.simulate("mid_car", velocity=10.0)
+    v1 = result.v1
+    with pytest.raises(ValueError, match="read-only"):
+        v1 *= 1e3
+    assert v1.max() == result.v1.max() == pytest.approx(result.max_v1, rel=1e-3)
+    with pytest.raises(ValueError, match="read-only"):
+        steel.capacity().push_down.force[0] = 0.0
+    table = pytest.importorskip("pandas") and result.to_pandas()
+    table["v1_m"] *= 1e3
+    assert result.v1.max() == v1.max()
+
+
 def test_a_evaluation_is_the_report_without_the_history(steel: Column) -> None:
     impacts = [("mid_car", None, 10.0), ("van", None, 20.0), ("articulated_36t", None, 25.0), ("rigid", 1500.0, 4.0)]
     for vehicle, mass, velocity in impacts:

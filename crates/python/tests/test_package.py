@@ -95,6 +95,10 @@ def test_the_catalogues(root: Path) -> None:
     assert len(sections()) == sum(bool(re.match(r"[A-Z]+\d", row)) for row in rows)
     car = vehicles()["mid_car"]
     assert car.mass == 1719.0 and car.data["masses"]["tag"] in "TCMA" and car.data["masses"]["source"]
+    # A catalogue that was read belongs to its reader.
+    vehicles().clear()
+    sections().clear()
+    assert sections() and vehicles()
     for name in vehicles():
         assert Column().evaluate(name, velocity=3.0).max_v1 > 0.0
 

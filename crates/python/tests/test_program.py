@@ -50,6 +50,25 @@ def test_readings_and_estimate_are_those_of_the_command_line(
         Column().sensor_readings("mid_car", velocity=5.0)
 
 
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("", "expected a header with the column time, found an empty text"),
+        ("a,b\n1,2\n", "expected a header with the column time, found a, b"),
+        ("time,laser\n0.0,1e-3\n0.1\n", "row 2 has 1 cells; expected 2, as in the header"),
+        ("time,laser\n0.0,one\n", "row 1, laser: expected a number, found 'one'"),
+    ],
+)
+def test_readings_that_are_no_table_are_explained(table: str, message: str) -> None:
+    """A notebook that showed them failed with an error of Python about unpacking."""
+    readings = Readings(table)
+    with pytest.raises(ParameterError, match=message):
+        readings.to_numpy()
+    assert message in repr(readings)
+    columns = Readings("time,laser\n0.0,\n0.1,1e-3\n\n").to_numpy()
+    assert columns["time"].tolist() == [0.0, 0.1] and np.isnan(columns["laser"][0]) and columns["laser"][1] == 1e-3
+
+
 def test_a_fleet_is_its_columns(root: Path, tmp_path: Path) -> None:
     table = tmp_path / "columns.csv"
     table.write_text("namespace,column_id,section.name,top.load\n/garage/a1,a1,HEB 220,4e5\n/garage/a2,a2,HEB 300,6e5\n")
@@ -106,4 +125,7 @@ def test_a_missing_program_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path))
     with pytest.raises(ProgramError, match="pip install ./packaging/program"):
+        run_program("--version")
+    monkeypatch.setenv("COLUMN_TWIN_PROGRAM", str(tmp_path / "missing"))
+    with pytest.raises(ProgramError, match="the program .*missing cannot be started: No such file"):
         run_program("--version")

@@ -23,6 +23,8 @@ def test_a_study_is_that_of_the_command_line(root: Path, steel: Column, program:
     expected = json.loads(ran.stdout)
     risk = steel.risk("parking_garage", 2000, distance=0.5, samples=2000, seed=3, years=50.0)
     assert set(risk.report) <= set(expected)
+    # It was a KeyError: the report names only other models.
+    assert risk.model == "bars"
     for name, value in risk.report.items():
         assert value == expected[name], name
 
@@ -72,5 +74,8 @@ def test_studies_that_are_not_accepted(steel: Column, tmp_path: Path) -> None:
     for wrong in ({"years": 0.0}, {"confidence": 1.0}, {"samples": 0}, {"threads": 0}):
         with pytest.raises(ParameterError, match=next(iter(wrong))):
             steel.risk("urban", 100, **wrong)
+    # One text was a list of its letters.
+    with pytest.raises(ParameterError, match="speed_km_h"):
+        steel.risk("urban", 100, samples=10, distributions="speed_km_h=normal:50:-5")
     with pytest.raises(ParameterError, match="No such file"):
         steel.risk("mine", 100, scenarios=tmp_path / "missing.json")

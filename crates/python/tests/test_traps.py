@@ -18,8 +18,10 @@ ROOT = Path(__file__).resolve().parents[3]
 def test_a_number_in_the_place_of_a_velocity_is_no_mass(steel: Column) -> None:
     """`simulate("mid_car", 10.0)` was a car of 10 kg."""
     for call in (steel.simulate, steel.evaluate, steel.capacity, steel.critical_velocities, steel.sensor_readings):
-        with pytest.raises(TypeError, match="positional argument"):
+        with pytest.raises(TypeError, match=r"has no positional argument for 10.0; give it by a keyword: mass=\.\.\., "):
             call("mid_car", 10.0)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="after: expected a result of simulate, found str; a vehicle is given by a keyword"):
+        steel.after("mid_car", velocity=8.0)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="positional argument"):
         steel.evaluate_batch([1500.0], [10.0])  # type: ignore[call-arg, arg-type]
     with pytest.raises(TypeError, match="vehicle: expected a name such as 'mid_car', found list; .* mass=..., velocity="):
@@ -57,6 +59,16 @@ def test_numbers_in_another_unit_are_told_with_theirs(steel: Column) -> None:
         Column(steel__young_modulus=210_000.0)
 
 
+def test_a_direction_in_degrees_is_told(steel: Column) -> None:
+    """`Column(impact__direction=90.0)` was a hit with the whole velocity, as if it came along the web."""
+    with pytest.raises(ParameterError, match=r"direction 90.0: expected an angle .* in rad, such as np.radians\(90.0\)"):
+        steel.simulate("van", velocity=5.0, direction=90.0)
+    for call in (Column, steel.with_changes):
+        with pytest.warns(ParameterWarning, match=r"impact.direction: 90.0 is no direction, .*np.radians\(90.0\)") as found:
+            call(impact__direction=90.0)
+        assert found[0].filename == __file__
+
+
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
 def test_what_is_not_finite_is_found_by_its_index(steel: Column, wrong: float) -> None:
     with pytest.raises(ParameterError, match="element 2: .*"):
@@ -85,6 +97,8 @@ def test_a_range_says_that_it_is_one(steel: Column) -> None:
 def test_a_misspelt_keyword_is_told_with_the_nearest_one(steel: Column) -> None:
     with pytest.raises(TypeError, match=r"Column.simulate\(\) got an unexpected .* 'velocty'; did you mean 'velocity'\?"):
         steel.simulate("mid_car", velocty=10.0)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"Column.fleet\(\) got an unexpected .* 'tables'; did you mean 'table'\?"):
+        Column.fleet(tables="columns.csv")  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="'zzz'; it takes scenario, vehicles_per_day, years"):
         steel.risk("urban", 1000, zzz=1)  # type: ignore[call-arg]
     # A map takes any parameter, and said only that it has two axes.
@@ -124,6 +138,56 @@ def test_a_truth_value_is_no_number(steel: Column) -> None:
         steel.map(velocity=[True, 2.0], mass=[2000.0, 3000.0], vehicle="van")
     with pytest.raises(ParameterError, match="direction: expected a number, found True"):
         steel.simulate("van", velocity=5.0, direction=True)
+
+
+def test_a_text_is_no_number(steel: Column) -> None:
+    """`evaluate_batch("van", velocity="10")` was 10 m/s, because numpy reads numbers in texts."""
+    wrong: list[tuple[Any, str]] = [
+        ("10", "element 0 is '10'"),
+        ([5.0, "6"], "element 1 is '6'"),
+        (np.array([5.0, True], dtype=object), "element 1 is True"),
+        ([5.0, None], "element 1 is None"),
+        (np.array(["2026-01-01"], dtype="datetime64[D]"), "element 0 is datetime.date"),
+        ([[5.0], [5.0, 6.0]], "expected an array of numbers"),
+        ([5.0 + 1.0j], "element 0 is "),
+    ]
+    for given, message in wrong:
+        with pytest.raises(ParameterError, match=f"velocity: {message}"):
+            steel.evaluate_batch("van", velocity=given)
+    with pytest.raises(ParameterError, match="velocity: expected a number, found '10'"):
+        steel.evaluate("van", velocity="10")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="vehicles_per_day: expected a number, found '1000'"):
+        steel.risk("urban", "1000")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="velocity: element 1 is '6'; expected finite numbers"):
+        steel.map(velocity=[5.0, "6"], mass=[2000.0, 3000.0], vehicle="van")  # type: ignore[list-item]
+    with pytest.raises(ParameterError, match="velocity: expected the values of an axis, found the number 5.0"):
+        steel.map(velocity=np.array(5.0), mass=[2000.0, 3000.0], vehicle="van")
+    with pytest.raises(ParameterError, match="Range: first: expected a number, found True"):
+        Range(True, 5, points=3)
+
+
+def test_an_oblique_hit_has_the_speed_that_was_given(steel: Column) -> None:
+    """It had the component in the plane of the two bars, and was another impact when it was computed again."""
+    turned = steel.with_changes(impact__direction=np.radians(60.0))
+    evaluation = turned.evaluate("van", velocity=8.0)
+    batch = turned.evaluate_batch("van", mass=[2000.0, evaluation.mass], velocity=8.0)
+    assert evaluation.velocity == 8.0 and batch["velocity"].tolist() == [8.0, 8.0]
+    assert turned.evaluate("van", velocity=evaluation.velocity).max_v1 == evaluation.max_v1 == batch["max_v1"][1]
+    straight = steel.evaluate("van", velocity=8.0 * np.cos(np.radians(60.0)))
+    assert evaluation.max_v1 == pytest.approx(straight.max_v1, rel=3e-3)
+
+
+def test_a_map_is_a_collection_of_its_fields(steel: Column) -> None:
+    """`"max_v1" in damage` compared rows of cells with the name, and a misspelt field was an error of numpy."""
+    damage = steel.map(mass=[1500.0, 2500.0], velocity=[2.0, 4.0], vehicle="van")
+    assert "max_v1" in damage and "mass" not in damage
+    assert list(damage) == list(damage.cells.dtype.names or ())
+    with pytest.raises(ParameterError, match=r"found 'max_v2' \(did you mean max_v1\?\)"):
+        damage["max_v2"]
+    with pytest.raises(ParameterError, match="found 'mass'; `axes` has the values of the axes"):
+        damage["mass"]
+    with pytest.raises(ParameterError, match=r"shard: expected the number of a part and the number of parts, .*; found '1/4'"):
+        steel.map(mass=[1500.0, 2500.0], velocity=[2.0, 4.0], shard="1/4")  # type: ignore[arg-type]
 
 
 def test_a_truth_value_among_numbers_is_found_by_its_index(steel: Column) -> None:
@@ -179,6 +243,11 @@ def test_a_mass_that_nobody_can_have_meant_is_told_once(steel: Column) -> None:
     with pytest.warns(ParameterWarning, match="impact.mass is the mass of a van of 2.5 kg") as found:
         steel.critical_velocities("van", mass=2.5)
     assert len(found) == 1 and found[0].filename == __file__
+    with pytest.warns(ParameterWarning, match="impact.mass is the mass of a van of 2.5 kg") as found:
+        steel.critical_velocity(Action.SHORE, "van", mass=2.5)
+    assert len(found) == 1 and found[0].filename == __file__
+    with pytest.raises(ParameterError, match="action: expected one from inspect to evacuate, such as Action.SHORE; found 'shore'"):
+        steel.critical_velocity("shore", "van")  # type: ignore[arg-type]
 
 
 def with_failures(column: Column) -> Map:
@@ -201,6 +270,14 @@ def test_a_cell_that_failed_is_in_no_comparison(steel: Column) -> None:
         assert (damage.cells["action"] >= action).sum() <= 2
     assert np.isfinite(damage["max_v1"].max()) and np.ma.count(damage["max_v1"]) == 2
     assert np.ma.getmaskarray(damage["reserve"]).tolist() == failed.tolist()
+
+
+def test_rows_of_boundaries_that_failed_are_told(steel: Column) -> None:
+    """They were missing among the boundaries without a word."""
+    with pytest.warns(IncompleteWarning, match="1 of the rows cannot be computed in whole; the first, row 1: ") as found:
+        refined = steel.refined_map(top__load=[2e5, 1e8], velocity=Range(2, 30, points=5), vehicle="van")
+    assert found[0].filename == __file__
+    assert 1e8 not in refined.boundary(Action.EVACUATE)[0]
 
 
 def test_changes_warn_as_the_constructor_does(paper: Column) -> None:

@@ -1,10 +1,12 @@
-"""column_twin: what a vehicle does to a steel column::
+"""The impact of a vehicle on a steel column: response, residual capacity, required action, damage maps and risk::
 
     from column_twin import Column
 
     result = Column().simulate("mid_car", velocity=10.0)
+    print(result.action, result.max_v1)  # the action, and the peak displacement [m]
 
-The messages of the digital twin in ROS 2 are the package `column_twin_msgs`.
+All quantities are in SI units. docs/python.md in the repository describes the library, and docs/assessment.md and docs/validation.md
+its limits. The messages of the digital twin in ROS 2 are the package `column_twin_msgs`.
 """
 
 # First, because it explains why the package does not work on this platform, whatever else is missing there.
@@ -25,6 +27,7 @@ from ._risk import Estimate, Risk
 from ._sensors import ImpactEstimate, Readings
 
 __version__: str = native.VERSION
+"""The version of the library, which is also that of the program `column-twin`."""
 
 __all__ = [
     "CRITERIA",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from ._loading import native
@@ -12,56 +11,62 @@ from ._loading import native
 
 @dataclass(frozen=True)
 class Section:
-    """A rolled section of EN 10365, computed with its fillets; bending is about the strong axis. SI units."""
+    """A rolled section of the catalogue: dimensions from EN 10365, and properties that are computed from them with the fillets. Second
+    moment and plastic modulus are about the strong axis. All units are SI."""
 
     name: str
-    """Such as HEB220."""
+    """Name without spaces, such as HEB220."""
     depth: float
-    """h [m]."""
+    """h: depth of the section in the plane of bending [m], the parameter `section.height`."""
     width: float
-    """b [m]."""
+    """b: width of the flanges [m]."""
     web_thickness: float
-    """t_w [m]."""
+    """t_w: thickness of the web [m]."""
     flange_thickness: float
-    """t_f [m]."""
+    """t_f: thickness of the flanges [m]."""
     root_radius: float
-    """r [m]."""
+    """r: radius of the fillets between web and flanges [m]."""
     area: float
-    """A [m2]."""
+    """A: area [m^2]."""
     second_moment: float
-    """I [m4]."""
+    """I: second moment of area about the strong axis [m^4]."""
     plastic_modulus: float
-    """W_pl [m3]."""
+    """W_pl: plastic section modulus about the strong axis [m^3]."""
     mass_per_length: float
-    """[kg/m]"""
+    """m_l: mass per length [kg/m]."""
 
 
 @dataclass(frozen=True)
 class Vehicle:
-    """A vehicle of the catalogue."""
+    """A deformable vehicle of the catalogue, which the argument `vehicle` and the parameter `vehicle.name` take."""
 
     name: str
-    """Such as mid_car."""
+    """Name, such as mid_car."""
     description: str
-    """A few words about it."""
+    """Description in a few words."""
     mass: float
-    """Total mass [kg]."""
+    """Total mass, which an impact has unless another one is given [kg]."""
     data: dict[str, Any]
-    """Every number with its tag ([T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption) and its
-    source, as in config/vehicles.json."""
+    """Every number with its source and its tag, as in config/vehicles.json; the names end with the SI unit. The tags are [T] read in the
+    source, [C] computed, [M] recalled and not verified, and [A] assumption."""
 
     def __repr__(self) -> str:
         return f"<Vehicle {self.name}: {self.description}, {self.mass:g} kg>"
 
 
-@cache
 def sections() -> dict[str, Section]:
-    """Every section that the parameter `section.name` knows, family by family, smallest first."""
+    """The sections that the parameter `section.name` may name, by their names without spaces, family by family with the smallest first.
+
+    >>> sections()["HEB220"].area
+    """
     return {name: Section(name, *numbers) for name, numbers in native.sections()}
 
 
-@cache
 def vehicles() -> dict[str, Vehicle]:
-    """Every deformable vehicle that `vehicle` may name, lightest class first; `rigid` is the paper's rigid mass."""
+    """The deformable vehicles that `vehicle` may name, by their names, with the lightest class first. The name `rigid`, which is not
+    among them, is a rigid mass without a mass of its own.
+
+    >>> vehicles()["mid_car"].mass
+    """
     rows = json.loads(native.VEHICLES_JSON)["vehicles"]
     return {row["name"]: Vehicle(row["name"], row["description"], sum(row["masses"]["kg"]), row) for row in rows}

@@ -1,17 +1,19 @@
-"""Action, outcome and criteria, which arrays hold as small numbers."""
+"""Actions, outcomes and criteria, which arrays contain as small whole numbers."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 
+from ._errors import ParameterError
 from ._loading import native
 
 
 class Action(IntEnum):
-    """The required action, least severe first, so that `action >= Action.SHORE` reads as it should."""
+    """The action that an impact requires, from the least to the most severe one. Actions are ordered: `action >= Action.SHORE` holds for
+    SHORE and EVACUATE. docs/assessment.md describes the criteria from which they follow."""
 
     NONE = 0
-    """No criterion that decides is exceeded."""
+    """No criterion that counts for the action is exceeded."""
     INSPECT = 1
     """Have an engineer examine the column."""
     RESTRICT = 2
@@ -27,20 +29,29 @@ class Action(IntEnum):
 
 
 class Outcome(IntEnum):
-    """How a response ended."""
+    """The state in which a response leaves the column."""
 
     ELASTIC = 0
-    """No hinge has flowed."""
+    """No hinge and no web has yielded."""
     PLASTIC = 1
-    """At least one hinge has flowed and the column stands."""
+    """At least one hinge or web has yielded, and the column stands."""
     COLLAPSED = 2
     """The column has lost its shape or its equilibrium."""
     FRACTURED = 3
-    """A hinge is fractured and carries nothing."""
+    """A hinge has exceeded its ultimate plastic rotation, or a web its ultimate plastic shear angle: it is fractured and carries
+    nothing."""
 
     def __str__(self) -> str:
         return self.name.lower()
 
 
 CRITERIA: tuple[str, ...] = tuple(native.criteria())
-"""Names of the criteria; `deciding_criterion` of a batch is a place in this list. docs/assessment.md describes them."""
+"""The names of the criteria. The field `deciding_criterion` of a batch or a map is a place in this tuple, from 0; docs/assessment.md
+describes each criterion."""
+
+
+def expect_action(action: Action) -> Action:
+    """An action from INSPECT to EVACUATE, which an impact can reach."""
+    if action not in list(Action) or action == Action.NONE:
+        raise ParameterError(f"action: expected one from inspect to evacuate, such as Action.SHORE; found {action!r}")
+    return Action(action)

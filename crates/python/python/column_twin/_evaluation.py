@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._codes import CRITERIA, Action, Outcome
+from ._errors import ParameterError
 from ._loading import native
 
 if TYPE_CHECKING:
@@ -34,16 +35,16 @@ CATEGORIES: dict[str, list[str]] = {
     "outcome": [str(it) for it in Outcome],
     "deciding_criterion": list(CRITERIA),
 }
-"""The words for the codes of a batch."""
+"""The words of the codes in a batch or a map, each at the place of its code."""
 
 EVALUATION: np.dtype[np.void] = np.dtype(
     [*((name, np.float64) for name in _NUMBERS), *_CODES], align=True
 )
-"""Type of the rows of a batch: the fields of `Evaluation` in SI units, NaN where there is none; `action` and `outcome` are
-numbers of `Action` and `Outcome`, `deciding_criterion` is a place in `CRITERIA`."""
+"""The structured type of the rows of a batch: the fields of `Evaluation` in SI units, NaN where there is no value. `action` and
+`outcome` are the numbers of `Action` and `Outcome`, and `deciding_criterion` is a place in `CRITERIA`."""
 
 CELL: np.dtype[np.void] = np.dtype([*((name, np.float64) for name in _NUMBERS[2:]), *_CODES], align=True)
-"""Type of the cells of a map: the same without mass and velocity, which its axes tell."""
+"""The structured type of the cells of a map: the same without mass and velocity, which are on its axes or the same in all cells."""
 
 UNITS: dict[str, str] = {
     "mass": "kg",
@@ -56,7 +57,7 @@ UNITS: dict[str, str] = {
     "reserve": "1",
     "max_plastic_rotation": "rad",
 }
-"""The unit of each number."""
+"""The unit of each number, in the notation of UDUNITS."""
 
 for _found, _expected in ((EVALUATION.itemsize, native.ROW_BYTES), (CELL.itemsize, native.CELL_BYTES)):
     if _found != _expected:
@@ -65,36 +66,38 @@ for _found, _expected in ((EVALUATION.itemsize, native.ROW_BYTES), (CELL.itemsiz
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The effects of one impact that a study compares. SI units."""
+    """One impact by the two bars, without its history: the effects that a study compares. `Column.evaluate` computes it. All units are
+    SI; docs/glossary.md explains the terms."""
 
     mass: float
     """Total mass of the vehicle [kg]."""
     velocity: float
-    """Its speed [m/s]."""
+    """Speed of the vehicle over the ground [m/s], also where it travels out of the plane of the two bars."""
     max_v1: float
-    """Peak displacement of the impact point [m]."""
+    """Peak transverse displacement of the impact point, from the undamaged column [m]."""
     residual_v1: float
-    """The same in the equilibrium that remains [m]; NaN if there is none."""
+    """Transverse displacement of the impact point in the static equilibrium after the impact [m]; NaN if there is no equilibrium."""
     peak_contact_force: float
-    """Largest contact force [N]."""
+    """Largest contact force, without impact impulses [N]."""
     residual_capacity: float
-    """Largest force of the push-down [N]; 0 if the column carries nothing."""
+    """Largest force of a push-down after the impact [N]; 0 if the column carries nothing."""
     capacity_ratio: float
-    """This force over that of the undamaged column [-]."""
+    """`residual_capacity` over the largest force of a push-down of the undamaged column [-]."""
     reserve: float
-    """N_u over the applied load N [-], see `Capacity`; NaN where there is no compressive load."""
+    """N_u over the applied load N [-], see `Capacity.reserve`; NaN where there is no compressive load."""
     max_plastic_rotation: float
-    """Largest plastic rotation of a hinge [rad]."""
+    """Largest absolute plastic rotation of a hinge [rad]; hinges 1a and 1b, which are at one place, count together."""
     action: Action
-    """The required action."""
+    """The action that is required."""
     outcome: Outcome
-    """Whether the column yields, collapses or fractures."""
+    """The state in which the response leaves the column."""
     deciding_criterion: str
-    """Name of the criterion that decides."""
+    """Name of the criterion from which the action follows, one of `CRITERIA`."""
 
     @classmethod
-    def _of(cls, numbers: list[float], codes: list[int]) -> Evaluation:
-        mass, velocity, max_v1, residual_v1, force, capacity, ratio, reserve, rotation = numbers
+    def _of(cls, velocity: float, numbers: list[float], codes: bytes) -> Evaluation:
+        # The native part has the component of the velocity in the plane of the two bars.
+        mass, _, max_v1, residual_v1, force, capacity, ratio, reserve, rotation = numbers
         action, outcome, criterion = codes
         return cls(
             mass=mass,
@@ -129,11 +132,23 @@ def table_of(rows: bytearray) -> npt.NDArray[np.void]:
 
 
 def to_pandas(evaluations: npt.NDArray[np.void]) -> pd.DataFrame:
-    """A batch as a table with one row per impact; action, outcome and criterion become words. Needs pandas.
+    """A batch as a table. Needs pandas.
 
-    >>> table = to_pandas(Column().evaluate_batch([1500.0, 2500.0], 10.0))
+    >>> table = to_pandas(Column().evaluate_batch("van", mass=[1500.0, 2500.0], velocity=10.0))
     >>> table.groupby("action", observed=True)["max_v1"].max()
+
+    Args:
+        evaluations: an array of the type `EVALUATION` from `Column.evaluate_batch`, of any shape; a map has `Map.to_pandas`.
+
+    Returns:
+        One row for each impact, in the order of the flattened array, and one column for each field, in SI units. Action, outcome and
+        criterion are categories of words, and the actions are ordered.
+
+    Raises:
+        ParameterError: an array of another type.
     """
+    if getattr(evaluations, "dtype", None) != EVALUATION:
+        raise ParameterError("to_pandas: expected an array from evaluate_batch; a map and a result have a method to_pandas of their own")
     import pandas as pd
 
     flat = evaluations.reshape(-1)

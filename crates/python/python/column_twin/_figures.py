@@ -10,6 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from ._codes import Action
+from ._errors import ParameterError
 from ._html import COLOURS, LINES, NOT_COMPUTED
 from ._result import HINGES
 
@@ -47,7 +48,7 @@ def _lines_of(result: Result, quantity: str) -> tuple[str, _Lines]:
     if quantity == "rotation":
         rotations = 1e3 * result.plastic_rotations
         return "plastic rotation [mrad]", [(f"hinge {it}", rotations[:, index]) for index, it in enumerate(HINGES)]
-    raise ValueError(f"quantity: expected displacement, force, moment or rotation; found {quantity!r}")
+    raise ParameterError(f"quantity: expected displacement, force, moment or rotation; found {quantity!r}")
 
 
 def response(result: Result, ax: Axes | None, quantity: str) -> Axes:
@@ -103,7 +104,8 @@ def damage_map(damage: Map, ax: Axes | None, label: str | None) -> Axes:
     ax.pcolormesh(x, y, cells["action"], cmap=colours, norm=norm, shading="nearest")
     if min(cells.shape) > 1 and not (damage.rows.values.dtype.kind == "U" or damage.columns.values.dtype.kind == "U"):
         residual = 1e3 * cells["residual_v1"]
-        levels = [level for level in (1, 2, 5, 10, 20, 50, 100, 200, 500) if np.nanmin(residual) < level < np.nanmax(residual)]
+        known = residual[np.isfinite(residual)]
+        levels = [level for level in (1, 2, 5, 10, 20, 50, 100, 200, 500) if known.size and known.min() < level < known.max()]
         if levels:
             lines = ax.contour(x, y, residual, levels=levels, colors="black", linewidths=0.8)
             ax.clabel(lines, fmt="%g mm", fontsize="small")

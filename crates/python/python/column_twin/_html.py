@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._risk import Risk
     from ._evaluation import Evaluation
 
-COLOURS: dict[Action, str] = {action: "#" + bytes(rgb).hex() for action, rgb in zip(Action, native.action_colours())}
+COLOURS: dict[Action, str] = {action: "#" + rgb.hex() for action, rgb in zip(Action, native.action_colours())}
 """Colours of the actions, in tables and maps: those of the program, from light to dark, of hues that the colour-blind
 distinguish."""
 

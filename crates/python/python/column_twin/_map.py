@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ._codes import Action
+from ._codes import Action, expect_action
 from ._errors import ParameterError
 from ._evaluation import CATEGORIES, CELL, UNITS
+from ._keyword_check import nearest
 from ._range import expect_numbers
 
 if TYPE_CHECKING:
@@ -25,12 +26,14 @@ _NOT_COMPUTED = tuple(np.nan if CELL[name] == np.float64 else 255 for name in CE
 
 
 class CriticalVelocity(NamedTuple):
-    """How fast a vehicle may be before its impact has an action: between `below` and `at`, which differ by at most 1 %."""
+    """The velocity above which the impact of a vehicle has an action or a more severe one. It lies between `below` and `at`, which differ
+    by at most 1 %; one of them is None where the search found no such velocity."""
 
     below: float | None
-    """Largest velocity found below it at which the action is not reached [m/s]; None if the lowest one reaches it."""
+    """Largest velocity of the search below the critical one, at which the action is not reached [m/s]; None if the lowest velocity
+    of the search reaches the action."""
     at: float | None
-    """Smallest velocity found at which the action is reached [m/s]; None if no velocity reaches it."""
+    """Smallest velocity of the search at which the action is reached [m/s]; None if no velocity of the search reaches the action."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,17 +41,17 @@ class MapAxis:
     """The quantity of an axis of a map, and its values."""
 
     name: str
-    """`mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or the name of a parameter."""
+    """`mass`, `velocity`, `height`, `section`, `vehicle`, `direction`, or the name of a parameter with dots."""
     title: str
-    """The same in words."""
+    """The quantity in words."""
     unit: str
-    """SI unit, `degrees` where a direction was given in the notation of the command line; empty where there is none."""
+    """SI unit, or `degrees` for a direction that was given in the notation of the command line; empty for a quantity without unit."""
     values: npt.NDArray[Any]
-    """Numbers, or names of a catalogue."""
+    """The values, of shape (points,): numbers in ascending order, or names of a catalogue."""
 
     @property
     def label(self) -> str:
-        """Title and unit, for a figure."""
+        """Title and unit, as the label of an axis in a figure."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
     def __len__(self) -> int:
@@ -75,6 +78,13 @@ class MapAxis:
         return str(value) if self.values.dtype.kind == "U" else f"{self.title} {value:g} {self.unit}".rstrip()
 
 
+def _place_of(label: str | None, labels: list[str]) -> int:
+    """The place of a label; without one, the first place."""
+    if label is not None and label not in labels:
+        raise ParameterError(f"label: expected one of {', '.join(labels)}; found {label!r}")
+    return 0 if label is None else labels.index(label)
+
+
 def _listed(values: npt.NDArray[Any]) -> str:
     """The values in words; of many, the first and the last."""
     texts = [str(it) for it in values.tolist()]
@@ -83,40 +93,49 @@ def _listed(values: npt.NDArray[Any]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Action, displacements, capacity and contact force over two quantities or more, for one column or several."""
+    """A damage map: action, displacements, capacity and contact force over two quantities or more, for one column or several.
+    `Column.map` computes it.
+
+    `map["max_v1"]` is the array of one field, and iteration gives the names of the fields:
+
+    >>> damage = column.map(mass=[1500, 2500], velocity=[4.0, 8.0], vehicle="van")
+    >>> (damage["action"] >= Action.SHORE).mean()
+    """
 
     rows: MapAxis
-    """The last axis but one of the arrays: the mass in a map of mass and velocity."""
+    """The axis of the rows, the last but one of the arrays: the mass in a map over mass and velocity."""
     columns: MapAxis
-    """The last axis of the arrays: the velocity."""
+    """The axis of the columns, the last one of the arrays: the velocity in a map over mass and velocity."""
     labels: list[str]
-    """Names of the columns that are compared; one where nothing is compared."""
+    """The labels of the columns that are compared; one label where nothing is compared."""
     cells: npt.NDArray[np.void]
-    """The fields of `EVALUATION` but mass and velocity, of shape (rows, columns); further axes come before them, and the labels of a
-    comparison before all axes.
-    Masked where a cell could not be computed, or belongs to another part of the map: comparisons, sums and means leave it out."""
+    """A structured array of the fields of `EVALUATION` except mass and velocity, of shape (labels, further axes, rows, columns); the axis
+    of the labels exists only in a comparison. It is masked where a cell could not be computed or belongs to another part of the map:
+    comparisons, sums and means leave masked cells out. Without the mask, numbers are NaN there and codes are 255. With `model="beam"`,
+    `max_v1` and `residual_v1` are displacements in any direction, as magnitudes."""
     failures: dict[tuple[int, ...], str]
-    """Why cells could not be computed, by their place."""
+    """The reasons for which cells could not be computed, by the indices of the cells in `cells`."""
     compared: str | None = None
-    """The quantity whose values `labels` are; None where nothing is compared."""
+    """The quantity that is compared, whose values the labels contain; None where nothing is compared."""
     part: tuple[int, int] | None = None
-    """The numbers of the cells that were computed, from the first to the one behind the last; None for a whole map."""
+    """For a part of a map, the number of its first cell and the number after its last cell, counted from 0 in the flattened array; None
+    for a whole map."""
     model: str = "bars"
-    """By which model the impacts are judged: `bars`, `beam` or `both`."""
+    """The model by which the impacts are judged: `bars`, `beam` or `both`."""
     beam: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
-    """The results of the fibre beam, by the names of the columns of `column-twin map`, such as `beam_max_sideways_m`, in arrays of the
-    shape of `cells`: numbers in SI units, NaN where there is none, and words, None where there is none. `no_second_opinion` gives
-    the reason why the beam has no answer. Empty for `bars`."""
+    """The results of the fibre beam by their names, such as `beam_max_sideways_m`, in arrays of the shape of `cells`: numbers in SI
+    units, NaN where there is no number, and words, None where there is no word. `no_second_opinion` gives the reason for which the
+    beam has no answer. It is empty with `model="bars"`; docs/study.md lists the names."""
     beam_units: dict[str, str] = field(default_factory=dict)
-    """The unit of each entry of `beam`; empty where there is none."""
+    """The SI unit of each entry of `beam`; empty for one without unit."""
     further: tuple[MapAxis, ...] = ()
     """The axes of a map over more than two quantities that are neither rows nor columns, in the order of the arrays."""
     fixed: tuple[MapAxis, ...] = ()
-    """The axes of which `at` has chosen one value, each with that value alone."""
+    """The axes from which `at` has chosen a value, each with this value alone."""
 
     @property
     def axes(self) -> tuple[MapAxis, ...]:
-        """All axes in the order of the arrays; the labels of a comparison come before them."""
+        """All axes of quantities, in the order of the arrays; in a comparison, the axis of the labels comes before them."""
         return (*self.further, self.rows, self.columns)
 
     @classmethod
@@ -178,10 +197,14 @@ class Map:
 
     @classmethod
     def merged(cls, parts: Sequence[Map]) -> Map:
-        """The whole map of its parts, each computed with another `shard` of the same map, on any machine and in any order.
+        """The whole map from its parts, which `Column.map` has computed with each `shard`, on any machines and in any order.
+
+        >>> masses, velocities = Range(1000, 3000, points=20), Range(1, 20, points=40)
+        >>> parts = [column.map(mass=masses, velocity=velocities, shard=(number, 4)) for number in (1, 2, 3, 4)]
+        >>> Map.merged(parts)
 
         Raises:
-            ParameterError: parts of different maps, or a part that is missing.
+            ParameterError: parts of different maps, a part that is missing, or none at all.
         """
         ordered = sorted((it for it in parts), key=lambda it: it.part or (0, it.cells.size))
         if not ordered:
@@ -220,12 +243,30 @@ class Map:
         return np.ma.getdata(self.cells)
 
     def __getitem__(self, field: str) -> npt.NDArray[Any]:
-        """An array of one field: `map["max_v1"]` [m], `map["action"]`; masked as `cells`."""
+        """The array of one field of `cells`, such as `map["max_v1"]` [m] or `map["action"]`, with its mask.
+
+        Raises:
+            ParameterError: a field that a map does not have.
+        """
+        if field not in self:
+            names = CELL.names or ()
+            meant = nearest(str(field), names)
+            hint = f" (did you mean {meant}?)" if meant else "; `axes` has the values of the axes, and `beam` the results of the fibre beam"
+            raise ParameterError(f"a map has the fields {', '.join(names)}; found {field!r}{hint}")
         return self.cells[field]
 
+    def __iter__(self) -> Iterator[str]:
+        """The names of the fields."""
+        return iter(CELL.names or ())
+
     def to_pandas(self) -> pd.DataFrame:
-        """A table with one row per cell: label, all axes, those of which `at` has chosen a value, then the fields, with codes as words, and
-        the results of the beam. Needs pandas."""
+        """The map as a table. Needs pandas.
+
+        Returns:
+            One row for each cell, in the order of the flattened array. The columns are the label, all axes, the axes from which `at` has
+            chosen a value, the fields in SI units, and the results of the beam. Action, outcome and criterion are categories of words;
+            a cell that was not computed has no values.
+        """
         import pandas as pd
 
         names = ["label", *(axis.name for axis in self.axes)]
@@ -247,13 +288,14 @@ class Map:
         return table
 
     def to_xarray(self) -> xr.Dataset:
-        """The map as a data set: each axis, however many there are, and the compared quantity are dimensions with coordinates, and
-        everything has its unit. Needs xarray.
-
-        Dots in names are underscores (`top_load`). Codes are numbers with `flag_values` and `flag_meanings`, NaN where a cell has not
-        been computed.
+        """The map as a data set of xarray. Needs xarray.
 
         >>> damage.to_xarray().max_v1.sel(velocity=10.0, method="nearest")
+
+        Returns:
+            One variable for each field and each result of the beam, with its unit as the attribute `units`. Each axis and the compared
+            quantity are dimensions with coordinates; a dot in the name of a parameter is an underscore (`top_load`). Codes are numbers
+            with `flag_values` and `flag_meanings`. A cell that was not computed is NaN.
         """
         import xarray as xr
 
@@ -284,17 +326,18 @@ class Map:
         return xr.Dataset(fields, coordinates, {"model": self.model})
 
     def at(self, values: Mapping[str, object] | None = None, /, **keywords: object) -> Map:
-        """The map at one value of some of its `further` axes; with one of each, it is the plane that a figure shows.
+        """The part of the map at one value of some of its `further` axes. With one value of each of them, it has two axes, and `plot` can
+        draw it.
 
         >>> damage = column.map(top__load=[2e5, 6e5], mass=[1500, 2500], velocity=[4.0, 8.0], vehicle="van")
         >>> damage.at(top__load=6e5).plot()
 
         Args:
-            values: values by the names of their axes, with dots.
-            keywords: values by keywords; two underscores are a dot.
+            values: values by the names of their axes, with dots: numbers in the unit of the axis, or names.
+            keywords: values by keywords, in which two underscores are a dot.
 
         Raises:
-            ParameterError: a name that is none of the further axes, a value that the axis does not have, or a part of a map.
+            ParameterError: a name that is not a further axis, a value that the axis does not have, or a part of a map.
         """
         if self.part is not None:
             raise ParameterError("at: expected a whole map, found a part of one; put its parts together with Map.merged")
@@ -324,10 +367,17 @@ class Map:
         )
 
     def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
-        """Action as colours, and lines of equal residual displacement [mm], of the column `label`. Needs matplotlib.
+        """Draws the action as colours, and lines of equal residual displacement [mm]. Needs matplotlib.
+
+        Args:
+            ax: axes to draw on; default: new ones.
+            label: in a comparison, the label of the column that is drawn; default: the first one.
+
+        Returns:
+            The axes.
 
         Raises:
-            ParameterError: a map over more than two quantities; choose a plane of it with `at`.
+            ParameterError: a label that the map does not have, or a map over more than two quantities, of which `at` chooses a plane.
         """
         from . import _figures
 
@@ -342,11 +392,7 @@ class Map:
         cells = self._data
         if cells.ndim == 2:
             return cells
-        if label is None:
-            label = self.labels[0]
-        if label not in self.labels:
-            raise ValueError(f"the map has no column {label!r}; it has {', '.join(self.labels)}")
-        of_label: npt.NDArray[np.void] = cells[self.labels.index(label)]
+        of_label: npt.NDArray[np.void] = cells[_place_of(label, self.labels)]
         return of_label
 
     def __repr__(self) -> str:
@@ -362,10 +408,12 @@ class Map:
 
 @dataclass(frozen=True, eq=False)
 class RefinedMap:
-    """The boundaries of the actions over a plane of two quantities, to 1 %: where, in each row, an action begins."""
+    """The boundaries of the actions over a plane of two quantities: the value on the axis of the columns at which an action begins, by the
+    value on the axis of the rows, to 1 %. `Column.refined_map` computes it."""
 
     report: dict[str, Any]
-    """Axes, labels, and everything that the search has found, as `column-twin map --refine` has it."""
+    """`rows` and `columns`, the axes with `name`, `unit` and `values`; `labels`; `model`; and `refined`, the boundaries as
+    `column-twin map --refine` writes them. Values are in SI units."""
 
     @classmethod
     def _of(cls, report: dict[str, Any]) -> RefinedMap:
@@ -373,28 +421,48 @@ class RefinedMap:
 
     @property
     def responses(self) -> int:
-        """Number of impacts that were computed."""
+        """Number of responses that were computed."""
         return int(self.report["refined"]["responses"])
 
     def boundary(self, action: Action, label: str | None = None) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64]]:
-        """Where an action begins: values on the axis of the rows, and for each of them the value on the axis of the columns.
+        """The boundary from which on an action, or a more severe one, is required.
 
-        Rows in which the action does not begin, because it holds everywhere or nowhere, are left out.
+        >>> masses, velocities = column.refined_map(mass=[1500, 2500], velocity=Range(1, 20, points=20)).boundary(Action.SHORE)
+
+        Args:
+            action: the action, from INSPECT to EVACUATE.
+            label: in a comparison, the label of the column; default: the first one.
+
+        Returns:
+            Two arrays of the same length: values on the axis of the rows, or the numbers of the rows from 0 where their values are names,
+            and for each of them the value on the axis of the columns. They contain the rows that were computed, between which
+            interpolation is exact to 1 %, without those in which the action is required everywhere or nowhere.
+
+        Raises:
+            ParameterError: an action or a label that the map does not have.
         """
-        labels: list[str] = self.report["labels"]
-        if label is not None and label not in labels:
-            raise ValueError(f"the map has no column {label!r}; it has {', '.join(labels)}")
-        variant = 0 if label is None else labels.index(label)
-        for found in self.report["refined"]["boundaries"]:
-            if found["variant"] == variant and found["action"] == str(Action(action)):
-                between = [it for it in found["points"] if it["place"]["kind"] == "between"]
-                values = self.report["rows"]["values"]
-                rows = np.array([values[it["row"]] if values else it["row"] for it in between])
-                return rows, np.array([0.5 * (it["place"]["below"] + it["place"]["at"]) for it in between], dtype=np.float64)
-        raise ValueError(f"expected an action from inspect to evacuate, found {action}")
+        name = str(expect_action(action))
+        variant = _place_of(label, self.report["labels"])
+        boundaries = self.report["refined"]["boundaries"]
+        found = next(it for it in boundaries if it["variant"] == variant and it["action"] == name)
+        between = [it for it in found["points"] if it["place"]["kind"] == "between"]
+        values = self.report["rows"]["values"]
+        rows = np.array([values[it["row"]] if values else it["row"] for it in between])
+        return rows, np.array([0.5 * (it["place"]["below"] + it["place"]["at"]) for it in between], dtype=np.float64)
 
     def plot(self, ax: Axes | None = None, label: str | None = None) -> Axes:
-        """The boundaries of all actions. Needs matplotlib."""
+        """Draws the boundaries of all actions. Needs matplotlib.
+
+        Args:
+            ax: axes to draw on; default: new ones.
+            label: in a comparison, the label of the column; default: the first one.
+
+        Returns:
+            The axes.
+
+        Raises:
+            ParameterError: a label that the map does not have.
+        """
         from . import _figures
 
         return _figures.boundaries(self, ax, label)

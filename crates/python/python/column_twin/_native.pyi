@@ -1,4 +1,7 @@
-"""The native part: numbers, bytes and JSON. Use the package instead."""
+"""The native part, which takes and returns numbers, bytes and JSON. Use the package instead: its docstrings state units and errors.
+
+An array of numbers is a `bytearray` of doubles of this machine.
+"""
 
 from collections.abc import Sequence
 from typing import Any, Final, final
@@ -8,9 +11,10 @@ VEHICLES_JSON: Final[str]
 ROW_BYTES: Final[int]
 CELL_BYTES: Final[int]
 
-def action_colours() -> list[list[int]]: ...
+def action_colours() -> list[bytes]: ...
 def criteria() -> list[str]: ...
 def sections() -> list[tuple[str, list[float]]]: ...
+
 @final
 class Column:
     @staticmethod
@@ -37,7 +41,7 @@ class Column:
     def derived(self) -> list[float]: ...
     def evaluate(
         self, vehicle: str | None, mass: float | None, velocity: float | None
-    ) -> tuple[list[float], list[int]]: ...
+    ) -> tuple[list[float], bytes]: ...
     def evaluate_batch(
         self, vehicle: str | None, masses: bytes | None, velocities: bytes, threads: int | None
     ) -> bytearray: ...

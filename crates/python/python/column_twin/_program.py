@@ -1,4 +1,4 @@
-"""What the program `column-twin` does: reports for people, recordings. The distribution column-twin-program installs it."""
+"""Calls of the program `column-twin`, which writes reports and reads recordings. The distribution column-twin-program installs it."""
 
 from __future__ import annotations
 
@@ -30,22 +30,32 @@ def _path() -> str:
 
 
 def run_program(*arguments: str | os.PathLike[str]) -> str:
-    """Runs the program `column-twin` of the same version with these arguments, and returns what it prints.
+    """Runs the program `column-twin` of the same version, and returns its standard output.
 
-    >>> run_program("map", "--params-file", "garage.yaml", "velocity=1:20:40", "mass=1000:3000:20", "--output", "maps")
+    The program is the file that the environment variable COLUMN_TWIN_PROGRAM names, the one in the environment of this Python, or the
+    first one in PATH. Ctrl-C ends it.
+
+    >>> run_program("map", "--config", "config/heb220_s355.yaml", "--mass", "1000:3000:20", "--velocity", "1:20:40", "--csv", "map.csv")
+
+    Args:
+        arguments: the subcommand and its options, as docs/commands.md lists them; each is a text or a path.
 
     Raises:
-        ProgramError: the program is missing, of another version, or has failed; the text is what it reports.
+        ProgramError: the program is missing, is of another version, or has failed; the text contains its error message.
     """
     path = _path()
-    version = _run(path, ["--version"]).split()[-1]
+    version = (_run(path, ["--version"]).split() or ["nothing"])[-1]
     if version != native.VERSION:
         raise ProgramError(f"expected the program column-twin {native.VERSION}, found {version} at {path}; install both in one version")
     return _run(path, [os.fspath(it) for it in arguments])
 
 
 def _run(path: str, arguments: Sequence[str]) -> str:
-    with subprocess.Popen([path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8") as program:
+    try:
+        started = subprocess.Popen([path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8")
+    except OSError as reason:
+        raise ProgramError(f"the program {path} cannot be started: {reason.strerror}") from reason
+    with started as program:
         # In another thread: after Ctrl-C, `communicate` itself would wait a quarter of a second for the program before it raises.
         with ThreadPoolExecutor(1) as reader:
             printed = reader.submit(program.communicate)
@@ -80,32 +90,41 @@ def report(
 
 
 def read_recording(recording: str | os.PathLike[str], *topics: str) -> Iterator[dict[str, Any]]:
-    """The messages of a recording in the order of their times: each with `topic`, `type`, `log_time` and `publish_time` [ns since
-    1970], and `message` with the fields of its type in SI units.
+    """The messages of a recording, in the order of their times.
 
     Every rosbag2 MCAP file can be read, because a recording contains the definitions of its messages. The program `column-twin` reads
-    it: `pip install ./packaging/program` in the repository.
+    all of it before the first message is returned; to install it: `pip install ./packaging/program` in the repository.
 
     >>> [it["message"]["action"] for it in read_recording("recordings/one", "/impact_report")]
 
     Args:
         recording: directory of the recording, or an MCAP file.
-        topics: those that are read; default: all.
+        topics: topics that are read; default: all.
+
+    Returns:
+        Dictionaries with `topic`, `type`, `log_time` and `publish_time` [ns since 1970], and `message` with the fields of its type, which
+        docs/messages.md lists, in SI units.
 
     Raises:
-        ProgramError: a recording that cannot be read, or a topic that it does not have.
+        ProgramError: the program is missing or of another version, the recording cannot be read, or it does not have a topic.
     """
     selected = ["--topics", *topics] if topics else []
-    for line in run_program("export", recording, "--json", "--output", "-", *selected).splitlines():
-        found: dict[str, Any] = json.loads(line)
-        yield found
+    # The texts of messages may contain characters that `splitlines` takes for the ends of lines.
+    lines = run_program("export", recording, "--json", "--output", "-", *selected).split("\n")
+    return (json.loads(line) for line in lines if line)
 
 
 def recording_info(recording: str | os.PathLike[str]) -> dict[str, Any]:
-    """The summary of a recording: its times, topics and impacts, as `column-twin info --json`.
+    """The summary of a recording: its times, topics, impacts and losses.
+
+    Args:
+        recording: directory of the recording, or an MCAP file.
+
+    Returns:
+        The fields of `column-twin info --json`.
 
     Raises:
-        ProgramError: a recording that cannot be read, or is damaged.
+        ProgramError: the program is missing or of another version, or the recording cannot be read or is damaged.
     """
     found: dict[str, Any] = json.loads(run_program("info", recording, "--json"))
     return found

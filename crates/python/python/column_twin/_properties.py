@@ -1,4 +1,4 @@
-"""What a column consists of, with every number that follows from others."""
+"""The numbers with which a column is computed."""
 
 from __future__ import annotations
 
@@ -7,35 +7,37 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ColumnProperties:
-    """The numbers with which a column is computed: as given, or as they follow from section, steel and supports. SI units."""
+    """The numbers with which a column is computed: as they are given, or as they follow from section, steel and supports.
+    `Column.properties` makes it. All units are SI; docs/theory.md explains the symbols."""
 
     section: str
-    """Name in the catalogue; empty for a user-defined section."""
+    """Name of the section in the catalogue; empty for a user-defined section."""
     steel: str
-    """Grade; empty for a user-defined steel."""
+    """Grade of the steel; empty for user-defined steel."""
     height: float
-    """L_a + L_b [m]."""
+    """L_a + L_b: height of the column [m]."""
     impact_height: float
-    """L_a: height of the impact point above the base [m]."""
+    """L_a: height of the impact point above the base [m]. Where `geometry.height` gives the column, a vehicle that a call names strikes
+    at its own height instead."""
     area: float
-    """A [m2]."""
+    """A: area of the section [m^2]."""
     second_moment: float
-    """I about the axis of bending [m4]."""
+    """I: second moment of area about the axis of bending [m^4]."""
     mass_per_length: float
-    """m_l [kg/m]."""
+    """m_l: mass per length [kg/m]."""
     young_modulus: float
-    """E [Pa]."""
+    """E: Young's modulus [Pa]."""
     yield_strength: float
-    """f_y [Pa]."""
+    """f_y: yield strength [Pa]."""
     axial_rigidity: float
-    """EA [N]."""
+    """EA: axial rigidity [N]."""
     bending_stiffness: float
-    """EI [N m2]."""
+    """EI: bending stiffness [N m^2]."""
     resistance_moment: float
-    """M^p: plastic moment [N m]."""
+    """M^p: plastic moment resistance without normal force [N m]."""
     resistance_axial: float
-    """N^p: squash load [N]."""
+    """N^p: plastic axial resistance, the squash load [N]."""
     load: float
-    """P: load at the top [N]."""
+    """P: constant vertical load at the top, positive in compression [N]."""
     step: float
-    """Length of a time step [s]."""
+    """Length of a time step of the two bars [s]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._codes import Action
+from ._codes import Action, expect_action
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -13,11 +13,15 @@ if TYPE_CHECKING:
 
 
 class Estimate(NamedTuple):
-    """A probability with the interval in which it lies at the confidence level of the study."""
+    """A probability, from 0 to 1, with its interval at the confidence level of the study. The interval contains the scatter of the
+    sampling alone."""
 
     value: float
+    """The estimate [-]."""
     low: float
+    """The lower end of the interval [-]."""
     high: float
+    """The upper end of the interval [-]."""
 
     @classmethod
     def _of(cls, fields: dict[str, float]) -> Estimate:
@@ -26,40 +30,50 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Risk:
-    """The result of a risk study. docs/risk.md describes the model, the data with their sources, and the intervals."""
+    """The result of a risk study, which `Column.risk` computes. docs/risk.md describes the model, the data with their sources, and the
+    intervals."""
 
     scenario: str
-    """Its name."""
+    """Name of the scenario."""
     report: dict[str, Any]
-    """Everything that `column-twin risk --json` computes from the samples: probabilities, classes, fragility, sensitivity."""
+    """The fields of `column-twin risk --json` that follow from the samples, such as `actions`, `annual`, `classes`, `fragility` and
+    `sensitivity`."""
 
     def _action(self, action: Action) -> dict[str, Any]:
-        for row in self.report["actions"]:
-            if row["action"] == str(Action(action)):
-                found: dict[str, Any] = row
-                return found
-        raise ValueError(f"expected an action from inspect to evacuate, found {action}")
+        name = str(expect_action(action))
+        found: dict[str, Any] = next(row for row in self.report["actions"] if row["action"] == name)
+        return found
 
     def in_period(self, action: Action) -> Estimate:
-        """Probability of at least one impact of this action or a higher one in the period of the study."""
+        """Probability that the column has at least one impact with this action, or a more severe one, in the period of the study.
+
+        Raises:
+            ParameterError: an action that is not one from INSPECT to EVACUATE.
+        """
         return Estimate._of(self._action(action)["in_period"])
 
     def given_impact(self, action: Action) -> Estimate:
-        """Probability of this action or a higher one given an impact."""
+        """Probability that an impact has this action or a more severe one.
+
+        Raises:
+            ParameterError: an action that is not one from INSPECT to EVACUATE.
+        """
         return Estimate._of(self._action(action)["given_impact"])
 
     @property
     def model(self) -> str:
-        """By which model the samples are judged: `bars`, `beam` or `both`."""
-        return str(self.report["model"])
+        """The model by which the samples are judged: `bars`, `beam` or `both`."""
+        # The report names only the others.
+        return str(self.report.get("model", "bars"))
 
     @property
     def samples(self) -> int:
-        """Vehicles that were drawn."""
+        """Number of vehicles that were drawn."""
         return int(self.report["counts"]["samples"])
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row per action: probabilities with their intervals. Needs pandas."""
+        """A table with one row for each action: `given_impact` and `in_period` with the ends of their intervals, such as `in_period_low`.
+        Needs pandas."""
         import pandas as pd
 
         rows = []
@@ -71,7 +85,15 @@ class Risk:
         return pd.DataFrame(rows).set_index("action")
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Fragility of the whole traffic: probability of each action against the speed, with intervals. Needs matplotlib."""
+        """Draws the fragility of the whole traffic: the probability of each action, given an impact, against the speed at the column
+        [km/h], with intervals. Needs matplotlib.
+
+        Args:
+            ax: axes to draw on; default: new ones.
+
+        Returns:
+            The axes.
+        """
         from . import _figures
 
         return _figures.fragility(self, ax)

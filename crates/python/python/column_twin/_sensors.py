@@ -1,4 +1,4 @@
-"""What the sensors of a column read, and what they say of an impact."""
+"""Readings of the sensors of a column, and the impact that is estimated from them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import ParameterError
+from ._files import read_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,53 +20,79 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Readings of sensors over time, in the format of `column-twin simulate --readings`."""
+    """Readings of sensors over time, in the format of `column-twin simulate --readings`, which docs/estimation.md describes.
+    `Column.sensor_readings` simulates them, and `from_file` reads recorded ones."""
 
     csv: str
-    """The table: `time` [s], then one column for each sensor, by its name."""
+    """The table in CSV: `time` [s], then one column for each sensor, by its name and in its SI unit. An empty cell is a missing sample."""
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str]) -> Readings:
-        """The readings of a table in CSV.
+        """The readings of a table in CSV, in the format of `csv`.
 
         Raises:
             ParameterError: a file that cannot be read.
         """
-        try:
-            with open(path, encoding="utf-8") as file:
-                return cls(file.read())
-        except (OSError, UnicodeDecodeError) as reason:
-            raise ParameterError(f"cannot read the readings {os.fspath(path)}: {reason}") from reason
+        return cls(read_text("readings", path))
 
     def to_file(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table, which `column-twin measure` publishes and `column-twin estimate` reads."""
+        """Writes the table, which `column-twin measure` publishes and `column-twin estimate` reads. An existing file is replaced.
+
+        Raises:
+            OSError: a file that cannot be written.
+        """
         with open(path, "w", encoding="utf-8", newline="") as file:
             file.write(self.csv)
 
     def to_numpy(self) -> dict[str, npt.NDArray[np.float64]]:
-        """`time` [s] and the readings of each sensor in its own unit; NaN where it has none at that time."""
-        header, *rows = csv.reader(io.StringIO(self.csv))
-        values = np.array([[float(it) if it else np.nan for it in row] for row in rows], dtype=np.float64)
-        return {name: values.reshape(-1, len(header))[:, index].copy() for index, name in enumerate(header)}
+        """The columns of the table by their names: `time` [s], and the readings of each sensor in its SI unit. Each array has one value for
+        each row, NaN where a sample is missing.
+
+        Raises:
+            ParameterError: a text that is not such a table.
+        """
+        header, *rows = [row for row in csv.reader(io.StringIO(self.csv)) if row] or [[]]
+        if "time" not in header:
+            raise ParameterError(f"readings: expected a header with the column time, found {', '.join(header) or 'an empty text'}")
+        values = np.full((len(rows), len(header)), np.nan)
+        for line, row in enumerate(rows):
+            if len(row) != len(header):
+                raise ParameterError(f"readings: row {line + 1} has {len(row)} cells; expected {len(header)}, as in the header")
+            for place, cell in enumerate(row):
+                try:
+                    values[line, place] = float(cell or "nan")
+                except ValueError:
+                    raise ParameterError(f"readings: row {line + 1}, {header[place]}: expected a number, found {cell!r}") from None
+        return {name: values[:, index].copy() for index, name in enumerate(header)}
 
     def to_pandas(self) -> pd.DataFrame:
-        """The readings with the time as index. Needs pandas."""
+        """The readings as a table: one column for each sensor, with the time [s] as index. Needs pandas.
+
+        Raises:
+            ParameterError: as `to_numpy`.
+        """
         import pandas as pd
 
         return pd.DataFrame(self.to_numpy()).set_index("time")
 
     def __repr__(self) -> str:
-        columns = self.to_numpy()
+        try:
+            columns = self.to_numpy()
+        except ParameterError as reason:
+            return f"<Readings that cannot be used: {reason}>"
         time = columns.pop("time")
-        return f"<Readings of {', '.join(columns)}: {time.size} instants from {time[0]:g} s to {time[-1]:g} s>"
+        span = f" from {time[0]:g} s to {time[-1]:g} s" if time.size else ""
+        return f"<Readings of {', '.join(columns)}: {time.size} instants{span}>"
 
 
 @dataclass(frozen=True, eq=False)
 class ImpactEstimate:
-    """What the readings of sensors say of an impact. docs/estimation.md describes the method and its limits."""
+    """The vehicle and the damage of an impact, estimated from the readings of sensors. `Column.estimate` makes it; docs/estimation.md
+    describes the method and its limits."""
 
     history: list[dict[str, Any]]
-    """The estimates one after the other, each by more data, under the names of the message `ImpactEstimate`; SI units."""
+    """The estimates in their order, each from more data than the one before it; the last one is from all readings. Each has the fields of
+    the message `ImpactEstimate`, in SI units; docs/messages.md lists them."""
 
     def _interval(self, name: str) -> tuple[float, float, float]:
         found = self.history[-1][name]
@@ -73,12 +100,12 @@ class ImpactEstimate:
 
     @property
     def mass(self) -> tuple[float, float, float]:
-        """Mass of the vehicle: mean, and the ends of the 90 % interval [kg]."""
+        """Total mass of the vehicle [kg] by all readings: mean, lower and upper end of the 90 % interval."""
         return self._interval("mass")
 
     @property
     def velocity(self) -> tuple[float, float, float]:
-        """Its speed: mean, and the ends of the 90 % interval [m/s]."""
+        """Speed of the vehicle [m/s] by all readings: mean, lower and upper end of the 90 % interval."""
         return self._interval("velocity")
 
     def __repr__(self) -> str:
