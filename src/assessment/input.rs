@@ -73,8 +73,8 @@ pub struct OtherModel {
     pub collapsed: bool,
     /// Whether the steel yields anywhere, beyond what residual stresses alone make it yield.
     pub yielded: bool,
-    /// Largest residual rotations of cross-sections below and above the impact point \[rad\].
-    pub rotation: [f64; 2],
+    /// Largest residual rotation within the length of a plastic zone, wherever it is \[rad\].
+    pub kink: f64,
     /// Residual shear angles of the web below and above the impact point \[rad\].
     pub shear_angle: [f64; WEBS],
     /// Residual displacement of the impact point, whatever its direction \[m\]; `None` after a collapse.
@@ -366,15 +366,11 @@ impl AssessmentInput {
         }
     }
 
-    /// The same impact as another model sees it. Its plastic rotations are those of its cross-sections.
+    /// The same impact as another model sees it. Its plastic rotation is that of its cross-sections.
     #[must_use]
     pub fn by_another_model(&self, other: &OtherModel) -> Self {
         let stands_bent = other.yielded && !other.collapsed;
-        let [below, above] = if stands_bent {
-            other.rotation
-        } else {
-            [0.0; 2]
-        };
+        let kink = if stands_bent { other.kink } else { 0.0 };
         let shear = self.shear.map(|shear| AssessedShear {
             plastic_angle: if stands_bent {
                 other.shear_angle
@@ -399,7 +395,8 @@ impl AssessmentInput {
                 direction: 0.0,
                 ..impact
             }),
-            plastic_rotation: [below, above, above, below],
+            // Which hinge of the two bars it would be is not asked: the largest one decides.
+            plastic_rotation: [kink, 0.0, 0.0, 0.0],
             shear,
             residual_v1: other.residual,
             larger_bow: other.bow,

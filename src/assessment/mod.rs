@@ -95,8 +95,8 @@ const ALWAYS_DECIDES: &str = "collapse";
 const OUT_OF_PLANE: [&str; 2] = ["out_of_plane", "Movement out of the plane of the two bars"];
 
 /// What the fibre beam does not know, beside every verdict of it.
-const OF_THE_BEAM: &str = "The fibre beam knows neither connections nor local buckling; its plastic rotations are those of its \
-                           cross-sections at rest.";
+const OF_THE_BEAM: &str = "The fibre beam knows neither connections nor local buckling; its plastic rotation is that of its \
+                           cross-sections at rest, over three depths of the section.";
 
 /// The assessment of one column.
 #[derive(Debug, Clone, PartialEq, Serialize)]

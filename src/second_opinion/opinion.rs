@@ -213,7 +213,7 @@ impl SecondOpinion {
         bars.by_another_model(&OtherModel {
             collapsed: !stands,
             yielded: self.has_yielded(),
-            rotation: beam.residual_rotation_rad,
+            kink: beam.residual_kink_rad,
             shear_angle: beam.residual_shear_angle_rad,
             residual: stands.then_some(residual),
             bow: stands.then_some(beam.residual_bow_m),

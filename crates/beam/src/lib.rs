@@ -70,7 +70,9 @@ pub use damage::{Damage, DamageError};
 pub use history::{History, Instrument, history};
 pub use modes::{Mode, modes};
 pub use movement::Movement;
-pub use opinion::{BeamModel, BeamOpinion, BeamOutcome, Hit, Outcome, Undamaged, is_in_plane};
+pub use opinion::{
+    BeamModel, BeamOpinion, BeamOutcome, Hit, Outcome, PLASTIC_ZONE, Undamaged, is_in_plane,
+};
 pub use pair::{InTurn, Pair};
 pub use section::Shape;
 pub use statics::CollapseTest;
