@@ -133,6 +133,13 @@ impl Fibres {
     pub fn len(&self) -> usize {
         self.y.len()
     }
+
+    /// Place y, z of each fibre \[m\] and its area \[m²\].
+    fn places(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let places = self.y.iter().zip(&self.z);
+        let places = places.map(|(y, z)| [*y, *z]);
+        places.zip(self.area.iter().copied())
+    }
 }
 
 /// The sum of lanes.
@@ -433,6 +440,19 @@ impl Section {
             None => per * (middle + e * initial),
             Some([curve, _]) => curve.plastic(middle + e * initial),
         })
+    }
+
+    /// Place y, z of each fibre \[m\] and the magnitude of its plastic strain, after von Mises where it bears shear.
+    pub fn yielded(&self, point: &PointState) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let plain = self.plastic_strains(point).map(f64::abs);
+        let web = point
+            .web
+            .iter()
+            .map(|[normal, shear]| (normal * normal + shear * shear / 3.0).sqrt());
+        let plain = self.plain.places().zip(plain);
+        let all = plain.chain(self.web.places().zip(web));
+        // What fills the lanes has no area.
+        all.filter_map(|((place, area), strain)| (area > 0.0).then_some((place, strain)))
     }
 
     /// A section whose fibres have these plastic strains.

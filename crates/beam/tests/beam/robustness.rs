@@ -129,9 +129,8 @@ fn explore(count: i32) {
                         match model.test_collapse(&hit, None).unwrap() {
                             Some(test) if test.hangs => hanging += 1,
                             Some(test) if test.share_borne < 1.0 => confirmed += 1,
-                            test => doubtful.push(format!(
-                                "{number} {name} {test:?} {found:?} {it:?} {hit:?}"
-                            )),
+                            test => doubtful
+                                .push(format!("{number} {name} {test:?} {found:?} {it:?} {hit:?}")),
                         }
                     }
                     _ => assert!(damage.is_some(), "{number}"),
