@@ -347,9 +347,9 @@ mod tests {
         let numbers_of_tube = [65.7e-4, 3598e-8];
         for (shape, [area, second_moment], walls) in [
             ("rectangular_hollow", numbers_of_square, &square[..]),
-            ("rectangular_hollow", numbers_of_square, &[]),
+            ("rectangular_hollow", numbers_of_square, &[][..]),
             ("circular_hollow", numbers_of_tube, &tube[..]),
-            ("circular_hollow", numbers_of_tube, &[]),
+            ("circular_hollow", numbers_of_tube, &[][..]),
         ] {
             let numbers = [
                 ("section.name", Value::from("")),
