@@ -118,7 +118,8 @@ impl Outline {
         Self::hollow(ring(size), ring(size.map(|it| it - 2.0 * wall)), size)
     }
 
-    fn circular(diameter: f64, wall: f64) -> Self {
+    /// A circular hollow section.
+    pub(super) fn circular(diameter: f64, wall: f64) -> Self {
         let wall = wall.min(THICKEST * diameter);
         let ring = |radius: f64| {
             let angles = (0..CIRCLE_PIECES).map(|piece| TAU * piece as f64 / CIRCLE_PIECES as f64);

@@ -130,13 +130,16 @@ mod tests {
     }
 
     fn solid(sample: &Sample) -> (Solid, Joints, Outline) {
+        solid_of(Outline::rolled(&heb220()), sample)
+    }
+
+    fn solid_of(outline: Outline, sample: &Sample) -> (Solid, Joints, Outline) {
         let lengths = Lengths {
             below: 1.0,
             above: 3.0,
             top_is_free: false,
         };
         let joints = Joints::new(lengths, sample, 1.0);
-        let outline = Outline::rolled(&heb220());
         let axis = BentAxis::new(&joints, sample.beta1, [0.0; WEBS], true, true);
         (Solid::swept(&outline, &axis), joints, outline)
     }
@@ -193,31 +196,40 @@ mod tests {
     /// By the divergence theorem, a closed surface with outward normals has the volume area times length.
     #[test]
     fn the_surface_is_closed_and_its_normals_point_outwards() {
-        let (solid, ..) = solid(&Sample::default());
-        let volume: f64 = solid
-            .triangles
-            .iter()
-            .map(|triangle| {
-                let (cross, a) = cross(&solid, *triangle);
-                (cross[0] * a[0] + cross[1] * a[1] + cross[2] * a[2]) / 6.0
-            })
-            .sum();
-        let exact = 4.0 * heb220().properties().area;
-        assert!((volume / exact - 1.0).abs() < 0.02, "{volume} {exact}");
+        // A tube of 200 x 10 mm.
+        let area_of_tube = std::f64::consts::PI * (0.1 * 0.1 - 0.09 * 0.09);
+        for (outline, area) in [
+            (Outline::rolled(&heb220()), heb220().properties().area),
+            (Outline::circular(0.2, 0.01), area_of_tube),
+        ] {
+            let (solid, ..) = solid_of(outline, &Sample::default());
+            let volume: f64 = solid
+                .triangles
+                .iter()
+                .map(|triangle| {
+                    let (cross, a) = cross(&solid, *triangle);
+                    (cross[0] * a[0] + cross[1] * a[1] + cross[2] * a[2]) / 6.0
+                })
+                .sum();
+            let exact = 4.0 * area;
+            assert!((volume / exact - 1.0).abs() < 0.02, "{volume} {exact}");
+        }
     }
 
     #[test]
     fn normals_point_out_of_their_triangles() {
-        let (solid, ..) = solid(&bent());
-        assert_eq!(solid.positions.len(), solid.normals.len());
-        for triangle in &solid.triangles {
-            let (cross, _) = cross(&solid, *triangle);
-            for corner in triangle {
-                let normal = solid.normals[*corner as usize].map(f64::from);
-                let length: f64 = normal.iter().map(|it| it * it).sum();
-                assert!((length - 1.0).abs() < 1e-5);
-                let along: f64 = cross.iter().zip(normal).map(|(a, b)| a * b).sum();
-                assert!(along > 0.0, "{triangle:?} {cross:?} {normal:?}");
+        for outline in [Outline::rolled(&heb220()), Outline::circular(0.2, 0.01)] {
+            let (solid, ..) = solid_of(outline, &bent());
+            assert_eq!(solid.positions.len(), solid.normals.len());
+            for triangle in &solid.triangles {
+                let (cross, _) = cross(&solid, *triangle);
+                for corner in triangle {
+                    let normal = solid.normals[*corner as usize].map(f64::from);
+                    let length: f64 = normal.iter().map(|it| it * it).sum();
+                    assert!((length - 1.0).abs() < 1e-5);
+                    let along: f64 = cross.iter().zip(normal).map(|(a, b)| a * b).sum();
+                    assert!(along > 0.0, "{triangle:?} {cross:?} {normal:?}");
+                }
             }
         }
     }
