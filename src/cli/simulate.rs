@@ -36,9 +36,11 @@ use column_twin::report::{
     title,
 };
 use column_twin::results::Travel;
+#[cfg(feature = "viewer")]
+use column_twin::second_opinion::BeamTask;
 use column_twin::second_opinion::SecondOpinion;
 #[cfg(feature = "viewer")]
-use column_twin::viewer::{self, ViewerError};
+use column_twin::viewer::{self, ViewerError, ViewerItem};
 use column_twin::whole_file::{self, WholeFile};
 
 /// Arguments of `column-twin simulate`.
@@ -423,7 +425,12 @@ impl Case {
         let report = ImpactReport::evaluated(evaluation, vehicle, &impact, direction);
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = now.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(0));
-        let items = viewer::from_samples("simulated", now, thinning.finish(), &report);
+        let mut items = viewer::from_samples("simulated", now, thinning.finish(), &report);
+        let beam = BeamTask::of_parameters(&self.parameters).and_then(|task| task.movement());
+        items.extend(beam.ok().map(|movement| ViewerItem::Beam {
+            event_id: "simulated".into(),
+            movement: Arc::new(movement),
+        }));
         Ok(viewer::write_rrd(
             path,
             &Arc::new(self.parameters.clone()),

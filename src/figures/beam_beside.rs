@@ -265,7 +265,7 @@ fn across(beam: &Movement) -> Vec<Shape> {
     shapes
 }
 
-fn nodes(beam: &Movement, moved: &[[f64; 2]], way: usize) -> Vec<(f64, f64)> {
+fn nodes(beam: &Movement, moved: &[[f64; 3]], way: usize) -> Vec<(f64, f64)> {
     let moved = moved.iter().map(|it| it[way]);
     moved.zip(beam.heights.iter().copied()).collect()
 }

@@ -618,7 +618,7 @@ mod both_models {
         });
         let named = named.expect("a magnification");
         let beam = impact.beam.as_ref().unwrap();
-        let way = |nodes: &[[f64; 2]], k: usize| {
+        let way = |nodes: &[[f64; 3]], k: usize| {
             let moved = nodes.iter().map(|it| it[k]);
             let (low, high) = moved.fold((0.0_f64, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
             high - low

@@ -275,12 +275,12 @@ impl Outgoing {
                     self.report(report, ImpactReport::RESULT),
                 ));
             }
-            Output::Supplemented(SupplementedReport { report, is_result }) => {
-                put(match is_result {
-                    true => Message::ImpactReport(self.report(report, ImpactReport::RESULT)),
-                    false => Message::ImpactForecast(self.report(report, ImpactReport::FORECAST)),
-                })
-            }
+            Output::Supplemented(SupplementedReport {
+                report, is_result, ..
+            }) => put(match is_result {
+                true => Message::ImpactReport(self.report(report, ImpactReport::RESULT)),
+                false => Message::ImpactForecast(self.report(report, ImpactReport::FORECAST)),
+            }),
             Output::Withdrawn(withdrawn) => {
                 put(Message::ImpactForecast(self.withdrawn(withdrawn)));
             }

@@ -51,6 +51,7 @@ impl From<&second_opinion::SecondOpinion> for SecondOpinion {
             undamaged_capacity: beam.undamaged_capacity_n,
             residual_capacity: beam.residual_capacity_n,
             base_shear: beam.base_shear_n,
+            base_moment: beam.base_moment_n_m,
             error_estimate: beam.error_estimate,
             ratio_to_two_bars: opinion.ratio_to_two_bars.unwrap_or(f64::NAN),
             action: opinion

@@ -36,8 +36,8 @@ struct Shape<'i> {
 /// The axis of the column, by one of both models.
 enum Axis<'i> {
     Bars(Box<Sample>),
-    /// Heights of the nodes \[m\], and how far each has moved along the hit and across it \[m\].
-    Beam(&'i [f64], &'i [[f64; 2]]),
+    /// Heights of the nodes \[m\], and how far each has moved along the hit, across it and upwards \[m\].
+    Beam(&'i [f64], &'i [[f64; 3]]),
 }
 
 /// A point of the axis \[m\] with the unit normal of the section there, upwards: both along the hit and up.

@@ -6,14 +6,15 @@ use maud::{Markup, html};
 
 use super::reported_impact::ReportedImpact;
 use super::svg::{
-    self, FAINT, INK, ORANGE, RED, STEEL, Spot, area, arrow, circle, hatched, height, line,
-    scale_bar, text, title,
+    self, FAINT, INK, ORANGE, RED, STEEL, Spot, area, area_between, arrow, circle, hatched, height,
+    line, scale_bar, text, title,
 };
 use super::words::{degrees, short};
 use crate::assessment::ConnectedBase;
 use crate::column::{BasePlate, Support, VehicleSample, is_direction};
+use crate::parameters::SectionShape;
 use crate::second_opinion::is_out_of_plane;
-use crate::shape::{Outline, VehicleBody, drawn_section};
+use crate::shape::{Outline, VehicleBody};
 
 /// Size of the drawing.
 const SIZE: (f64, f64) = (720.0, 350.0);
@@ -84,9 +85,9 @@ fn travel_in_words(direction: f64) -> String {
 
 /// How deep the section is as it is seen across the direction of travel \[m\].
 pub(super) fn seen_depth(impact: &ReportedImpact) -> f64 {
-    let section = drawn_section(&impact.parameters);
+    let section = Outline::of(&impact.parameters);
     let (sin, cos) = travel(impact).sin_cos();
-    section.depth * cos.abs() + section.width * sin.abs()
+    section.depth() * cos.abs() + section.width() * sin.abs()
 }
 
 fn elevation(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
@@ -253,30 +254,38 @@ fn vehicle(impact: &ReportedImpact, scale: f64, hit: f64, face: f64) -> Markup {
 }
 
 fn plan(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> Markup {
-    let section = drawn_section(&impact.parameters);
+    let section = Outline::of(&impact.parameters);
+    let [depth, width] = [section.depth(), section.width()];
     let plate = base.map(|it| &it.plate);
-    let extent = plate.map_or(1.4 * section.depth.max(section.width), |it| {
-        it.length.max(it.width)
-    });
+    let extent = plate.map_or(1.4 * depth.max(width), |it| it.length.max(it.width));
     let scale = WIDEST / extent;
     let place = |x: f64, y: f64| (PLAN.0 + scale * x, PLAN.1 - scale * y);
-    let outline: Vec<Spot> = Outline::new(&section)
-        .corners()
-        .iter()
-        .map(|[x, y]| place(*x, *y))
+    let rings = section.rings().iter();
+    let rings: Vec<Vec<Spot>> = rings
+        .map(|ring| ring.iter().map(|[x, y]| place(*x, *y)).collect())
         .collect();
+    let size = match impact.parameters.settings().section.shape {
+        SectionShape::CircularHollow => format!("d = {} mm", short(1e3 * depth)),
+        SectionShape::IOrH | SectionShape::RectangularHollow => {
+            format!(
+                "h = {} mm, b = {} mm",
+                short(1e3 * depth),
+                short(1e3 * width)
+            )
+        }
+    };
     let reach = 0.5 * WIDEST + 14.0;
     html! {
         (title((432.0, 14.0), "Plan: section and base"))
         @if let Some(plate) = plate { (base_plate(plate, scale, base.is_some_and(|it| it.is_assumed))) }
-        (area(&outline, STEEL, INK, 1.0))
+        (area_between(&rings, STEEL, INK, 1.0))
         (line(&[(PLAN.0, PLAN.1 - reach), (PLAN.0, PLAN.1 + reach)], FAINT, 0.7, "10 3 2 3"))
         (line(&[(PLAN.0 - reach, PLAN.1), (PLAN.0 + reach, PLAN.1)], FAINT, 0.7, "10 3 2 3"))
         (text((PLAN.0 + 4.0, PLAN.1 - reach + 4.0), "start", INK, "y (strong axis)"))
         (text((PLAN.0 + 4.0, PLAN.1 + reach), "start", INK, "y"))
         (text((PLAN.0 + reach + 3.0, PLAN.1 + 4.0), "start", INK, "z"))
-        (hit(impact, [0.5 * scale * section.depth, 0.5 * scale * section.width]))
-        (text((432.0, 34.0), "start", INK, &format!("h = {} mm, b = {} mm", short(1e3 * section.depth), short(1e3 * section.width))))
+        (hit(impact, [0.5 * scale * depth, 0.5 * scale * width]))
+        (text((432.0, 34.0), "start", INK, &size))
         (scale_bar((432.0, SIZE.1 - 8.0), 0.1 * scale, "100 mm"))
         @if let Some(plate) = plate {
             (text((556.0, SIZE.1 - 6.0), "start", INK, &anchors(plate)))

@@ -38,6 +38,13 @@ pub(super) fn area(spots: &[Spot], fill: &str, colour: &str, width: f64) -> Mark
     html! { polygon points=(points(spots)) fill=(fill) stroke=(colour) stroke-width=(width) {} }
 }
 
+/// An area between closed lines, such as a section with a hole.
+pub(super) fn area_between(rings: &[Vec<Spot>], fill: &str, colour: &str, width: f64) -> Markup {
+    let lines = rings.iter().map(|ring| format!("M{}Z", points(ring)));
+    let path: String = lines.collect();
+    html! { path d=(path) fill=(fill) fill-rule="evenodd" stroke=(colour) stroke-width=(width) {} }
+}
+
 /// A circle.
 pub(super) fn circle((x, y): Spot, radius: f64, fill: &str, colour: &str) -> Markup {
     html! { circle cx=(number(x)) cy=(number(y)) r=(number(radius)) fill=(fill) stroke=(colour) stroke-width="1" {} }

@@ -51,6 +51,9 @@ pub struct BeamAnswer {
     pub capacity: [f64; 2],
     /// The damage that remains; `None` after a collapse.
     pub damage: Option<Arc<Damage>>,
+    /// How the column has moved, for drawings; not stored, so that an answer that was read has none.
+    #[serde(skip)]
+    pub movement: Option<Arc<Movement>>,
 }
 
 /// A hit that a column has had, with all that the beam needs to compute it again.
@@ -174,6 +177,7 @@ impl BeamTask {
             beam: opinion.outcome,
             capacity: opinion.capacity,
             damage: opinion.damage.map(Arc::new),
+            movement: Some(Arc::new(opinion.movement)),
         })
     }
 }

@@ -32,7 +32,7 @@ pub use crate::twin::Lengths;
 pub use action_colour::action_colour;
 pub use bent_axis::{BEND_LENGTH, BentAxis, Station};
 pub use joints::{HINGE_PLACES, Joints, PlanePoint, WEB_PLACES};
-pub use outline::{Outline, drawn_section};
+pub use outline::{Outline, Ring};
 pub use round_number::round_number;
 pub use solid::Solid;
 pub use vehicle::{BodyPart, BodyStyle, CrushedVehicle, Hull, VehicleBody, Wheel, hull_triangles};

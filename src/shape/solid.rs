@@ -14,9 +14,6 @@ pub struct Solid {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Number of corners of the two ends: four for each plate.
-const END_CORNERS: usize = 2 * 3 * 4;
-
 impl Solid {
     /// The solid that `outline` sweeps along `axis`, closed at both ends.
     #[must_use]
@@ -30,13 +27,14 @@ impl Solid {
     /// Number of corners at each station, before those of the ends.
     #[must_use]
     pub fn corners_per_station(outline: &Outline) -> usize {
-        2 * outline.corners().len()
+        2 * outline.edges().count()
     }
 
     /// Sets positions and normals for another axis; the triangles stay the same.
     pub fn move_to(&mut self, outline: &Outline, axis: &BentAxis) {
         let stations = axis.stations();
-        let corners = stations.len() * Self::corners_per_station(outline) + END_CORNERS;
+        let ends = 2 * outline.plates().as_flattened().len();
+        let corners = stations.len() * Self::corners_per_station(outline) + ends;
         self.positions.clear();
         self.normals.clear();
         self.positions.reserve(corners);
@@ -53,14 +51,12 @@ impl Solid {
 
     /// Adds both corners of every face of the outline.
     fn add_faces(&mut self, outline: &Outline, station: &Station) {
-        let corners = outline.corners();
-        for (number, from) in corners.iter().enumerate() {
-            let to = &corners[(number + 1) % corners.len()];
+        for [from, to] in outline.edges() {
             let (along, across) = (to[0] - from[0], to[1] - from[1]);
             let length = along.hypot(across).max(f64::MIN_POSITIVE);
             let normal = in_space(station, [across / length, -along / length]);
             for corner in [from, to] {
-                self.add(station, *corner, normal);
+                self.add(station, corner, normal);
             }
         }
     }
@@ -68,15 +64,8 @@ impl Solid {
     fn add_end(&mut self, outline: &Outline, station: &Station, outwards: f64) {
         let up = station.section;
         let normal = [outwards * up.x, 0.0, outwards * up.z];
-        for [from_a, to_a, from_b, to_b] in outline.plates() {
-            for corner in [
-                [from_a, from_b],
-                [to_a, from_b],
-                [to_a, to_b],
-                [from_a, to_b],
-            ] {
-                self.add(station, corner, normal);
-            }
+        for corner in outline.plates().as_flattened() {
+            self.add(station, *corner, normal);
         }
     }
 
@@ -112,9 +101,10 @@ fn triangles(outline: &Outline, stations: usize) -> Vec<[u32; 3]> {
         }
     }
     let ends = stations * per_station;
+    let plates = outline.plates().len() as u32;
     for (end, flipped) in [(0, true), (1, false)] {
-        for plate in 0..3 {
-            let first = ends + 12 * end + 4 * plate;
+        for plate in 0..plates {
+            let first = ends + 4 * (plates * end + plate);
             for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
                 let corner = |number: u32| first + number;
                 triangles.push(if flipped {
@@ -140,13 +130,16 @@ mod tests {
     }
 
     fn solid(sample: &Sample) -> (Solid, Joints, Outline) {
+        solid_of(Outline::rolled(&heb220()), sample)
+    }
+
+    fn solid_of(outline: Outline, sample: &Sample) -> (Solid, Joints, Outline) {
         let lengths = Lengths {
             below: 1.0,
             above: 3.0,
             top_is_free: false,
         };
         let joints = Joints::new(lengths, sample, 1.0);
-        let outline = Outline::new(&heb220());
         let axis = BentAxis::new(&joints, sample.beta1, [0.0; WEBS], true, true);
         (Solid::swept(&outline, &axis), joints, outline)
     }
@@ -203,31 +196,40 @@ mod tests {
     /// By the divergence theorem, a closed surface with outward normals has the volume area times length.
     #[test]
     fn the_surface_is_closed_and_its_normals_point_outwards() {
-        let (solid, ..) = solid(&Sample::default());
-        let volume: f64 = solid
-            .triangles
-            .iter()
-            .map(|triangle| {
-                let (cross, a) = cross(&solid, *triangle);
-                (cross[0] * a[0] + cross[1] * a[1] + cross[2] * a[2]) / 6.0
-            })
-            .sum();
-        let exact = 4.0 * heb220().properties().area;
-        assert!((volume / exact - 1.0).abs() < 0.02, "{volume} {exact}");
+        // A tube of 200 x 10 mm.
+        let area_of_tube = std::f64::consts::PI * (0.1 * 0.1 - 0.09 * 0.09);
+        for (outline, area) in [
+            (Outline::rolled(&heb220()), heb220().properties().area),
+            (Outline::circular(0.2, 0.01), area_of_tube),
+        ] {
+            let (solid, ..) = solid_of(outline, &Sample::default());
+            let volume: f64 = solid
+                .triangles
+                .iter()
+                .map(|triangle| {
+                    let (cross, a) = cross(&solid, *triangle);
+                    (cross[0] * a[0] + cross[1] * a[1] + cross[2] * a[2]) / 6.0
+                })
+                .sum();
+            let exact = 4.0 * area;
+            assert!((volume / exact - 1.0).abs() < 0.02, "{volume} {exact}");
+        }
     }
 
     #[test]
     fn normals_point_out_of_their_triangles() {
-        let (solid, ..) = solid(&bent());
-        assert_eq!(solid.positions.len(), solid.normals.len());
-        for triangle in &solid.triangles {
-            let (cross, _) = cross(&solid, *triangle);
-            for corner in triangle {
-                let normal = solid.normals[*corner as usize].map(f64::from);
-                let length: f64 = normal.iter().map(|it| it * it).sum();
-                assert!((length - 1.0).abs() < 1e-5);
-                let along: f64 = cross.iter().zip(normal).map(|(a, b)| a * b).sum();
-                assert!(along > 0.0, "{triangle:?} {cross:?} {normal:?}");
+        for outline in [Outline::rolled(&heb220()), Outline::circular(0.2, 0.01)] {
+            let (solid, ..) = solid_of(outline, &bent());
+            assert_eq!(solid.positions.len(), solid.normals.len());
+            for triangle in &solid.triangles {
+                let (cross, _) = cross(&solid, *triangle);
+                for corner in triangle {
+                    let normal = solid.normals[*corner as usize].map(f64::from);
+                    let length: f64 = normal.iter().map(|it| it * it).sum();
+                    assert!((length - 1.0).abs() < 1e-5);
+                    let along: f64 = cross.iter().zip(normal).map(|(a, b)| a * b).sum();
+                    assert!(along > 0.0, "{triangle:?} {cross:?} {normal:?}");
+                }
             }
         }
     }

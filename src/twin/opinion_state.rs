@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::damage_correction::{CORRECTION_FACTORS, ResidualMeasurement};
 use super::plant::Plant;
 use crate::second_opinion::{
-    BeamAnswer, BeamDamage, BeamDamageBefore, BeamMeasurement, NoSecondOpinion,
+    BeamAnswer, BeamDamage, BeamDamageBefore, BeamMeasurement, Movement, NoSecondOpinion,
 };
 use crate::sensors::Quantity;
 
@@ -50,6 +50,17 @@ pub enum BeamResult {
     Answer(Box<BeamAnswer>),
     /// It has none, for this reason, in words.
     None(Arc<str>),
+}
+
+impl BeamResult {
+    /// How the column has moved by its answer, for drawings; not known of an answer that was read.
+    #[must_use]
+    pub fn movement(&self) -> Option<Arc<Movement>> {
+        match self {
+            Self::Answer(answer) => answer.movement.clone(),
+            Self::None(_) => None,
+        }
+    }
 }
 
 impl OpinionState {

@@ -18,6 +18,7 @@ use crate::assessment::{self, NOT_ASSESSED, VerdictRange};
 use crate::column::{Report, Sample};
 use crate::estimation::{EstimateRecord, EventEvidence};
 use crate::parameters::Parameters;
+use crate::second_opinion::Movement;
 use crate::time::Nanos;
 
 /// One thing that leaves the twin. All of them are about the twin's one column.
@@ -119,6 +120,8 @@ pub struct SupplementedReport {
     pub report: ReportOutput,
     /// Whether it is a result.
     pub is_result: bool,
+    /// How the fibre beam has moved, for drawings, where the second opinion has just become known.
+    pub movement: Option<Arc<Movement>>,
 }
 
 /// The forecast of an accepted impact no longer holds, or there will be none.

@@ -23,6 +23,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
+use super::beam;
 use super::branch::entity;
 use super::detected_views::{DetectedView, MAX_SENSOR_VIEWS};
 use super::force_crush;
@@ -325,10 +326,17 @@ impl Blueprint {
             None => title,
             Some(id) => format!("{id}: {title}"),
         };
-        let contents = ["column", "top", "supports", "ghost", "vehicle"]
-            .iter()
-            .map(|it| self.content(&format!("{it}/**")))
-            .collect::<Vec<_>>();
+        let contents = [
+            "column",
+            "top",
+            "supports",
+            "ghost",
+            "vehicle",
+            beam::ENTITIES,
+        ]
+        .iter()
+        .map(|it| self.content(&format!("{it}/**")))
+        .collect::<Vec<_>>();
         self.view(SCENE, "3D", &title, &entity(&self.root, ""), &contents)?;
         let camera = drawing.camera();
         let eye = EyeControls3D::new()

@@ -41,6 +41,10 @@ pub const CONTACT: Rgb = [214, 84, 190];
 pub const TOP: Rgb = [90, 200, 200];
 /// Impact point.
 pub const IMPACT_POINT: Rgb = [240, 240, 240];
+/// The fibre beam at its peak.
+pub const BEAM_PEAK: Rgb = [226, 240, 130];
+/// The fibre beam at rest.
+pub const BEAM_REST: Rgb = [150, 214, 60];
 /// The undeformed column.
 pub const GHOST: Rgb = [110, 116, 124];
 /// Supports.

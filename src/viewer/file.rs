@@ -107,6 +107,7 @@ pub(super) fn options(items: &[ViewerItem], follows: bool) -> StreamOptions {
             }
             ViewerItem::Forecast(it) | ViewerItem::Result(it) => ranges.include_report(&it.report),
             ViewerItem::Detected(_)
+            | ViewerItem::Beam { .. }
             | ViewerItem::Rest { .. }
             | ViewerItem::Line { .. }
             | ViewerItem::Parameters(_) => {}

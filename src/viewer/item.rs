@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use column_beam::Movement;
+
 use super::detected::DetectedUpdate;
 use crate::column::{
     BaseForces, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample, WebSample,
@@ -27,6 +29,13 @@ pub enum ViewerItem {
     Result(Announcement),
     /// What the sensors say about an impact.
     Detected(Box<DetectedUpdate>),
+    /// How the fibre beam has moved during an impact, by the second opinion.
+    Beam {
+        /// The impact.
+        event_id: Arc<str>,
+        /// How the beam has moved.
+        movement: Arc<Movement>,
+    },
     /// The column at rest, with its accumulated damage.
     Rest {
         /// Time of the item.
@@ -83,6 +92,10 @@ impl ViewerItem {
             Output::Forecast(it) if it.error_estimate.is_some() || it.is_superseded => return None,
             Output::Forecast(it) => Self::Forecast(Announcement::of_output(&it)),
             Output::Report(it) => Self::Result(Announcement::of_output(&it)),
+            Output::Supplemented(it) => Self::Beam {
+                event_id: it.report.event_id,
+                movement: it.movement?,
+            },
             Output::Status(status) if status.phase == TwinPhase::Idle => Self::Rest {
                 stamp: status.stamp,
                 v1: status.residual_v1,
@@ -122,8 +135,7 @@ impl ViewerItem {
             },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),
             // Notices tell in words what has happened.
-            Output::Supplemented(_)
-            | Output::Estimate(_)
+            Output::Estimate(_)
             | Output::Replaced(_)
             | Output::Merged(_)
             | Output::DamageCorrected(_)

@@ -14,6 +14,8 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - beam.rs: The fibre beam in front of the two bars in a Rerun stream: its axis at its peak and at rest, and the fibres that have
+//   yielded
 // - blueprint.rs: The layout of the viewer, for a laptop screen: column, panel and log on the left, curves in the middle, yield
 //   surfaces on the right
 // - branch.rs: A part of the tree of entities of a Rerun stream: that of one column
@@ -58,6 +60,7 @@
 // - stream.rs: Writes items to a Rerun stream: static data once, states in batches with one column of data per entity
 // - timeline.rs: The three timelines on which everything is shown
 
+mod beam;
 mod blueprint;
 mod branch;
 mod camera;
@@ -94,6 +97,7 @@ mod static_scene;
 mod stream;
 mod timeline;
 
+pub use beam::{AxisMark, BeamMark};
 pub use blueprint::APPLICATION;
 pub use camera::{Camera, VIEW};
 pub use damage_map::write_map_rrd;

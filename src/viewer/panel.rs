@@ -1,5 +1,6 @@
 //! The panel beside the scene, as Markdown: what the impact does to the column, what hits it, and what the colours mean.
 
+use super::beam;
 use super::item::Announcement;
 use super::plots;
 use super::scene::{Drawing, force};
@@ -202,6 +203,17 @@ fn legend(drawing: &Drawing) -> String {
             format!(
                 "moment of a hinge, 270° = M_p = {:.0} kN m",
                 1e-3 * drawing.resistance_moment
+            ),
+        ),
+        (
+            "Green lines",
+            "axis of the fibre beam, the second opinion, in front of the bars; light: at its peak; dark: at rest".to_owned(),
+        ),
+        (
+            "Dots beside them",
+            format!(
+                "fibres of the beam that have yielded; yellow: just; red: plastic strain of {:.0} % and more",
+                100.0 * beam::FULL_STRAIN
             ),
         ),
         ("Displacements", scale),

@@ -15,7 +15,7 @@ use crate::column::{
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
     BentAxis, CrushedVehicle, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody,
-    drawn_section, round_number,
+    round_number,
 };
 
 /// Angle of a moment's arc at the plastic moment \[rad\].
@@ -182,7 +182,7 @@ impl Drawing {
         let vehicle = parameters.impact().vehicle;
         let mut drawing = Self {
             lengths,
-            outline: Outline::new(&drawn_section(parameters)),
+            outline: Outline::of(parameters),
             section: section
                 .name
                 .map_or_else(|| "User-defined section".to_owned(), |name| name.to_owned()),
@@ -269,7 +269,7 @@ impl Drawing {
     /// Half the depth of the section \[m\].
     #[must_use]
     pub fn half_depth(&self) -> f64 {
-        0.5 * self.outline.section().depth
+        0.5 * self.outline.depth()
     }
 
     /// The axis of the deformed column.
@@ -330,7 +330,7 @@ impl Drawing {
     }
 
     /// Horizontal distance of the labels of the hinges from their hinges, clear of the arcs \[m\].
-    fn beside_hinges(&self) -> f64 {
+    pub(super) fn beside_hinges(&self) -> f64 {
         OUTER_ARC * self.arc_radius() + LABEL_GAP
     }
 
@@ -387,8 +387,8 @@ impl Drawing {
     }
 
     /// `y` of what the column must not hide: in front of it \[m\].
-    fn front(&self) -> f64 {
-        -0.5 * self.outline.section().width - 0.02
+    pub(super) fn front(&self) -> f64 {
+        -0.5 * self.outline.width() - 0.02
     }
 
     /// The arc is on the side opposite to the vehicle.

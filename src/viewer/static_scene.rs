@@ -71,12 +71,11 @@ fn lines(
     stream.log_static(entity, &lines)
 }
 
-/// The undeformed column, drawn by the edges of its flanges.
+/// The undeformed column, drawn by the outermost points of its section.
 fn ghost(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
-    let section = drawing.outline.section();
     let height = drawing.lengths.total() as f32;
-    let (a, b) = (0.5 * section.depth as f32, 0.5 * section.width as f32);
-    let edges = [[-a, -b], [-a, b], [a, -b], [a, b]];
+    let quarters = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+    let edges = quarters.map(|it| drawing.outline.farthest(it).map(|it| it as f32));
     let mut strips: Vec<Vec<Point3>> = edges
         .iter()
         .map(|[x, y]| vec![[*x, *y, 0.0], [*x, *y, height]])

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
 
+use super::beam::{self, ShownBeam};
 use super::blueprint::{self, ColumnLayout};
 use super::branch::Branch;
 use super::curve_styles;
@@ -71,6 +72,8 @@ struct ImpactProgress {
     event_id: Option<Arc<str>>,
     /// Stamp of the impact event \[ns\].
     stamp: i64,
+    /// When its result was shown.
+    ended: Option<Moment>,
     /// Name and number of masses of what strikes, as it is drawn.
     vehicle: Option<(Arc<str>, usize)>,
 }
@@ -99,6 +102,8 @@ pub struct ViewerStream {
     /// The displacements of the column at rest that were shown last.
     at_rest: Option<[f64; 2]>,
     shown_top: ShownTop,
+    /// The fibre beam that is shown, or waits for the states or the result of its impact.
+    beam: ShownBeam,
     /// Whether the scene has been drawn at least once.
     drawn: bool,
     /// A forecast whose states have not arrived yet.
@@ -176,6 +181,7 @@ impl ViewerStream {
             critical_velocities: None,
             at_rest: None,
             shown_top: ShownTop::default(),
+            beam: ShownBeam::default(),
             drawn: false,
             forecast: None,
             batch: Vec::new(),
@@ -206,7 +212,10 @@ impl ViewerStream {
                     self.state(state)?;
                 }
                 // These have their own times and need not be in order with the states.
-                ViewerItem::Forecast(_) | ViewerItem::Detected(_) | ViewerItem::Line { .. } => {
+                ViewerItem::Forecast(_)
+                | ViewerItem::Detected(_)
+                | ViewerItem::Beam { .. }
+                | ViewerItem::Line { .. } => {
                     self.other(item)?;
                 }
                 ViewerItem::Result(_) | ViewerItem::Rest { .. } | ViewerItem::Parameters(_) => {
@@ -261,6 +270,10 @@ impl ViewerStream {
             }
             ViewerItem::Result(result) => self.result(&result),
             ViewerItem::Detected(update) => self.detect(&update),
+            ViewerItem::Beam { event_id, movement } => {
+                self.beam.take(event_id, &movement, &self.drawing);
+                self.show_beam()
+            }
             ViewerItem::Rest {
                 stamp,
                 v1,
@@ -322,6 +335,9 @@ impl ViewerStream {
             self.progress.events.use_report(&forecast.report);
             self.progress.forecast = Some(forecast);
         }
+        self.beam
+            .clear(&self.branch, moment, Some(&state.event_id))?;
+        self.show_beam()?;
         self.follow_vehicle(state)?;
         let forecast = self.progress.forecast.clone();
         let told = forecast.as_ref().map_or(Told::Begun, Told::Forecast);
@@ -390,11 +406,23 @@ impl ViewerStream {
         self.line(line)
     }
 
+    /// Shows of the beam what belongs to the impact so far.
+    fn show_beam(&mut self) -> RecordingStreamResult<()> {
+        let progress = &self.progress;
+        let at = |secs: f64| self.timeline.in_impact(secs, progress.stamp);
+        let present = progress.event_id.as_deref();
+        self.beam.show(&self.branch, present, at, progress.ended)
+    }
+
     fn result(&mut self, result: &Announcement) -> RecordingStreamResult<()> {
         let end = self
             .timeline
             .in_impact(result.report.end_time, result.stamp);
         self.tell(end, Told::Result(result))?;
+        if self.progress.event_id.as_ref() == Some(&result.event_id) {
+            self.progress.ended = Some(end);
+            self.show_beam()?;
+        }
         if let Some(detected) = &mut self.detected
             && self.timeline.has_detected(&result.event_id)
         {
@@ -434,6 +462,8 @@ impl ViewerStream {
             return Ok(());
         }
         let moment = self.timeline.after_last(stamp);
+        // The column has been straightened or corrected.
+        self.beam.clear(&self.branch, moment, None)?;
         let u1 = self.drawing.at_rest.u1 + 0.5 * (u2 - self.drawing.at_rest.u2);
         let sample = Sample {
             v1,
@@ -450,6 +480,8 @@ impl ViewerStream {
     }
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
+        let last = self.last_moment();
+        self.beam.clear(&self.branch, last, None)?;
         self.drawing = Drawing::new(&parameters);
         self.detected = DetectedCurves::new(&parameters);
         self.timeline.change_step(parameters.step_nanos());
@@ -623,6 +655,7 @@ impl ViewerStream {
         static_scene::send(&self.branch, &self.drawing, exponents)?;
         force_crush::send_statics(&self.branch, self.drawing.springs.as_ref())?;
         frames::send_statics(&self.branch, &self.drawing)?;
+        beam::send_statics(&self.branch, &self.drawing)?;
         if let Some(detected) = &self.detected {
             detected.send_styles(&self.branch)?;
         }

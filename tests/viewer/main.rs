@@ -3,6 +3,7 @@
 // A test may listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+mod beam;
 mod detected;
 #[cfg(all(feature = "cli", feature = "ros"))]
 #[path = "../ros/domain.rs"]

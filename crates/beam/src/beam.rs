@@ -320,6 +320,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         [low, high]
     }
 
+    /// The element of the integration point of this number, and how far along it the point lies, from 0 to 1.
+    pub fn point(&self, index: usize) -> (usize, f64) {
+        (index / POINTS, PLACES[index % POINTS])
+    }
+
     /// Strain at an integration point of an element.
     pub fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
         let l = self.elements[index].length;

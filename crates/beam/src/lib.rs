@@ -69,7 +69,7 @@ pub use curve::Steel;
 pub use damage::{Damage, DamageError};
 pub use history::{History, Instrument, history};
 pub use modes::{Mode, modes};
-pub use movement::Movement;
+pub use movement::{Movement, YieldedFibre};
 pub use opinion::{
     BeamModel, BeamOpinion, BeamOutcome, Hit, Outcome, PLASTIC_ZONE, Undamaged, is_in_plane,
 };

@@ -1,13 +1,19 @@
 //! How the column moves during a hit, for those who draw it.
 
-use super::beam::State;
+use super::beam::{Beam, State};
 use super::mesh::nearest;
 
 /// Most points of a course over time: more than a figure has pixels.
 const MAX_POINTS: usize = 2048;
 
-/// How the column has moved during a hit: displacements along the hit and at right angles to it \[m\], from where the undamaged column
-/// stands under its load.
+/// Most fibres that are kept, those with the largest plastic strains.
+const MAX_FIBRES: usize = 4096;
+
+/// Plastic strain up to which a fibre has not yielded: the round-off of its residual stress.
+const LEAST_STRAIN: f64 = 1e-7;
+
+/// How the column has moved during a hit: displacements along the hit, at right angles to it, and upwards \[m\], from where the
+/// undamaged column stands under its load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
     /// Direction of the hit \[rad\].
@@ -18,9 +24,23 @@ pub struct Movement {
     /// Heights of the nodes above the base \[m\].
     pub heights: Vec<f64>,
     /// The nodes when the impact point is furthest along the hit.
-    pub peak: Vec<[f64; 2]>,
+    pub peak: Vec<[f64; 3]>,
     /// The nodes at rest after the hit; `None` after a collapse.
-    pub remains: Option<Vec<[f64; 2]>>,
+    pub remains: Option<Vec<[f64; 3]>>,
+    /// The fibres that have yielded, at rest after the hit; after a collapse as its computation has ended.
+    pub yielded: Vec<YieldedFibre>,
+}
+
+/// A fibre that has yielded, at an integration point of its element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct YieldedFibre {
+    /// Its place in the straight column, from the middle of the base: along the hit, at right angles to it, and upwards \[m\]. In
+    /// the plane of the web both halves of a flange are one fibre.
+    pub place: [f64; 3],
+    /// How it has moved from there, as the nodes \[m\].
+    pub moved: [f64; 3],
+    /// Magnitude of its plastic strain, after von Mises where it bears shear.
+    pub plastic_strain: f64,
 }
 
 impl Movement {
@@ -37,7 +57,8 @@ impl Movement {
     #[must_use]
     pub fn remains_at(&self, height: f64) -> Option<[f64; 2]> {
         let remains = self.remains.as_ref()?;
-        remains.get(nearest(&self.heights, height)).copied()
+        let [along, across, _] = *remains.get(nearest(&self.heights, height))?;
+        Some([along, across])
     }
 }
 
@@ -52,15 +73,26 @@ pub(crate) trait Watch {
         state: &State<D, R>,
         is_peak: bool,
     );
-    /// When the column has come to rest.
-    fn rest(&mut self, moved: &[[f64; 3]]);
+    /// At the end: the column at rest, or, where it does not stand, as its response has ended.
+    fn end<const D: usize, const R: usize, const Q: usize>(
+        &mut self,
+        beam: &Beam<D, R, Q>,
+        state: &State<D, R>,
+        stands: bool,
+    );
 }
 
 /// Without an observer.
 impl Watch for () {
     fn begin(&mut self, _: &[[f64; 3]], _: &[[f64; 3]], _: usize) {}
     fn step<const D: usize, const R: usize>(&mut self, _: f64, _: &State<D, R>, _: bool) {}
-    fn rest(&mut self, _: &[[f64; 3]]) {}
+    fn end<const D: usize, const R: usize, const Q: usize>(
+        &mut self,
+        _: &Beam<D, R, Q>,
+        _: &State<D, R>,
+        _: bool,
+    ) {
+    }
 }
 
 /// Keeps what a drawing needs in memory that it takes before the first step.
@@ -73,6 +105,8 @@ pub(crate) struct Recorder {
     undamaged: Vec<[f64; 3]>,
     peak: Vec<[f64; 3]>,
     rest: Option<Vec<[f64; 3]>>,
+    /// Upwards, along y and along z.
+    yielded: Vec<YieldedFibre>,
 }
 
 impl Recorder {
@@ -85,22 +119,21 @@ impl Recorder {
             undamaged: Vec::new(),
             peak: Vec::new(),
             rest: None,
+            yielded: Vec::new(),
         }
     }
 
     /// What it has seen of a hit in this direction \[rad\] on nodes at these heights \[m\].
     pub fn finish(self, direction: f64, heights: &[f64]) -> Movement {
         let (c, s) = (libm::cos(direction), libm::sin(direction));
-        let way = |from: &[f64; 3], to: &[f64; 3]| {
-            let (y, z) = (to[1] - from[1], to[2] - from[2]);
-            [c * y + s * z, c * z - s * y]
-        };
+        let turned = |[x, y, z]: [f64; 3]| [c * y + s * z, c * z - s * y, x];
+        let way = |from: &[f64; 3], to: &[f64; 3]| turned([0, 1, 2].map(|k| to[k] - from[k]));
         let nodes = |moved: &[[f64; 3]]| {
             let pairs = self.undamaged.iter().zip(moved);
             pairs.map(|(from, to)| way(from, to)).collect()
         };
         let point = |(time, at): &(f64, [f64; 3])| {
-            let [along, across] = way(&self.undamaged[self.node], at);
+            let [along, across, _] = way(&self.undamaged[self.node], at);
             [*time, along, across]
         };
         Movement {
@@ -109,7 +142,61 @@ impl Recorder {
             heights: heights.to_vec(),
             peak: nodes(&self.peak),
             remains: self.rest.as_deref().map(nodes),
+            yielded: self
+                .yielded
+                .iter()
+                .map(|fibre| YieldedFibre {
+                    place: turned(fibre.place),
+                    moved: turned(fibre.moved),
+                    ..*fibre
+                })
+                .collect(),
         }
+    }
+
+    /// The yielded fibres of a state, of which those remain that have the largest plastic strains.
+    fn fibres<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        beam: &Beam<D, R, Q>,
+        state: &State<D, R>,
+    ) -> Vec<YieldedFibre> {
+        let mut found = Vec::new();
+        for (index, yielded) in state.yielded.iter().enumerate() {
+            if !yielded {
+                continue;
+            }
+            let (element, share) = beam.point(index);
+            let between = |nodes: [[f64; 3]; 2]| {
+                [0, 1, 2].map(|k| (1.0 - share) * nodes[0][k] + share * nodes[1][k])
+            };
+            let both = [element, element + 1];
+            let axis = between(
+                both.map(|node| [0, 1, 2].map(|k| state.moved[node][k] - self.undamaged[node][k])),
+            );
+            let height = between(both.map(|node| [beam.places[node][0], 0.0, 0.0]))[0];
+            let [along_y, along_z] =
+                [1, 2].map(|k| between(both.map(|node| state.triads[node][k])));
+            for ([y, z], plastic_strain) in beam.section.yielded(&state.points[index]) {
+                if plastic_strain > LEAST_STRAIN {
+                    let place = [height, y, z];
+                    let turned = [0, 1, 2].map(|k| y * along_y[k] + z * along_z[k]);
+                    found.push(YieldedFibre {
+                        place,
+                        moved: [
+                            axis[0] + turned[0],
+                            axis[1] + turned[1] - y,
+                            axis[2] + turned[2] - z,
+                        ],
+                        plastic_strain,
+                    });
+                }
+            }
+        }
+        if found.len() > MAX_FIBRES {
+            found.sort_by(|one, other| other.plastic_strain.total_cmp(&one.plastic_strain));
+            found.truncate(MAX_FIBRES);
+        }
+        found
     }
 }
 
@@ -146,7 +233,13 @@ impl Watch for Recorder {
         self.points.push((time, state.moved[self.node]));
     }
 
-    fn rest(&mut self, moved: &[[f64; 3]]) {
-        self.rest = Some(moved.to_vec());
+    fn end<const D: usize, const R: usize, const Q: usize>(
+        &mut self,
+        beam: &Beam<D, R, Q>,
+        state: &State<D, R>,
+        stands: bool,
+    ) {
+        self.rest = stands.then(|| state.moved.clone());
+        self.yielded = self.fibres(beam, state);
     }
 }

@@ -161,6 +161,8 @@ pub struct BeamOpinion {
     pub damage: Option<Damage>,
     /// What the undamaged column bears.
     pub undamaged: Undamaged,
+    /// How the column has moved, for drawings.
+    pub movement: Movement,
 }
 
 /// What an undamaged column bears, whatever hits it.
@@ -326,8 +328,8 @@ impl BeamModel {
         let (column, bows) = (&self.column, self.column.bows());
         let step = self.step(hit, Self::is_plane(hit, damage));
         let about_both = column.bow_axes == BowAxes::Both;
-        let (passed, (known, coarser)) = pair.both(
-            || self.pass(hit, damage, column.elements, step, &mut ()),
+        let (followed, (known, coarser)) = pair.both(
+            || self.follow(hit, damage),
             || {
                 let coarser = self.coarser_peak(hit, damage, step);
                 (self.bears_undamaged(), coarser)
@@ -337,12 +339,13 @@ impl BeamModel {
             capacities: undamaged,
             bowed,
         } = known;
+        let (passed, movement) = followed?;
         let Passed {
             course,
             before,
             residual,
             elements,
-        } = passed.map_err(|stopped| self.error(&stopped))?;
+        } = passed;
         let error_estimate = match (coarser, course.largest[0]) {
             // The error falls with the square of the length of an element.
             (Some(other), fine) if !course.collapsed => {
@@ -424,6 +427,7 @@ impl BeamModel {
             capacity,
             damage,
             undamaged: known,
+            movement,
         })
     }
 
@@ -442,18 +446,18 @@ impl BeamModel {
     /// As [`BeamModel::simulate`].
     pub fn movement(&self, hit: &Hit, damage: Option<&Damage>) -> Result<Movement, BeamError> {
         self.check_hit(hit, damage)?;
+        Ok(self.follow(hit, damage)?.1)
+    }
+
+    /// The response, with how the column moves.
+    fn follow(&self, hit: &Hit, damage: Option<&Damage>) -> Result<(Passed, Movement), BeamError> {
         let plane = Self::is_plane(hit, damage);
+        let (elements, step) = (self.column.elements, self.step(hit, plane));
         let mut recorder = Recorder::new();
-        self.pass(
-            hit,
-            damage,
-            self.column.elements,
-            self.step(hit, plane),
-            &mut recorder,
-        )
-        .map_err(|stopped| self.error(&stopped))?;
-        let heights = self.heights(hit, self.column.elements, plane);
-        Ok(recorder.finish(hit.direction, &heights))
+        let passed = self.pass(hit, damage, elements, step, &mut recorder);
+        let passed = passed.map_err(|stopped| self.error(&stopped))?;
+        let heights = self.heights(hit, elements, plane);
+        Ok((passed, recorder.finish(hit.direction, &heights)))
     }
 
     /// The response alone, without the error estimate and the push-downs: for benchmarks.
@@ -578,13 +582,12 @@ impl BeamModel {
         let before = run.between(&undamaged.moved[node], &rest);
         let mut residual = None;
         if !run.course.collapsed {
-            let stands = settle(&beam, &mut run.state, &mut run.solver);
-            if stands && run.solver.negative_pivots == 0 {
+            let rests = settle(&beam, &mut run.state, &mut run.solver);
+            if rests && run.solver.negative_pivots == 0 {
                 let last = match column.top {
                     Support::Free => node,
                     _ => heights.len() - 1,
                 };
-                watch.rest(&run.state.moved);
                 residual = Some(Remains {
                     displacement: run.displacement(&rest),
                     bow: largest_distance(&run.state.moved, &undamaged.moved, &heights[..=last]),
@@ -603,6 +606,7 @@ impl BeamModel {
                 });
             }
         }
+        watch.end(&beam, &run.state, residual.is_some());
         Ok(Passed {
             course: run.course,
             before,

@@ -133,6 +133,13 @@ impl Fibres {
     pub fn len(&self) -> usize {
         self.y.len()
     }
+
+    /// Place y, z of each fibre \[m\] and its area \[m²\].
+    fn places(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let places = self.y.iter().zip(&self.z);
+        let places = places.map(|(y, z)| [*y, *z]);
+        places.zip(self.area.iter().copied())
+    }
 }
 
 /// The sum of lanes.
@@ -435,17 +442,28 @@ impl Section {
         })
     }
 
+    /// Magnitude of the plastic strain of each fibre, those without shear first, after von Mises where it bears shear.
+    fn plastic_magnitudes(&self, point: &PointState) -> impl Iterator<Item = f64> {
+        let plain = self.plastic_strains(point).map(f64::abs);
+        let web = point.web.iter();
+        plain.chain(web.map(|[normal, shear]| (normal * normal + shear * shear / 3.0).sqrt()))
+    }
+
+    /// Place y, z of each fibre \[m\] and the magnitude of its plastic strain.
+    pub fn yielded(&self, point: &PointState) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let places = self.plain.places().chain(self.web.places());
+        // What fills the lanes has no area.
+        let all = places.zip(self.plastic_magnitudes(point));
+        all.filter_map(|((place, area), strain)| (area > 0.0).then_some((place, strain)))
+    }
+
     /// Whether a fibre has flowed further than its residual stress alone makes it flow: a section without residual stresses would have
     /// yielded, too. One that such a section would have borne elastically strains a fibre plastically by its residual stress over
     /// `E` at most.
     pub fn has_yielded_beyond_residual_stress(&self, point: &PointState) -> bool {
-        let beyond = |plastic: f64, initial: f64| plastic > initial.abs();
-        let mut plain = self.plastic_strains(point).zip(&self.plain.initial);
-        let mut web = point.web.iter().zip(&self.web.initial);
-        plain.any(|(strain, initial)| beyond(strain.abs(), *initial))
-            || web.any(|([normal, shear], initial)| {
-                beyond(libm::hypot(*normal, shear / 3.0_f64.sqrt()), *initial)
-            })
+        let initial = self.plain.initial.iter().chain(&self.web.initial);
+        let mut both = self.plastic_magnitudes(point).zip(initial);
+        both.any(|(strain, initial)| strain > initial.abs())
     }
 
     /// A section whose fibres have these plastic strains.

@@ -290,15 +290,18 @@ impl Twin {
         };
         let rejection = result.as_ref().err().cloned();
         let is_applied = result.as_ref().is_ok_and(|it| *it == Accepted::Applied);
-        let has_opinion = is_applied && matches!(command, Command::SecondOpinion(_));
+        let opinion = match &command {
+            Command::SecondOpinion(found) if is_applied => Some(Arc::clone(found)),
+            _ => None,
+        };
         let has_range = is_applied && matches!(command, Command::VerdictRange(_));
         out.put(Output::Journal(
             self.journal.command(command, rejection, position, now),
         ));
         self.superseded.put_withdrawn(out);
         self.put_estimate(out);
-        if has_opinion {
-            self.put_opinion(now, out);
+        if let Some(found) = opinion {
+            self.put_opinion(found.movement(), now, out);
         }
         if has_range {
             self.put_ranged(now, out);

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use super::Twin;
-use crate::second_opinion::SecondOpinion;
+use crate::second_opinion::{Movement, SecondOpinion};
 use crate::time::Nanos;
 use crate::twin::assessed::{LastImpact, assessed_again};
 use crate::twin::command::Accepted;
 use crate::twin::damage_correction::ResidualMeasurement;
 use crate::twin::opinion::{OpinionTask, Seen};
 use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, MOVING, OpinionState};
-use crate::twin::output::{NoticeLevel, Output, Outputs, Verdicts};
+use crate::twin::output::{NoticeLevel, Output, Outputs, SupplementedReport, Verdicts};
 use crate::twin::plant::{Plant, Struck};
 use crate::twin::striking::Striking;
 
@@ -157,11 +157,17 @@ impl Twin {
         self.journal.set_checkpoint_due();
     }
 
-    /// Gives out the forecast or the report of the impact once more, with the second opinion.
-    pub(super) fn put_opinion(&self, now: Nanos, out: &mut impl Outputs) {
+    /// Gives out the forecast or the report of the impact once more, with the second opinion and with how the beam moves by it.
+    pub(super) fn put_opinion(
+        &self,
+        movement: Option<Arc<Movement>>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
         let Some(again) = self.supplemented() else {
             return;
         };
+        let again = SupplementedReport { movement, ..again };
         let event_id = &again.report.event_id;
         if let OpinionState::None(reason) = &again.report.opinion {
             out.notice(

@@ -80,10 +80,12 @@ impl Twin {
             (Some(response), _) => SupplementedReport {
                 report: response.supplemented_forecast()?,
                 is_result: false,
+                movement: None,
             },
             (None, judged) => SupplementedReport {
                 report: judged.as_ref()?.output(self.assessed.clone()),
                 is_result: true,
+                movement: None,
             },
         })
     }

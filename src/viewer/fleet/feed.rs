@@ -167,7 +167,7 @@ impl FleetFeed {
             }
             ViewerItem::Rest { .. } => known.rest = Some(item.clone()),
             ViewerItem::Parameters(it) => known.parameters = Some(Arc::clone(it)),
-            ViewerItem::State(_) | ViewerItem::Detected(_) => {}
+            ViewerItem::State(_) | ViewerItem::Detected(_) | ViewerItem::Beam { .. } => {}
         }
         if in_full {
             items.push(FleetItem::Column(column, item));
