@@ -158,7 +158,7 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    BaseFactors, BasePlate, ColumnProperties, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
+    BaseFactors, BasePlate, BasePlateError, BaseResistance, ColumnProperties, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
     RateProperties, RolledSection, SectionBackbone, SofteningProperties, Support, YieldExponents,
 };
 use crate::sensors::Sensor;
@@ -527,6 +527,18 @@ impl Parameters {
         })
     }
 
+    /// What a base plate bears, without partial factors. A column without a limit of its rotations has none of its base either.
+    ///
+    /// # Errors
+    /// As [`BasePlate::resistance`].
+    pub fn resistance_of_base(&self, plate: &BasePlate) -> Result<BaseResistance, BasePlateError> {
+        let resistance = plate.resistance(&BaseFactors::CHARACTERISTIC)?;
+        Ok(match self.settings.assessment.ultimate_rotation > 0.0 {
+            true => resistance,
+            false => resistance.without_limits(),
+        })
+    }
+
     /// How the hinges soften, with what is open from the section; `None` without. A column without a limit of its rotations has no
     /// limit of its strength either.
     fn softening(&self) -> Option<SofteningProperties> {
@@ -615,7 +627,7 @@ impl Parameters {
         // Loading has checked the plate.
         let plate = self
             .base_plate()
-            .and_then(|plate| plate.resistance(&BaseFactors::CHARACTERISTIC).ok());
+            .and_then(|plate| self.resistance_of_base(&plate).ok());
         plate.map_or(column, |plate| column.on_plate(plate))
     }
 

@@ -497,7 +497,7 @@ impl<'a> Run<'a> {
                 above: before.above.discrete_gradient(&after.above).1,
             };
             let strength = (&self.state.strength, &self.state.webs, forces);
-            law.predict(strength, &turns, secs, Collocation::End)
+            law.predict(strength, (&before.below, &turns), secs, Collocation::End)
         });
         let webs = factors.as_ref().map(|it| it.webs());
         let factors = factors.map(|it| it.factors());

@@ -1,5 +1,5 @@
-//! When a hinge or a web fractures: its plastic rotation exceeds the ultimate rotation, its plastic shear angle the ultimate
-//! angle.
+//! When a hinge, a web or the anchors of the base fracture. The plastic rotation exceeds the ultimate rotation, the plastic shear
+//! angle the ultimate angle, the slip of the base or the elongation of its anchors what their ductility grants.
 //!
 //! Hinges 1a and 1b are one section, that of the impact point, and have one limit between them. They are in series with the
 //! same moment, so that only the sum of their rotations is determined, not its split: a limit on each of them would let the
@@ -9,7 +9,9 @@
 //! latter and on the safe side for the former.
 
 use super::bar::{PerBar, PlasticFlow};
+use super::base_resistance::BaseFailure;
 use super::model::Model;
+use super::state::State;
 
 /// The share of a step or of an increment after which the plastic rotation of a hinge exceeds the ultimate rotation, or the
 /// plastic shear angle of a web the ultimate angle; `None` if that of none does.
@@ -33,6 +35,61 @@ pub(crate) fn share_until_fracture(
             section_rotations(after),
         ),
         share_until(angle, angles(before), angles(after)),
+    ];
+    fractured.into_iter().flatten().reduce(f64::min)
+}
+
+/// How far the anchors of a base have slipped and how much they have been stretched \[m\], >= 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct BaseDeformation {
+    pub slip: f64,
+    pub elongation: f64,
+}
+
+impl BaseDeformation {
+    /// Of a state; none without a connection. Hinge 3 turns in the anchors where they bear less than the section.
+    pub fn of(model: &Model, state: &State) -> Self {
+        let Some(connection) = &model.properties.base_connection else {
+            return Self::default();
+        };
+        let normal = state.forces.below.normal;
+        let of_section = model.frame.below.surface.moment_resistance(normal);
+        let rotation = state.plastic.below.rotation[1];
+        Self {
+            slip: state.webs.below.slip.abs(),
+            elongation: match connection.moment(normal) < of_section {
+                true => connection.elongation(rotation, normal),
+                false => 0.0,
+            },
+        }
+    }
+
+    /// Which anchors are fractured.
+    pub fn fractured(&self, model: &Model) -> Option<BaseFailure> {
+        let connection = model.properties.base_connection.as_ref()?;
+        let exceeds = |ultimate: f64, found: f64| ultimate > 0.0 && found > ultimate;
+        if exceeds(connection.ultimate_slip, self.slip) {
+            return Some(BaseFailure::AnchorsInShear);
+        }
+        exceeds(connection.ultimate_elongation, self.elongation)
+            .then_some(BaseFailure::AnchorsInTension)
+    }
+}
+
+/// The share of a step after which the anchors of the base are fractured, as [`share_until_fracture`].
+pub(crate) fn share_until_base_fracture(
+    model: &Model,
+    before: &BaseDeformation,
+    after: &BaseDeformation,
+) -> Option<f64> {
+    let connection = model.properties.base_connection.as_ref()?;
+    let fractured = [
+        share_until(connection.ultimate_slip, [before.slip], [after.slip]),
+        share_until(
+            connection.ultimate_elongation,
+            [before.elongation],
+            [after.elongation],
+        ),
     ];
     fractured.into_iter().flatten().reduce(f64::min)
 }

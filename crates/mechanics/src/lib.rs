@@ -45,8 +45,7 @@
 //   between which displacements of the impact point it stays
 // - force_spectrum.rs: The equivalent static force of a contact: what a neighbouring member that is pushed by the same force
 //   would feel, by its period
-// - fracture.rs: When a hinge or a web fractures: its plastic rotation exceeds the ultimate rotation, its plastic shear angle
-//   the ultimate angle
+// - fracture.rs: When a hinge, a web or the anchors of the base fracture
 // - frame.rs: The two bars and the spring at the top: from displacements to deformations of the bars, from forces of the bars
 //   to forces on the displacements, `f_int = B^T S` (Eqs 10, 15-16), and the tangent `B^T D B` with its geometric part
 // - geometry.rs: From displacements to deformations, and the gradients that map forces back (Eqs 1-10)

@@ -17,8 +17,11 @@ use super::backbone::{Backbone, HingeFactors, StaticStrength};
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bar_strength::BarStrength;
 use super::base_resistance::BaseResistance;
-use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
-use super::shear::SliderStrength;
+use super::geometry::Chord;
+use super::properties::{
+    ColumnProperties, RateLaw, RateProperties, ShearProperties, is_default, is_zero,
+};
+use super::shear::{SliderStrength, axial_share};
 use super::yield_surface::YieldSurface;
 
 /// Least resistance of a web relative to that of an undamaged one, in the direction in which kinematic hardening weakens it: an
@@ -68,6 +71,13 @@ pub struct WebState {
     pub flowing: bool,
     /// Work dissipated in it since the event \[J\].
     pub work: f64,
+    /// Of the lower bar: how far its base has slipped since the column was new \[m\], a part of its plastic shear angle times its
+    /// clear length.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub slip: f64,
+    /// Whether it slipped in the last step.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub slipping: bool,
 }
 
 impl WebState {
@@ -76,6 +86,7 @@ impl WebState {
         self.strain_rate = 0.0;
         self.work = 0.0;
         self.flowing = false;
+        self.slipping = false;
     }
 
     /// Dynamic increase factor with which the last stress was returned.
@@ -122,6 +133,8 @@ pub(crate) struct Prediction {
     held: PerBar<f64>,
     /// Whether a hinge of the bar has flowed over the last part of a step.
     hinges_flow: PerBar<bool>,
+    /// Whether the base slips before the web of the lower bar yields, towards a positive and a negative sum of the moments.
+    slips: [bool; 2],
 }
 
 /// At which instant of a part of a step the stress is returned to the yield surface.
@@ -141,7 +154,7 @@ pub(crate) struct StrengthLaw {
     backbones: PerBar<Backbone>,
     /// Of the web of each bar; `None` where they do not yield.
     webs: Option<PerBar<WebLaw>>,
-    /// What caps the moment of hinge 3.
+    /// What caps the moment of hinge 3 and the shear of the lower bar.
     connection: Option<BaseResistance>,
 }
 
@@ -151,6 +164,10 @@ struct WebLaw {
     /// \[1/rad\]
     growth: f64,
     most: f64,
+    /// `V_s` \[N\].
+    force: f64,
+    /// Clear length of the bar \[m\].
+    length: f64,
 }
 
 impl WebLaw {
@@ -164,6 +181,8 @@ impl WebLaw {
                 0.0 => f64::INFINITY,
                 most => 1.0 + (most - 1.0) * shear.web_resistance / force,
             },
+            force,
+            length,
         }
     }
 
@@ -243,12 +262,12 @@ impl StrengthLaw {
         })
     }
 
-    /// The factors with which a stress is returned in a part of `secs` \[s\] that begins with the forces `forces`, for the turns
-    /// of the chords \[rad\] that are expected over it.
+    /// The factors with which a stress is returned in a part of `secs` \[s\] that begins with the forces `forces` and the chord
+    /// `below` of the lower bar, for the turns of the chords \[rad\] that are expected over it.
     pub fn predict(
         &self,
         (from, webs, forces): (&Strengths, &Webs, &PerBar<BarForces>),
-        turns: &PerBar<f64>,
+        (below, turns): (&Chord, &PerBar<f64>),
         secs: f64,
         collocation: Collocation,
     ) -> Prediction {
@@ -325,11 +344,14 @@ impl StrengthLaw {
                 below: from.below.iter().any(|hinge| hinge.flow_rate > 0.0),
                 above: from.above.iter().any(|hinge| hinge.flow_rate > 0.0),
             },
+            slips: [false; 2],
         };
         let base = &mut prediction.factors.below[1];
         if self.cap_base(base, forces) {
             prediction.growth.below[1] = 0.0;
         }
+        let web = &mut prediction.webs.below.1;
+        prediction.slips = self.cap_slip(web, &forces.below, below.v / below.length);
         prediction
     }
 
@@ -382,8 +404,11 @@ impl StrengthLaw {
             growth,
             webs: predicted,
             held,
+            slips,
             ..
         } = prediction;
+        let slips =
+            flow.below.shear_angle != 0.0 && slips[usize::from(flow.below.shear_angle < 0.0)];
         for (hinges, factors, growth, flow) in [
             (
                 &mut strengths.below,
@@ -406,13 +431,14 @@ impl StrengthLaw {
             }
         }
         if let Some(laws) = &self.webs {
-            for (web, law, (dynamic, strength), held, flow) in [
+            for (web, law, (dynamic, strength), held, flow, is_slip) in [
                 (
                     &mut webs.below,
                     &laws.below,
                     predicted.below,
                     held.below,
                     flow.below,
+                    slips,
                 ),
                 (
                     &mut webs.above,
@@ -420,6 +446,7 @@ impl StrengthLaw {
                     predicted.above,
                     held.above,
                     flow.above,
+                    false,
                 ),
             ] {
                 web.dynamic_gain = dynamic - 1.0;
@@ -427,7 +454,13 @@ impl StrengthLaw {
                     true => strength.hardened(flow.shear_angle),
                     false => held,
                 };
-                law.harden(web, factor * flow.shear_angle);
+                if !is_slip {
+                    law.harden(web, factor * flow.shear_angle);
+                    continue;
+                }
+                web.slip += factor * flow.shear_angle * law.length;
+                // Whether it was more than round-off is known.
+                web.slipping |= std::mem::take(&mut web.flowing);
             }
         }
         self.follow((strengths, webs), turns, secs);
@@ -552,6 +585,30 @@ impl StrengthLaw {
         let is_capped = capped != *factors;
         *factors = capped;
         is_capped
+    }
+
+    /// Caps the resistance of the web of the lower bar, whose chord leans by the sine `lean`, by that of the base against slipping,
+    /// `|(M_1a + M_3)/l + N v_1/l| <= V_R(N)`, and tells in which directions it does, as [`StrengthLaw::cap_base`]. Both are in
+    /// series and turn the bar alike, so that the weaker one flows.
+    fn cap_slip(&self, web: &mut SliderStrength, forces: &BarForces, lean: f64) -> [bool; 2] {
+        let (Some(connection), Some(laws)) = (&self.connection, &self.webs) else {
+            return [false; 2];
+        };
+        let normal = forces.normal;
+        // The share that the normal force leaves to the web multiplies its factor once more.
+        let of_web = laws.below.force * axial_share(self.surface.relative_axial(normal).abs());
+        let (most, leaning) = (connection.shear(normal), normal * lean);
+        let limits = [most - leaning, most + leaning];
+        let mut slips = [false; 2];
+        for (k, limit) in limits.into_iter().enumerate() {
+            let factor = (limit / of_web).max(LEAST_RESISTANCE);
+            slips[k] = factor < web.factor[k];
+            if slips[k] {
+                web.factor[k] = factor;
+                web.growth[k] = 0.0;
+            }
+        }
+        slips
     }
 }
 

@@ -5,8 +5,9 @@ use thiserror::Error;
 
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::base_reactions::{BaseHistory, BaseInstant};
+use super::base_resistance::BaseFailure;
 use super::elastic_motion::Glimpse;
-use super::fracture::share_until_fracture;
+use super::fracture::{BaseDeformation, share_until_base_fracture, share_until_fracture};
 use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
@@ -17,7 +18,7 @@ use super::properties::{is_default, is_zero};
 use super::rate::WebState;
 use super::report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 use super::sample::{HINGES, WEBS};
-use super::state::{State, Velocity};
+use super::state::{State, Velocity, without_slip};
 use super::statics;
 use super::stepping;
 use super::yield_surface::YieldSurface;
@@ -222,11 +223,21 @@ impl Response {
             contact_force: state.contact_force,
             forces: state.forces,
             plastic: state.plastic,
+            slip: state.webs.below.slip,
+            base: BaseDeformation::of(model, state),
         };
         let made = stepping::macro_step(model, state, steps);
-        let fractured_after = made
-            .ok()
-            .and_then(|()| share_until_fracture(model, &before.plastic, &state.plastic));
+        let fractured_after = made.ok().and_then(|()| {
+            let steel = without_slip(model, &before.plastic, before.slip);
+            let base = BaseDeformation::of(model, state);
+            [
+                share_until_fracture(model, &steel, &state.plastic_of_steel(model)),
+                share_until_base_fracture(model, &before.base, &base),
+            ]
+            .into_iter()
+            .flatten()
+            .reduce(f64::min)
+        });
         self.record::<IN_FULL>(model, &before, state, fractured_after);
         match made {
             Ok(()) if fractured_after.is_some() => Ok(Progress::Over(End::Fractured)),
@@ -245,13 +256,22 @@ impl Response {
         if approaches && now <= self.approach_until {
             self.counted_from = now;
         }
-        if self.is_settled(model, state, now) {
+        if self.is_torn_off(model) {
+            Progress::Over(End::Fractured)
+        } else if self.is_settled(model, state, now) {
             Progress::Over(End::AtRest)
         } else if now - self.counted_from >= self.max_duration {
             Progress::Over(End::DurationReached)
         } else {
             Progress::Running
         }
+    }
+
+    /// Whether the base has been lifted with more force over a millisecond than its anchors bear: the two bars know no uplift, in which
+    /// anchors could stretch.
+    fn is_torn_off(&self, model: &Model) -> bool {
+        let connection = model.properties.base_connection.as_ref();
+        connection.is_some_and(|it| it.is_torn_off(self.base.tension()))
     }
 
     /// Whether the impactor has left for good or rests, and no hinge has flowed for long enough.
@@ -526,15 +546,11 @@ impl Response {
         self.peak_force
     }
 
-    /// The reactions of the base so far.
-    pub(crate) fn base(&self) -> BaseReport {
-        self.base.report()
-    }
-
-    /// Whether a hinge or a web has flowed.
+    /// Whether a hinge or a web has flowed, or the base has slipped.
     pub(crate) fn has_yielded(&self) -> bool {
         self.first_yield.iter().any(Option::is_some)
             || self.webs.iter().any(|web| web.first_yield.is_some())
+            || self.base.has_slid()
     }
 
     /// The summary of a response that is over, or of what has happened so far.
@@ -550,7 +566,7 @@ impl Response {
         let touched = impactor.and_then(|i| i.touched_at);
         let released = impactor.and_then(|i| if i.closed { None } else { i.released_at });
         let ledger = &state.ledger;
-        let PerBar { below, above } = &state.plastic;
+        let PerBar { below, above } = &state.plastic_of_steel(model);
         let (lower, upper) = (&model.frame.below.surface, &model.frame.above.surface);
         let hinge =
             |index: usize, surface: &YieldSurface, plastic: &PlasticFlow, k: usize| HingeReport {
@@ -607,7 +623,22 @@ impl Response {
                 web_report(&self.webs[0], below, &state.webs.below),
                 web_report(&self.webs[1], above, &state.webs.above),
             ],
-            base: self.base.report(),
+            base: self.base_at_end(model, state, end),
+        }
+    }
+
+    /// The reactions of the base, and what has become of its anchors.
+    pub(crate) fn base_at_end(&self, model: &Model, state: &State, end: End) -> BaseReport {
+        let deformation = BaseDeformation::of(model, state);
+        BaseReport {
+            slip: deformation.slip,
+            anchor_elongation: deformation.elongation,
+            fractured: match end {
+                End::Fractured if self.is_torn_off(model) => Some(BaseFailure::AnchorsInTension),
+                End::Fractured => deformation.fractured(model),
+                _ => None,
+            },
+            ..self.base.report()
         }
     }
 }
@@ -655,6 +686,9 @@ struct StepStart {
     contact_force: f64,
     forces: PerBar<BarForces>,
     plastic: PerBar<PlasticFlow>,
+    /// Of the base \[m\].
+    slip: f64,
+    base: BaseDeformation,
 }
 
 /// The quantities whose largest values a response keeps.

@@ -244,6 +244,13 @@ impl State {
         }
     }
 
+    /// The plastic deformation of the steel since the column was new: without the slip of the base, which turns the lower bar as
+    /// a shear of its web does.
+    #[must_use]
+    pub fn plastic_of_steel(&self, model: &Model) -> PerBar<PlasticFlow> {
+        without_slip(model, &self.plastic, self.webs.below.slip)
+    }
+
     /// Accumulated plastic rotations \[rad\], per bar.
     pub fn accumulated_rotation(&self) -> PerBar<[f64; 2]> {
         let of = |hinges: &[HingeStrength; 2]| hinges.map(|hinge| hinge.accumulated_rotation);
@@ -350,7 +357,7 @@ impl State {
     ) {
         for (web, (forces, flow)) in [(&mut self.webs.below, below), (&mut self.webs.above, above)]
         {
-            if flow.shear_angle != 0.0 {
+            if flow.shear_angle != 0.0 && !web.slipping {
                 web.work += factor * forces.shear_work(flow);
             }
         }
@@ -362,6 +369,7 @@ impl State {
         self.flowing = PerBar::default();
         self.webs.below.flowing = false;
         self.webs.above.flowing = false;
+        self.webs.below.slipping = false;
     }
 
     /// Moves a deformable vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
@@ -416,10 +424,16 @@ impl State {
         }
     }
 
-    /// Whether any hinge or web flowed in the last step.
+    /// Whether any hinge or web flowed, or the base slipped, in the last step.
     pub fn is_flowing(&self) -> bool {
         let (PerBar { below, above }, webs) = (self.flowing, &self.webs);
-        below[0] || below[1] || above[0] || above[1] || webs.below.flowing || webs.above.flowing
+        below[0]
+            || below[1]
+            || above[0]
+            || above[1]
+            || webs.below.flowing
+            || webs.above.flowing
+            || webs.below.slipping
     }
 
     /// A hash over the bits of the visible motion: equal states have equal hashes on every machine. It leaves out what else
@@ -533,7 +547,7 @@ impl State {
             time,
             v1: self.displacement.v1,
             forces: self.base_forces(model),
-            slides: self.webs.below.flowing,
+            slides: self.webs.below.flowing || self.webs.below.slipping,
             last_contact: touched.map(|_| last_contact),
             model,
             strength: [factors.dynamic, factors.hardening],
@@ -633,6 +647,17 @@ impl State {
         };
         [below(0), above(0), above(1), below(1)]
     }
+}
+
+/// Plastic deformation less that which the lower bar owes to a slip of its base \[m\].
+pub(crate) fn without_slip(
+    model: &Model,
+    plastic: &PerBar<PlasticFlow>,
+    slip: f64,
+) -> PerBar<PlasticFlow> {
+    let mut plastic = *plastic;
+    plastic.below.shear_angle -= slip / model.frame.below.length;
+    plastic
 }
 
 pub(crate) fn hinge_state(flowing: bool, has_flowed: bool) -> HingeState {

@@ -26,11 +26,9 @@ impl State {
             }
         };
         let Self {
-            forces: f,
-            plastic: p,
-            webs: w,
-            ..
+            forces: f, webs: w, ..
         } = self;
+        let p = self.plastic_of_steel(model);
         [
             web(
                 &model.frame.below,
