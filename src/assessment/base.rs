@@ -7,8 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::column::{
-    BaseFailure, BaseForces, BasePlate, BaseReport, BaseResistance, Outcome, Report,
-    Support,
+    BaseFailure, BaseForces, BasePlate, BaseReport, BaseResistance, Outcome, Report, Support,
 };
 use crate::parameters::{Parameters, assumed_plate, plate_in_words};
 

@@ -8,8 +8,8 @@ use super::remaining::{ResidualCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use super::utilisation::Utilisation;
 use crate::column::{
-    BaseFailure, ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
-    ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
+    BaseFailure, ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report,
+    RolledSection, ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
 };
 use crate::parameters::{AssumedInput, LoadBasis, Parameters};
 

@@ -158,8 +158,8 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    BaseFactors, BasePlate, BasePlateError, BaseResistance, ColumnProperties, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
-    RateProperties, RolledSection, SectionBackbone, SofteningProperties, Support, YieldExponents,
+    BasePlate, ColumnProperties, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw, RateProperties,
+    RolledSection, SectionBackbone, SofteningProperties, Support, YieldExponents,
 };
 use crate::sensors::Sensor;
 use draft::Draft;
@@ -524,18 +524,6 @@ impl Parameters {
             max_factor: or_else(given.max_factor, max_factor),
             hinge_length: or_else(given.hinge_length, section_height),
             section_height,
-        })
-    }
-
-    /// What a base plate bears, without partial factors. A column without a limit of its rotations has none of its base either.
-    ///
-    /// # Errors
-    /// As [`BasePlate::resistance`].
-    pub fn resistance_of_base(&self, plate: &BasePlate) -> Result<BaseResistance, BasePlateError> {
-        let resistance = plate.resistance(&BaseFactors::CHARACTERISTIC)?;
-        Ok(match self.settings.assessment.ultimate_rotation > 0.0 {
-            true => resistance,
-            false => resistance.without_limits(),
         })
     }
 

@@ -12,8 +12,8 @@ use crate::assessment::{
     Variation,
 };
 use crate::column::{
-    BaseFailure, BaseForces, BaseReport, End, ForceSpectrum, HINGE_NAMES, HINGES, HingeReport, Outcome,
-    WEB_NAMES, WebReport,
+    BaseFailure, BaseForces, BaseReport, End, ForceSpectrum, HINGE_NAMES, HINGES, HingeReport,
+    Outcome, WEB_NAMES, WebReport,
 };
 use crate::parameters::LoadBasis;
 

@@ -114,11 +114,6 @@ impl BaseResistance {
         }
     }
 
-    /// Whether a tension \[N\] tears the anchors; never without a limit of their elongation.
-    pub(crate) fn is_torn_off(&self, tension: f64) -> bool {
-        self.ultimate_elongation > 0.0 && tension > self.uplift()
-    }
-
     /// The largest tension that all anchors bear \[N\].
     #[must_use]
     pub fn uplift(&self) -> f64 {

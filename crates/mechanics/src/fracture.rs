@@ -11,6 +11,7 @@
 use super::bar::{PerBar, PlasticFlow};
 use super::base_resistance::BaseFailure;
 use super::model::Model;
+use super::report::{BaseReport, End};
 use super::state::State;
 
 /// The share of a step or of an increment after which the plastic rotation of a hinge exceeds the ultimate rotation, or the
@@ -39,16 +40,48 @@ pub(crate) fn share_until_fracture(
     fractured.into_iter().flatten().reduce(f64::min)
 }
 
-/// How far the anchors of a base have slipped and how much they have been stretched \[m\], >= 0.
+/// What of a state may be fractured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Strained {
+    steel: PerBar<PlasticFlow>,
+    base: BaseDeformation,
+}
+
+impl Strained {
+    pub fn of(model: &Model, state: &State) -> Self {
+        Self {
+            steel: state.plastic_of_steel(model),
+            base: BaseDeformation::of(model, state),
+        }
+    }
+
+    /// The share of a step to the state `after` after which something is fractured, as [`share_until_fracture`].
+    pub fn share_until_fracture(&self, model: &Model, after: &State) -> Option<f64> {
+        let after = Self::of(model, after);
+        let of_steel = share_until_fracture(model, &self.steel, &after.steel);
+        let connection = model.properties.base_connection.as_ref();
+        let of_base = connection.map(|it| {
+            let (from, to) = (&self.base, &after.base);
+            [
+                share_until(it.ultimate_slip, [from.slip], [to.slip]),
+                share_until(it.ultimate_elongation, [from.elongation], [to.elongation]),
+            ]
+        });
+        let of_base = of_base.into_iter().flatten().flatten();
+        of_base.chain(of_steel).reduce(f64::min)
+    }
+}
+
+/// How far the base has slipped and how much its anchors have been stretched \[m\], >= 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct BaseDeformation {
-    pub slip: f64,
-    pub elongation: f64,
+struct BaseDeformation {
+    slip: f64,
+    elongation: f64,
 }
 
 impl BaseDeformation {
-    /// Of a state; none without a connection. Hinge 3 turns in the anchors where they bear less than the section.
-    pub fn of(model: &Model, state: &State) -> Self {
+    /// None without a connection. Hinge 3 turns in the anchors where they bear less than the section.
+    fn of(model: &Model, state: &State) -> Self {
         let Some(connection) = &model.properties.base_connection else {
             return Self::default();
         };
@@ -63,35 +96,41 @@ impl BaseDeformation {
             },
         }
     }
-
-    /// Which anchors are fractured.
-    pub fn fractured(&self, model: &Model) -> Option<BaseFailure> {
-        let connection = model.properties.base_connection.as_ref()?;
-        let exceeds = |ultimate: f64, found: f64| ultimate > 0.0 && found > ultimate;
-        if exceeds(connection.ultimate_slip, self.slip) {
-            return Some(BaseFailure::AnchorsInShear);
-        }
-        exceeds(connection.ultimate_elongation, self.elongation)
-            .then_some(BaseFailure::AnchorsInTension)
-    }
 }
 
-/// The share of a step after which the anchors of the base are fractured, as [`share_until_fracture`].
-pub(crate) fn share_until_base_fracture(
+/// Whether the base has been lifted with more force \[N\] over a millisecond than its anchors bear: the two bars know no uplift, in
+/// which anchors could stretch. Never without a limit of their elongation.
+pub(crate) fn is_torn_off(model: &Model, tension: f64) -> bool {
+    let connection = model.properties.base_connection.as_ref();
+    connection.is_some_and(|it| it.ultimate_elongation > 0.0 && tension > it.uplift())
+}
+
+/// The reactions of a base with what has become of its anchors at the end of a response.
+pub(crate) fn base_at_end(
     model: &Model,
-    before: &BaseDeformation,
-    after: &BaseDeformation,
-) -> Option<f64> {
-    let connection = model.properties.base_connection.as_ref()?;
-    let fractured = [
-        share_until(connection.ultimate_slip, [before.slip], [after.slip]),
-        share_until(
-            connection.ultimate_elongation,
-            [before.elongation],
-            [after.elongation],
-        ),
-    ];
-    fractured.into_iter().flatten().reduce(f64::min)
+    state: &State,
+    end: End,
+    reactions: BaseReport,
+) -> BaseReport {
+    let BaseDeformation { slip, elongation } = BaseDeformation::of(model, state);
+    let exceeds = |found: f64, ultimate: f64| ultimate > 0.0 && found > ultimate;
+    let connection = model.properties.base_connection.as_ref();
+    let fractured = connection.and_then(|it| {
+        let is_sheared = exceeds(slip, it.ultimate_slip);
+        let is_torn = exceeds(elongation, it.ultimate_elongation)
+            || is_torn_off(model, reactions.least_compressed.normal_force);
+        match (is_sheared, is_torn) {
+            (true, _) => Some(BaseFailure::AnchorsInShear),
+            (false, true) => Some(BaseFailure::AnchorsInTension),
+            (false, false) => None,
+        }
+    });
+    BaseReport {
+        slip,
+        anchor_elongation: elongation,
+        fractured: fractured.filter(|_| end == End::Fractured),
+        ..reactions
+    }
 }
 
 /// The absolute plastic rotations that have one limit each \[rad\]: of the impact point, of the top and of the base.

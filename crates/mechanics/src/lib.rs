@@ -88,6 +88,7 @@
 // - study_response.rs: One impact, followed only as closely as a study needs it
 // - vehicle.rs: A deformable vehicle: a chain of masses with crushable springs in front of them
 // - web_slide.rs: The return of a stress where the web of a bar flows alone, without its hinges
+// - web_strength.rs: The strength of the web of one bar over a response: what it remembers, and how it hardens
 // - webs_of_state.rs: What can be observed of the webs in a state of the column
 // - yield_surface.rs: The superellipse family of yield surfaces (Eqs 26-31)
 // - yielding.rs: How close hinges and webs come to yielding, and at which instant of a step they do
@@ -143,6 +144,7 @@ mod strength;
 mod study_response;
 mod vehicle;
 mod web_slide;
+mod web_strength;
 mod webs_of_state;
 mod yield_surface;
 mod yielding;
@@ -180,7 +182,7 @@ pub use properties::{
     ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties,
     SofteningProperties, Support, YieldExponents,
 };
-pub use rate::{HingeStrength, WebState};
+pub use rate::HingeStrength;
 pub use report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 pub use response::{Progress, Response, SimulationError};
 pub use sample::{
@@ -196,4 +198,5 @@ pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, ST
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, begin_impact, step};
 pub use study_response::{StudyModel, StudyResponse};
 pub use vehicle::{CrushCurve, CrushSpring, MAX_CURVE_POINTS, MAX_MASSES, Vehicle, VehicleError};
+pub use web_strength::WebState;
 pub use yield_surface::YieldSurface;

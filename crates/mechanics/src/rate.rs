@@ -18,15 +18,10 @@ use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bar_strength::BarStrength;
 use super::base_resistance::BaseResistance;
 use super::geometry::Chord;
-use super::properties::{
-    ColumnProperties, RateLaw, RateProperties, ShearProperties, is_default, is_zero,
-};
+use super::properties::{ColumnProperties, RateLaw, RateProperties};
 use super::shear::{SliderStrength, axial_share};
+use super::web_strength::{LEAST_RESISTANCE, WebLaw, WebState, web_rate};
 use super::yield_surface::YieldSurface;
-
-/// Least resistance of a web relative to that of an undamaged one, in the direction in which kinematic hardening weakens it: an
-/// unloaded web never yields.
-const LEAST_RESISTANCE: f64 = 0.01;
 
 /// What the strength of one hinge remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -51,63 +46,6 @@ impl HingeStrength {
     pub(crate) fn begin(&mut self) {
         self.strain_rate = 0.0;
         self.flow_rate = 0.0;
-    }
-}
-
-/// What the web of one bar remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct WebState {
-    /// Filtered equivalent strain rate \[1/s\], >= 0.
-    pub strain_rate: f64,
-    /// Kinematic hardening relative to the resistance of an undamaged web: what it has gained against positive shear and lost
-    /// against negative shear.
-    pub back: f64,
-    /// Dynamic increase factor with which the last stress was returned less 1, >= 0.
-    pub dynamic_gain: f64,
-    /// Resistance relative to that of an undamaged web that the last part of a step kept in both directions, because its beginning
-    /// had used it; 0 as a rule.
-    pub held: f64,
-    /// Whether it flowed in the last step.
-    pub flowing: bool,
-    /// Work dissipated in it since the event \[J\].
-    pub work: f64,
-    /// Of the lower bar: how far its base has slipped since the column was new \[m\], a part of its plastic shear angle times its
-    /// clear length.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub slip: f64,
-    /// Whether it slipped in the last step.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub slipping: bool,
-}
-
-impl WebState {
-    /// At the event of an impact the filter and the count of the work start from zero.
-    pub(crate) fn begin(&mut self) {
-        self.strain_rate = 0.0;
-        self.work = 0.0;
-        self.flowing = false;
-        self.slipping = false;
-    }
-
-    /// Dynamic increase factor with which the last stress was returned.
-    #[must_use]
-    pub fn dynamic_factor(&self) -> f64 {
-        1.0 + self.dynamic_gain
-    }
-
-    /// The resistance in the direction in which it is smaller, at rest and relative to that of an undamaged web.
-    pub(crate) fn least(&self) -> f64 {
-        (1.0 - self.back.abs()).max(LEAST_RESISTANCE)
-    }
-
-    /// The strength that bore the last stress.
-    pub(crate) fn strength(&self) -> SliderStrength {
-        let dynamic = self.dynamic_factor();
-        SliderStrength {
-            factor: [self.back, -self.back]
-                .map(|back| (dynamic * (1.0 + back).max(LEAST_RESISTANCE)).max(self.held)),
-            ..SliderStrength::UNDAMAGED
-        }
     }
 }
 
@@ -156,66 +94,6 @@ pub(crate) struct StrengthLaw {
     webs: Option<PerBar<WebLaw>>,
     /// What caps the moment of hinge 3 and the shear of the lower bar.
     connection: Option<BaseResistance>,
-}
-
-/// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to an undamaged one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct WebLaw {
-    /// \[1/rad\]
-    growth: f64,
-    most: f64,
-    /// `V_s` \[N\].
-    force: f64,
-    /// Clear length of the bar \[m\].
-    length: f64,
-}
-
-impl WebLaw {
-    /// Of a bar of clear length `length` \[m\].
-    fn new(shear: &ShearProperties, length: f64) -> Self {
-        let force = shear.resistance(length);
-        Self {
-            growth: shear.hardening / force,
-            // The cap is that of the web; the flanges do not harden.
-            most: match shear.max_hardening {
-                0.0 => f64::INFINITY,
-                most => 1.0 + (most - 1.0) * shear.web_resistance / force,
-            },
-            force,
-            length,
-        }
-    }
-
-    /// The strength of a web before any flow.
-    fn strength(&self, web: &WebState, dynamic: f64) -> SliderStrength {
-        let hardens = self.growth > 0.0;
-        let growth = dynamic * self.growth;
-        // As long as only the least resistance is left, it does not grow.
-        let growths = [web.back, -web.back].map(|back| match 1.0 + back >= LEAST_RESISTANCE {
-            true => growth,
-            false => 0.0,
-        });
-        SliderStrength {
-            growth: growths,
-            most: if hardens {
-                dynamic * self.most
-            } else {
-                f64::INFINITY
-            },
-            ..WebState {
-                dynamic_gain: dynamic - 1.0,
-                held: 0.0,
-                ..*web
-            }
-            .strength()
-        }
-    }
-
-    /// Hardens a web by a plastic shear angle \[rad\].
-    fn harden(&self, web: &mut WebState, angle: f64) {
-        let most = self.most - 1.0;
-        web.back = (web.back + self.growth * angle).clamp(-most, most);
-    }
 }
 
 /// Constants of the dynamic increase factor.
@@ -617,11 +495,6 @@ struct Rates {
     joint: f64,
     base: f64,
     top: f64,
-}
-
-/// Equivalent strain rate \[1/s\] after von Mises of a web that shears by all of the turn \[rad\] of its bar.
-fn web_rate(turn: f64, secs: f64) -> f64 {
-    turn.abs() / (3.0_f64.sqrt() * secs)
 }
 
 impl RateFilter {

@@ -5,9 +5,8 @@ use thiserror::Error;
 
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::base_reactions::{BaseHistory, BaseInstant};
-use super::base_resistance::BaseFailure;
 use super::elastic_motion::Glimpse;
-use super::fracture::{BaseDeformation, share_until_base_fracture, share_until_fracture};
+use super::fracture::{Strained, base_at_end, is_torn_off};
 use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
@@ -15,12 +14,12 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::{is_default, is_zero};
-use super::rate::WebState;
 use super::report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 use super::sample::{HINGES, WEBS};
-use super::state::{State, Velocity, without_slip};
+use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
+use super::web_strength::WebState;
 use super::yield_surface::YieldSurface;
 use super::yielding::{over_hinges, share_until_shear, share_until_yield, yield_sums};
 
@@ -223,21 +222,12 @@ impl Response {
             contact_force: state.contact_force,
             forces: state.forces,
             plastic: state.plastic,
-            slip: state.webs.below.slip,
-            base: BaseDeformation::of(model, state),
+            strained: Strained::of(model, state),
         };
         let made = stepping::macro_step(model, state, steps);
-        let fractured_after = made.ok().and_then(|()| {
-            let steel = without_slip(model, &before.plastic, before.slip);
-            let base = BaseDeformation::of(model, state);
-            [
-                share_until_fracture(model, &steel, &state.plastic_of_steel(model)),
-                share_until_base_fracture(model, &before.base, &base),
-            ]
-            .into_iter()
-            .flatten()
-            .reduce(f64::min)
-        });
+        let fractured_after = made
+            .ok()
+            .and_then(|()| before.strained.share_until_fracture(model, state));
         self.record::<IN_FULL>(model, &before, state, fractured_after);
         match made {
             Ok(()) if fractured_after.is_some() => Ok(Progress::Over(End::Fractured)),
@@ -256,7 +246,7 @@ impl Response {
         if approaches && now <= self.approach_until {
             self.counted_from = now;
         }
-        if self.is_torn_off(model) {
+        if is_torn_off(model, self.base.tension()) {
             Progress::Over(End::Fractured)
         } else if self.is_settled(model, state, now) {
             Progress::Over(End::AtRest)
@@ -265,13 +255,6 @@ impl Response {
         } else {
             Progress::Running
         }
-    }
-
-    /// Whether the base has been lifted with more force over a millisecond than its anchors bear: the two bars know no uplift, in which
-    /// anchors could stretch.
-    fn is_torn_off(&self, model: &Model) -> bool {
-        let connection = model.properties.base_connection.as_ref();
-        connection.is_some_and(|it| it.is_torn_off(self.base.tension()))
     }
 
     /// Whether the impactor has left for good or rests, and no hinge has flowed for long enough.
@@ -629,17 +612,7 @@ impl Response {
 
     /// The reactions of the base, and what has become of its anchors.
     pub(crate) fn base_at_end(&self, model: &Model, state: &State, end: End) -> BaseReport {
-        let deformation = BaseDeformation::of(model, state);
-        BaseReport {
-            slip: deformation.slip,
-            anchor_elongation: deformation.elongation,
-            fractured: match end {
-                End::Fractured if self.is_torn_off(model) => Some(BaseFailure::AnchorsInTension),
-                End::Fractured => deformation.fractured(model),
-                _ => None,
-            },
-            ..self.base.report()
-        }
+        base_at_end(model, state, end, self.base.report())
     }
 }
 
@@ -686,9 +659,7 @@ struct StepStart {
     contact_force: f64,
     forces: PerBar<BarForces>,
     plastic: PerBar<PlasticFlow>,
-    /// Of the base \[m\].
-    slip: f64,
-    base: BaseDeformation,
+    strained: Strained,
 }
 
 /// The quantities whose largest values a response keeps.

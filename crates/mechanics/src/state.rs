@@ -12,9 +12,10 @@ use super::impact::time_of_travel;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
 use super::properties::is_default;
-use super::rate::{HingeStrength, Strengths, WebState, Webs};
+use super::rate::{HingeStrength, Strengths, Webs};
 use super::sample::{BaseForces, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
 use super::vehicle::MAX_MASSES;
+use super::web_strength::WebState;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -248,7 +249,9 @@ impl State {
     /// a shear of its web does.
     #[must_use]
     pub fn plastic_of_steel(&self, model: &Model) -> PerBar<PlasticFlow> {
-        without_slip(model, &self.plastic, self.webs.below.slip)
+        let mut plastic = self.plastic;
+        plastic.below.shear_angle -= self.webs.below.slip / model.frame.below.length;
+        plastic
     }
 
     /// Accumulated plastic rotations \[rad\], per bar.
@@ -647,17 +650,6 @@ impl State {
         };
         [below(0), above(0), above(1), below(1)]
     }
-}
-
-/// Plastic deformation less that which the lower bar owes to a slip of its base \[m\].
-pub(crate) fn without_slip(
-    model: &Model,
-    plastic: &PerBar<PlasticFlow>,
-    slip: f64,
-) -> PerBar<PlasticFlow> {
-    let mut plastic = *plastic;
-    plastic.below.shear_angle -= slip / model.frame.below.length;
-    plastic
 }
 
 pub(crate) fn hinge_state(flowing: bool, has_flowed: bool) -> HingeState {
