@@ -7,8 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::column::{
-    BaseFactors, BaseFailure, BaseForces, BasePlate, BaseReport, BaseResistance, Outcome, Report,
-    Support,
+    BaseFailure, BaseForces, BasePlate, BaseReport, BaseResistance, Outcome, Report, Support,
 };
 use crate::parameters::{Parameters, assumed_plate, plate_in_words};
 
@@ -64,6 +63,9 @@ pub(super) const AT_REST: BaseDemand = BaseDemand {
         least_compressed: NO_FORCES,
         most_compressed: NO_FORCES,
         checked_moment: NO_FORCES,
+        slip: 0.0,
+        anchor_elongation: 0.0,
+        fractured: None,
     },
     has_flowed: false,
 };
@@ -104,8 +106,8 @@ impl ConnectedBase {
         }
         let plate =
             given.unwrap_or_else(|| assumed_plate(&section, parameters.steel().yield_strength));
-        let resistance = plate
-            .resistance(&BaseFactors::CHARACTERISTIC)
+        let resistance = parameters
+            .resistance_of_base(&plate)
             .map_err(|_| "no base plate is known for this section; give base.connection")?;
         Ok(Self {
             plate,

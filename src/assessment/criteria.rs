@@ -66,8 +66,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         unit: "",
         relation: Relation::AtMost,
         action: Action::Evacuate,
-        value: "collapse or fractured hinge or web in the response (1: yes)",
-        consequence: "the column has lost its shape, its equilibrium or a hinge and carries nothing",
+        value: "collapse or fractured hinge, web or base in the response (1: yes)",
+        consequence: "the column has lost its shape, its equilibrium, a hinge or its base and carries nothing",
         evaluate: |input| {
             let lost = input.collapsed || input.fractured;
             Ok((if lost { 1.0 } else { 0.0 }, 0.0))
@@ -90,7 +90,8 @@ pub(super) const DEFINITIONS: &[Definition] = &[
                 .shear
                 .as_ref()
                 .is_some_and(AssessedShear::is_fractured);
-            let beyond = if input.fractured && !by_shear {
+            let by_base = input.fractured_base().is_some();
+            let beyond = if input.fractured && !by_shear && !by_base {
                 input.ultimate_rotation * (1.0 + f64::EPSILON)
             } else {
                 0.0

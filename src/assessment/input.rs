@@ -8,8 +8,8 @@ use super::remaining::{ResidualCapacity, section_dimensions};
 use super::rotation_limits::{ULTIMATE_ROTATION, ULTIMATE_SHEAR_ANGLE};
 use super::utilisation::Utilisation;
 use crate::column::{
-    ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report, RolledSection,
-    ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
+    BaseFailure, ColumnProperties, HINGES, Impact, Model, Outcome, PerBar, PlasticFlow, Report,
+    RolledSection, ShearProperties, State, WEBS, plastic_before_bumper, plastic_plateau,
 };
 use crate::parameters::{AssumedInput, LoadBasis, Parameters};
 
@@ -285,10 +285,16 @@ impl AssessmentInput {
             max_v1: state.displacement.v1.abs(),
             ..Self::of_column(parameters, model, remaining)
         }
-        .deformed(model, &state.plastic)
+        .deformed(model, &state.plastic_of_steel(model))
     }
 
-    /// With this plastic deformation of the column of this model.
+    /// Which anchors of the base have fractured in the response, if they have.
+    pub(super) fn fractured_base(&self) -> Option<BaseFailure> {
+        let demand = self.base_demand.as_ref().filter(|_| self.fractured)?;
+        demand.report.fractured
+    }
+
+    /// With this plastic deformation of the steel of the column of this model.
     fn deformed(self, model: &Model, plastic: &PerBar<PlasticFlow>) -> Self {
         Self {
             plastic_rotation: [
@@ -328,7 +334,7 @@ impl AssessmentInput {
         }
         .deformed(
             &before,
-            &plastic_before_bumper(model, &before, &state.plastic),
+            &plastic_before_bumper(model, &before, &state.plastic_of_steel(model)),
         )
     }
 

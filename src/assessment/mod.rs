@@ -86,6 +86,7 @@ pub use rotation_limits::{
 pub use section_class::{SectionClass, SectionClassification, section_class};
 pub use utilisation::{Utilisation, UtilisedPart};
 
+use crate::column::BaseFailure;
 use crate::parameters::{AssumedInput, LoadBasis, component_in_words};
 
 /// The criterion that decides whatever the user chooses.
@@ -484,9 +485,13 @@ pub(crate) fn capitalised(text: &str) -> String {
 /// The cause of the criterion that decides; of a lost column, how it was lost.
 fn cause(input: &AssessmentInput, deciding: &Criterion) -> &'static str {
     match deciding.name {
-        ALWAYS_DECIDES if input.fractured => {
-            "the column fractures during the hit and carries nothing"
-        }
+        ALWAYS_DECIDES if input.fractured => match input.fractured_base() {
+            Some(BaseFailure::AnchorsInShear) => {
+                "the anchors of the base are sheared off during the hit"
+            }
+            Some(_) => "the anchors of the base are torn off during the hit",
+            None => "the column fractures during the hit and carries nothing",
+        },
         ALWAYS_DECIDES => "the column collapses during the hit and carries nothing",
         _ => deciding.cause,
     }

@@ -431,7 +431,7 @@ fn capacity_text(capacity: &Capacity) -> String {
             "0 kN: the column has no equilibrium and carries nothing".into()
         }
         CapacityEnd::Fractured if capacity.force == 0.0 => {
-            "0 kN: a hinge or web is fractured and the column carries nothing".into()
+            "0 kN: a hinge, a web or the base is fractured and the column carries nothing".into()
         }
         CapacityEnd::NotFollowed | CapacityEnd::BoundReached => format!(
             "at least {} (the push-down could not be followed to its end)",

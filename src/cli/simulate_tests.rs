@@ -261,7 +261,7 @@ fn a_band_of_one_outcome_is_not_from_it_to_itself() {
     let band = output.lines().find(|line| line.contains("peak v1, band"));
     let band = band.expect("a band");
     assert!(
-        band.ends_with("a fractured hinge or web at both ends"),
+        band.ends_with("a fractured hinge, web or base at both ends"),
         "{band}"
     );
 }

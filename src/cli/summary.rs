@@ -258,7 +258,7 @@ impl Summary<'_> {
             let unit = Unit::length(self.report().max_v1);
             let one = |index: usize, value: Option<f64>| match band[index].report.outcome {
                 Outcome::Collapsed => "collapse".to_owned(),
-                Outcome::Fractured => "a fractured hinge or web".to_owned(),
+                Outcome::Fractured => "a fractured hinge, web or base".to_owned(),
                 Outcome::Elastic | Outcome::Plastic => {
                     let instead = || instead_of_a_residual(band[index].report.outcome).to_owned();
                     value.map_or_else(instead, |value| unit.show(value))

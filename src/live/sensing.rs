@@ -538,7 +538,7 @@ fn no_estimates(condition: &Condition) -> String {
     let why = match condition {
         Condition::Standing => "stands",
         Condition::Collapsed => "has collapsed",
-        Condition::Fractured => "is fractured at a hinge or web",
+        Condition::Fractured => "is fractured at a hinge, a web or its base",
         Condition::Faulted(fault) => {
             return format!(
                 "impacts are not estimated from the sensors, because the twin cannot continue ({fault}); reset it (~/reset)"

@@ -1,7 +1,10 @@
 //! The connection of the column's base, as given and as assumed.
 
+use super::Parameters;
 use super::settings::{BaseConnection, BaseSettings};
-use crate::column::{Anchors, BasePlate, RolledSection};
+use crate::column::{
+    Anchors, BaseFactors, BasePlate, BasePlateError, BaseResistance, RolledSection,
+};
 
 /// Grades of anchors: name, `f_ub` and `f_yb` \[Pa\] (EN 1993-1-8, table 3.1). Stronger ones may not bear shear (6.2.2).
 const GRADES: [(&str, f64, f64); 4] = [
@@ -73,6 +76,20 @@ pub(super) fn given_plate(
         concrete_modulus,
         friction: given.friction,
     })
+}
+
+impl Parameters {
+    /// What a base plate bears, without partial factors. A column without a limit of its rotations has none of its base either.
+    ///
+    /// # Errors
+    /// As [`BasePlate::resistance`].
+    pub fn resistance_of_base(&self, plate: &BasePlate) -> Result<BaseResistance, BasePlateError> {
+        let resistance = plate.resistance(&BaseFactors::CHARACTERISTIC)?;
+        Ok(match self.settings.assessment.ultimate_rotation > 0.0 {
+            true => resistance,
+            false => resistance.without_limits(),
+        })
+    }
 }
 
 /// The base plate that is assumed under a built-in column whose base nobody has described, an assumption of this project by
@@ -173,7 +190,6 @@ mod tests {
     /// Every section of the catalogue gets a plate that is one.
     #[test]
     fn every_section_has_an_assumed_plate() {
-        use crate::column::BaseFactors;
         for section in crate::parameters::catalogue() {
             let plate = assumed_plate(&section.dimensions, 235e6);
             let found = plate.resistance(&BaseFactors::CHARACTERISTIC);

@@ -158,8 +158,8 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    BaseFactors, BasePlate, ColumnProperties, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
-    RateProperties, RolledSection, SectionBackbone, SofteningProperties, Support, YieldExponents,
+    BasePlate, ColumnProperties, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw, RateProperties,
+    RolledSection, SectionBackbone, SofteningProperties, Support, YieldExponents,
 };
 use crate::sensors::Sensor;
 use draft::Draft;
@@ -615,7 +615,7 @@ impl Parameters {
         // Loading has checked the plate.
         let plate = self
             .base_plate()
-            .and_then(|plate| plate.resistance(&BaseFactors::CHARACTERISTIC).ok());
+            .and_then(|plate| self.resistance_of_base(&plate).ok());
         plate.map_or(column, |plate| column.on_plate(plate))
     }
 

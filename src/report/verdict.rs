@@ -247,12 +247,15 @@ fn outcome(impact: &ReportedImpact) -> String {
         (Outcome::Collapsed, _) => {
             format!("It loses its shape or its equilibrium {end} after the event.")
         }
-        (Outcome::Fractured, _) => match impact.fractured_web() {
-            Some(web) => format!(
+        (Outcome::Fractured, _) => match (report.base.fractured, impact.fractured_web()) {
+            (Some(failure), _) => {
+                format!("The base fails {end} after the event: {}.", failure.name())
+            }
+            (None, Some(web)) => format!(
                 "The web {} fractures in shear {end} after the event.",
                 WEB_PLACES[web]
             ),
-            None => format!("A hinge fractures {end} after the event."),
+            (None, None) => format!("A hinge fractures {end} after the event."),
         },
     }
 }

@@ -12,8 +12,8 @@ use crate::assessment::{
     Variation,
 };
 use crate::column::{
-    BaseForces, BaseReport, End, ForceSpectrum, HINGE_NAMES, HINGES, HingeReport, Outcome,
-    WEB_NAMES, WebReport,
+    BaseFailure, BaseForces, BaseReport, End, ForceSpectrum, HINGE_NAMES, HINGES, HingeReport,
+    Outcome, WEB_NAMES, WebReport,
 };
 use crate::parameters::LoadBasis;
 
@@ -167,6 +167,9 @@ struct BaseFields {
     least_compressed: BaseForceFields,
     most_compressed: BaseForceFields,
     checked_moment: BaseForceFields,
+    slip_m: f64,
+    anchor_elongation_m: f64,
+    fractured: Option<&'static str>,
 }
 
 #[derive(Debug, Serialize)]
@@ -364,6 +367,9 @@ impl From<&BaseReport> for BaseFields {
             least_compressed: BaseForceFields::from(&base.least_compressed),
             most_compressed: BaseForceFields::from(&base.most_compressed),
             checked_moment: BaseForceFields::from(&base.checked_moment),
+            slip_m: base.slip,
+            anchor_elongation_m: base.anchor_elongation,
+            fractured: base.fractured.map(BaseFailure::name),
         }
     }
 }

@@ -110,7 +110,7 @@ pub(super) fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticSt
         ),
         TwinStatus::FRACTURED => (
             DiagnosticStatus::ERROR,
-            "a hinge or web of the column is fractured; call ~/reset to start with a new one"
+            "a hinge, a web or the base of the column is fractured; call ~/reset to start with a new one"
                 .to_owned(),
         ),
         TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),

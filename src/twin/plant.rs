@@ -120,7 +120,7 @@ impl Plant {
             }
             if self.condition == Condition::Fractured {
                 let reason =
-                    "a hinge or web of the column is fractured; reset the twin first (~/reset)";
+                    "a hinge, a web or the base of the column is fractured; reset the twin first (~/reset)";
                 return Err(Rejection::new(RejectionCode::ColumnFractured, reason));
             }
             let reason =
@@ -195,7 +195,7 @@ impl Plant {
             ),
             Condition::Fractured => (
                 RejectionCode::ColumnFractured,
-                "a hinge or web of the column is fractured; reset the twin first (~/reset)"
+                "a hinge, a web or the base of the column is fractured; reset the twin first (~/reset)"
                     .to_owned(),
             ),
             Condition::Faulted(fault) => (

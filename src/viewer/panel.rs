@@ -69,7 +69,7 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic, no hinge yields",
         ImpactReport::PLASTIC => "plastic, the column does not collapse in the model",
-        ImpactReport::FRACTURED => "FRACTURED, a hinge or web is fractured",
+        ImpactReport::FRACTURED => "FRACTURED, a hinge, a web or the base is fractured",
         _ => "COLLAPSED",
     }
 }
@@ -330,7 +330,7 @@ mod tests {
         let text = text(&announced);
         assert_eq!(
             heading(&text),
-            "## Result: FRACTURED, a hinge or web is fractured"
+            "## Result: FRACTURED, a hinge, a web or the base is fractured"
         );
         for part in [
             "# EVACUATE\\: Let nobody in\n\n## Result: FRACTURED,",

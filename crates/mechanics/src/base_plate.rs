@@ -16,7 +16,8 @@
 //! bear the same sign, it is on the safe side.
 //!
 //! Anchors bear shear by `alpha_b f_ub A_s` with `alpha_b = 0.44 - 0.0003 f_yb` \[MPa\], all of them, beside the friction of a
-//! compressed base (6.2.2). What is not evaluated: welds, cone failure and pull-out of the concrete, bearing of the anchors
+//! compressed base (6.2.2). They are fractured after a slip or an elongation that their ductility does not grant; a plate that
+//! bends before its anchors yield has no such limit. What is not evaluated: welds, cone failure and pull-out of the concrete, bearing of the anchors
 //! in the holes of the plate, and shear together with tension in the same anchor.
 //!
 //! The formulas are recalled and were compared with public implementations and with the manual of COST C1; the text of the
@@ -40,6 +41,16 @@ const NUT_LENGTH: f64 = 0.6;
 /// `beta_j` times the concentration factor of the concrete (6.2.5 and EN 1992-1-1, 6.7), assumed: `2/3` for grout and `1.5` for
 /// a foundation that is larger than the plate.
 const CONCENTRATION: f64 = 1.0;
+
+/// Slip of the base at which an anchor is sheared off, relative to its diameter, an assumption: an engineer gives 5 to 10 mm for
+/// M24, of which this is the middle. A resistance of `alpha_b f_ub A_s` already counts on a large slip, with an anchor that bends
+/// and pulls (6.2.2).
+const SLIP_AT_FRACTURE: f64 = 0.3;
+
+/// Plastic strain of the stretched length of an anchor at which it is fractured, an assumption: ISO 898-1 and table 3.1 grant
+/// fracture elongations of 8 % (6.8), 12 % (8.8), 20 % (5.6) and 22 % (4.6) over five diameters, a part of which is the neck,
+/// and the thread takes more of it than the shank.
+const STRAIN_AT_FRACTURE: f64 = 0.05;
 
 /// Elastic modulus of steel \[Pa\].
 const STEEL_MODULUS: f64 = 210e9;
@@ -240,6 +251,11 @@ impl BasePlate {
                 / factors.anchors,
             friction: self.friction,
             stiffness: STEEL_MODULUS * arm * arm / flexibility,
+            ultimate_slip: SLIP_AT_FRACTURE * anchors.diameter,
+            ultimate_elongation: match tension_limit {
+                BaseFailure::AnchorsInTension => STRAIN_AT_FRACTURE * stretched,
+                _ => 0.0,
+            },
         })
     }
 

@@ -162,7 +162,7 @@ pub(crate) struct BaseHistory {
     levels: Ring,
     farthest: Knot,
     next_level: f64,
-    /// Whether the web of the lower bar has flowed.
+    /// Whether the web of the lower bar has flowed or the base has slipped.
     has_slid: bool,
     report: BaseReport,
 }
@@ -173,7 +173,7 @@ pub(crate) struct BaseInstant<'a> {
     pub time: f64,
     pub v1: f64,
     pub forces: BaseForces,
-    /// Whether the web of the lower bar flows.
+    /// Whether the web of the lower bar flows or the base slips.
     pub slides: bool,
     /// Last instant of contact \[s\]; `None` before the first one.
     pub last_contact: Option<f64>,
@@ -301,6 +301,16 @@ impl BaseHistory {
                 ..mean
             };
         }
+    }
+
+    /// Whether the web of the lower bar has flowed or the base has slipped.
+    pub fn has_slid(&self) -> bool {
+        self.has_slid
+    }
+
+    /// Largest tension of the base so far \[N\], negative if it has always been compressed.
+    pub fn tension(&self) -> f64 {
+        self.report.least_compressed.normal_force
     }
 
     /// What the response has been so far.

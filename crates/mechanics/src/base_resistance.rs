@@ -46,6 +46,12 @@ pub struct BaseResistance {
     pub friction: f64,
     /// `S_j,ini` \[N m/rad\].
     pub stiffness: f64,
+    /// Slip of the base at which its anchors are sheared off \[m\], >= 0; 0 for no limit.
+    #[serde(default)]
+    pub ultimate_slip: f64,
+    /// Plastic elongation of an anchor at which it is fractured \[m\], >= 0; 0 for no limit, as where the plate yields first.
+    #[serde(default)]
+    pub ultimate_elongation: f64,
 }
 
 impl BaseResistance {
@@ -86,6 +92,26 @@ impl BaseResistance {
     #[must_use]
     pub fn shear(&self, normal_force: f64) -> f64 {
         self.anchor_shear + self.friction * (-normal_force).max(0.0)
+    }
+
+    /// The same base without a limit of its deformation.
+    #[must_use]
+    pub fn without_limits(self) -> Self {
+        Self {
+            ultimate_slip: 0.0,
+            ultimate_elongation: 0.0,
+            ..self
+        }
+    }
+
+    /// By how much a plastic rotation of the base \[rad\] has stretched the anchors of the side that it lifts, at a normal force
+    /// \[N\], tension positive; 0 where something else than anchors gives way. The plate turns about the flange that presses on
+    /// the concrete.
+    pub(crate) fn elongation(&self, rotation: f64, normal_force: f64) -> f64 {
+        match self.moment_limit(normal_force) {
+            BaseFailure::AnchorsInTension => rotation.abs() * (self.lever[0] + self.lever[1]),
+            _ => 0.0,
+        }
     }
 
     /// The largest tension that all anchors bear \[N\].

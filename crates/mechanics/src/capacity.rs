@@ -193,7 +193,7 @@ pub struct PushDown {
     hinges: HingeCourse,
     /// The part of them that is the bow.
     bow: PerBar<PlasticFlow>,
-    /// By how much the plastic strains were larger on the clear lengths of the bars before a bumper.
+    /// By how much the plastic strains of the steel were larger on the clear lengths of the bars before a bumper.
     before_bumper: PerBar<PlasticFlow>,
     displacement: Displacement,
     forces: PerBar<BarForces>,
@@ -248,6 +248,7 @@ impl PushDown {
         let loaded = force_on_top(model, &state.displacement, &state.forces);
         let whole = model.without_bumper();
         let plastic = plastic_before_bumper(model, &whole, &state.plastic);
+        let steel = state.plastic_of_steel(model);
         let model = &whole;
         let sign = if state.displacement.v1 < 0.0 {
             -1.0
@@ -261,7 +262,7 @@ impl PushDown {
             offset: plastic,
             hinges: HingeCourse::new(state.accumulated_rotation()),
             bow,
-            before_bumper: plus(&state.plastic, -1.0, &plastic),
+            before_bumper: plus(&steel, -1.0, &plastic),
             displacement: state.displacement,
             forces: PerBar::default(),
             force: 0.0,
@@ -634,23 +635,26 @@ pub fn carried_load(model: &Model, state: &State) -> f64 {
 /// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
 /// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
 /// share away; with a free top `M(N)/L_a` is left. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar bears no more than its
-/// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts. At the base no more than the moment of its connection counts.
+/// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts. At the base no more than the moment of its connection
+/// counts, and with shear no more than it bears against slipping.
 #[must_use]
 pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
     let at_impact = if model.frame.top_is_free { 0.0 } else { 1.0 };
     let connection = &model.properties.base_connection;
     let most_at_base = connection.map_or(f64::INFINITY, |it| it.moment(-normal_force));
+    let most_of_base = connection.map_or(f64::INFINITY, |it| it.shear(-normal_force));
     [
-        (&model.frame.below, most_at_base),
-        (&model.frame.above, f64::INFINITY),
+        (&model.frame.below, most_at_base, most_of_base),
+        (&model.frame.above, f64::INFINITY, f64::INFINITY),
     ]
     .into_iter()
-    .map(|(bar, most_at_end)| {
+    .map(|(bar, most_at_end, most_shear)| {
         let at_end = if bar.rotational[1][1] > 0.0 { 1.0 } else { 0.0 };
         let resistance = bar.surface.moment_resistance(normal_force);
         let moments = at_impact * resistance + at_end * most_at_end.min(resistance);
         let n = bar.surface.relative_axial(normal_force).abs();
-        let web = bar.slider.as_ref().map(|slider| slider.limit(1.0, n));
+        let slider = bar.slider.as_ref();
+        let web = slider.map(|slider| slider.limit(1.0, n).min(most_shear * bar.length));
         web.map_or(moments, |web| moments.min(web)) / bar.length
     })
     .sum()

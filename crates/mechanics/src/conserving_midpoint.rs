@@ -398,7 +398,7 @@ impl Part<'_> {
         };
         let turns = model.frame.turns(&system.start, &guess);
         let start = (&from.strength, &from.webs, &from.forces);
-        let prediction = law.predict(start, &turns, secs, Collocation::End);
+        let prediction = law.predict(start, (&system.start.below, &turns), secs, Collocation::End);
         let solved = self.solve_with(system, guess, Some(prediction))?;
         if !self.gains_energy() {
             return Ok(solved);

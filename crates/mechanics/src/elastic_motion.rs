@@ -19,12 +19,13 @@ use super::frame;
 use super::geometry::Displacement;
 use super::model::Model;
 use super::motion::collapse_of;
-use super::rate::{Collocation, HingeStrength, WebState};
+use super::rate::{Collocation, HingeStrength};
 use super::sample::BaseForces;
 use super::shear::SliderStrength;
 use super::state::{State, Velocity};
 use super::statics::{self, Settled};
 use super::vehicle::Vehicle;
+use super::web_strength::WebState;
 
 /// Steps per period of the transverse vibration. The kinks of a vehicle's crush curve limit them: the peak `v1` is within
 /// 8e-4 of that of the plain response on the maps of the tests.
@@ -497,7 +498,7 @@ impl<'a> Run<'a> {
                 above: before.above.discrete_gradient(&after.above).1,
             };
             let strength = (&self.state.strength, &self.state.webs, forces);
-            law.predict(strength, &turns, secs, Collocation::End)
+            law.predict(strength, (&before.below, &turns), secs, Collocation::End)
         });
         let webs = factors.as_ref().map(|it| it.webs());
         let factors = factors.map(|it| it.factors());

@@ -45,8 +45,7 @@
 //   between which displacements of the impact point it stays
 // - force_spectrum.rs: The equivalent static force of a contact: what a neighbouring member that is pushed by the same force
 //   would feel, by its period
-// - fracture.rs: When a hinge or a web fractures: its plastic rotation exceeds the ultimate rotation, its plastic shear angle
-//   the ultimate angle
+// - fracture.rs: When a hinge, a web or the anchors of the base fracture
 // - frame.rs: The two bars and the spring at the top: from displacements to deformations of the bars, from forces of the bars
 //   to forces on the displacements, `f_int = B^T S` (Eqs 10, 15-16), and the tangent `B^T D B` with its geometric part
 // - geometry.rs: From displacements to deformations, and the gradients that map forces back (Eqs 1-10)
@@ -89,6 +88,7 @@
 // - study_response.rs: One impact, followed only as closely as a study needs it
 // - vehicle.rs: A deformable vehicle: a chain of masses with crushable springs in front of them
 // - web_slide.rs: The return of a stress where the web of a bar flows alone, without its hinges
+// - web_strength.rs: The strength of the web of one bar over a response: what it remembers, and how it hardens
 // - webs_of_state.rs: What can be observed of the webs in a state of the column
 // - yield_surface.rs: The superellipse family of yield surfaces (Eqs 26-31)
 // - yielding.rs: How close hinges and webs come to yielding, and at which instant of a step they do
@@ -144,6 +144,7 @@ mod strength;
 mod study_response;
 mod vehicle;
 mod web_slide;
+mod web_strength;
 mod webs_of_state;
 mod yield_surface;
 mod yielding;
@@ -181,7 +182,7 @@ pub use properties::{
     ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, ShearProperties,
     SofteningProperties, Support, YieldExponents,
 };
-pub use rate::{HingeStrength, WebState};
+pub use rate::HingeStrength;
 pub use report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 pub use response::{Progress, Response, SimulationError};
 pub use sample::{
@@ -197,4 +198,5 @@ pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, ST
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, begin_impact, step};
 pub use study_response::{StudyModel, StudyResponse};
 pub use vehicle::{CrushCurve, CrushSpring, MAX_CURVE_POINTS, MAX_MASSES, Vehicle, VehicleError};
+pub use web_strength::WebState;
 pub use yield_surface::YieldSurface;

@@ -177,7 +177,7 @@ impl Part<'_> {
             let turns = model.frame.turns(&start, &guess);
             let prediction = law.predict(
                 (&from.strength, &from.webs, &from.forces),
-                &turns,
+                (&start.below, &turns),
                 self.secs,
                 Collocation::Middle,
             );

@@ -446,12 +446,32 @@ fn check_connection(connection: &BaseResistance) -> Result<(), ModelError> {
         ),
         ("lever of the anchors of the base", anchors),
         ("lever of a flange at the base", flange),
+        ("shear of the anchors of the base", connection.anchor_shear),
     ] {
         if !(found.is_finite() && found > 0.0) {
             return Err(ModelError::OutOfRange {
                 name,
                 found,
                 expected: "a finite number > 0",
+            });
+        }
+    }
+    for (name, found) in [
+        ("coefficient of friction at the base", connection.friction),
+        (
+            "slip at which the anchors of the base are sheared off",
+            connection.ultimate_slip,
+        ),
+        (
+            "elongation at which the anchors of the base are fractured",
+            connection.ultimate_elongation,
+        ),
+    ] {
+        if !(found.is_finite() && found >= 0.0) {
+            return Err(ModelError::OutOfRange {
+                name,
+                found,
+                expected: "a finite number >= 0",
             });
         }
     }

@@ -17,13 +17,11 @@ use super::backbone::{Backbone, HingeFactors, StaticStrength};
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::bar_strength::BarStrength;
 use super::base_resistance::BaseResistance;
-use super::properties::{ColumnProperties, RateLaw, RateProperties, ShearProperties};
-use super::shear::SliderStrength;
+use super::geometry::Chord;
+use super::properties::{ColumnProperties, RateLaw, RateProperties};
+use super::shear::{SliderStrength, axial_share};
+use super::web_strength::{LEAST_RESISTANCE, WebLaw, WebState, web_rate};
 use super::yield_surface::YieldSurface;
-
-/// Least resistance of a web relative to that of an undamaged one, in the direction in which kinematic hardening weakens it: an
-/// unloaded web never yields.
-const LEAST_RESISTANCE: f64 = 0.01;
 
 /// What the strength of one hinge remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -51,55 +49,6 @@ impl HingeStrength {
     }
 }
 
-/// What the web of one bar remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct WebState {
-    /// Filtered equivalent strain rate \[1/s\], >= 0.
-    pub strain_rate: f64,
-    /// Kinematic hardening relative to the resistance of an undamaged web: what it has gained against positive shear and lost
-    /// against negative shear.
-    pub back: f64,
-    /// Dynamic increase factor with which the last stress was returned less 1, >= 0.
-    pub dynamic_gain: f64,
-    /// Resistance relative to that of an undamaged web that the last part of a step kept in both directions, because its beginning
-    /// had used it; 0 as a rule.
-    pub held: f64,
-    /// Whether it flowed in the last step.
-    pub flowing: bool,
-    /// Work dissipated in it since the event \[J\].
-    pub work: f64,
-}
-
-impl WebState {
-    /// At the event of an impact the filter and the count of the work start from zero.
-    pub(crate) fn begin(&mut self) {
-        self.strain_rate = 0.0;
-        self.work = 0.0;
-        self.flowing = false;
-    }
-
-    /// Dynamic increase factor with which the last stress was returned.
-    #[must_use]
-    pub fn dynamic_factor(&self) -> f64 {
-        1.0 + self.dynamic_gain
-    }
-
-    /// The resistance in the direction in which it is smaller, at rest and relative to that of an undamaged web.
-    pub(crate) fn least(&self) -> f64 {
-        (1.0 - self.back.abs()).max(LEAST_RESISTANCE)
-    }
-
-    /// The strength that bore the last stress.
-    pub(crate) fn strength(&self) -> SliderStrength {
-        let dynamic = self.dynamic_factor();
-        SliderStrength {
-            factor: [self.back, -self.back]
-                .map(|back| (dynamic * (1.0 + back).max(LEAST_RESISTANCE)).max(self.held)),
-            ..SliderStrength::UNDAMAGED
-        }
-    }
-}
-
 /// The webs of both bars.
 pub(crate) type Webs = PerBar<WebState>;
 
@@ -122,6 +71,8 @@ pub(crate) struct Prediction {
     held: PerBar<f64>,
     /// Whether a hinge of the bar has flowed over the last part of a step.
     hinges_flow: PerBar<bool>,
+    /// Whether the base slips before the web of the lower bar yields, towards a positive and a negative sum of the moments.
+    slips: [bool; 2],
 }
 
 /// At which instant of a part of a step the stress is returned to the yield surface.
@@ -141,62 +92,8 @@ pub(crate) struct StrengthLaw {
     backbones: PerBar<Backbone>,
     /// Of the web of each bar; `None` where they do not yield.
     webs: Option<PerBar<WebLaw>>,
-    /// What caps the moment of hinge 3.
+    /// What caps the moment of hinge 3 and the shear of the lower bar.
     connection: Option<BaseResistance>,
-}
-
-/// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to an undamaged one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct WebLaw {
-    /// \[1/rad\]
-    growth: f64,
-    most: f64,
-}
-
-impl WebLaw {
-    /// Of a bar of clear length `length` \[m\].
-    fn new(shear: &ShearProperties, length: f64) -> Self {
-        let force = shear.resistance(length);
-        Self {
-            growth: shear.hardening / force,
-            // The cap is that of the web; the flanges do not harden.
-            most: match shear.max_hardening {
-                0.0 => f64::INFINITY,
-                most => 1.0 + (most - 1.0) * shear.web_resistance / force,
-            },
-        }
-    }
-
-    /// The strength of a web before any flow.
-    fn strength(&self, web: &WebState, dynamic: f64) -> SliderStrength {
-        let hardens = self.growth > 0.0;
-        let growth = dynamic * self.growth;
-        // As long as only the least resistance is left, it does not grow.
-        let growths = [web.back, -web.back].map(|back| match 1.0 + back >= LEAST_RESISTANCE {
-            true => growth,
-            false => 0.0,
-        });
-        SliderStrength {
-            growth: growths,
-            most: if hardens {
-                dynamic * self.most
-            } else {
-                f64::INFINITY
-            },
-            ..WebState {
-                dynamic_gain: dynamic - 1.0,
-                held: 0.0,
-                ..*web
-            }
-            .strength()
-        }
-    }
-
-    /// Hardens a web by a plastic shear angle \[rad\].
-    fn harden(&self, web: &mut WebState, angle: f64) {
-        let most = self.most - 1.0;
-        web.back = (web.back + self.growth * angle).clamp(-most, most);
-    }
 }
 
 /// Constants of the dynamic increase factor.
@@ -243,12 +140,12 @@ impl StrengthLaw {
         })
     }
 
-    /// The factors with which a stress is returned in a part of `secs` \[s\] that begins with the forces `forces`, for the turns
-    /// of the chords \[rad\] that are expected over it.
+    /// The factors with which a stress is returned in a part of `secs` \[s\] that begins with the forces `forces` and the chord
+    /// `below` of the lower bar, for the turns of the chords \[rad\] that are expected over it.
     pub fn predict(
         &self,
         (from, webs, forces): (&Strengths, &Webs, &PerBar<BarForces>),
-        turns: &PerBar<f64>,
+        (below, turns): (&Chord, &PerBar<f64>),
         secs: f64,
         collocation: Collocation,
     ) -> Prediction {
@@ -325,11 +222,14 @@ impl StrengthLaw {
                 below: from.below.iter().any(|hinge| hinge.flow_rate > 0.0),
                 above: from.above.iter().any(|hinge| hinge.flow_rate > 0.0),
             },
+            slips: [false; 2],
         };
         let base = &mut prediction.factors.below[1];
         if self.cap_base(base, forces) {
             prediction.growth.below[1] = 0.0;
         }
+        let web = &mut prediction.webs.below.1;
+        prediction.slips = self.cap_slip(web, &forces.below, below.v / below.length);
         prediction
     }
 
@@ -382,8 +282,11 @@ impl StrengthLaw {
             growth,
             webs: predicted,
             held,
+            slips,
             ..
         } = prediction;
+        let slips =
+            flow.below.shear_angle != 0.0 && slips[usize::from(flow.below.shear_angle < 0.0)];
         for (hinges, factors, growth, flow) in [
             (
                 &mut strengths.below,
@@ -406,13 +309,14 @@ impl StrengthLaw {
             }
         }
         if let Some(laws) = &self.webs {
-            for (web, law, (dynamic, strength), held, flow) in [
+            for (web, law, (dynamic, strength), held, flow, is_slip) in [
                 (
                     &mut webs.below,
                     &laws.below,
                     predicted.below,
                     held.below,
                     flow.below,
+                    slips,
                 ),
                 (
                     &mut webs.above,
@@ -420,6 +324,7 @@ impl StrengthLaw {
                     predicted.above,
                     held.above,
                     flow.above,
+                    false,
                 ),
             ] {
                 web.dynamic_gain = dynamic - 1.0;
@@ -427,7 +332,13 @@ impl StrengthLaw {
                     true => strength.hardened(flow.shear_angle),
                     false => held,
                 };
-                law.harden(web, factor * flow.shear_angle);
+                if !is_slip {
+                    law.harden(web, factor * flow.shear_angle);
+                    continue;
+                }
+                web.slip += factor * flow.shear_angle * law.length;
+                // Whether it was more than round-off is known.
+                web.slipping |= std::mem::take(&mut web.flowing);
             }
         }
         self.follow((strengths, webs), turns, secs);
@@ -553,6 +464,30 @@ impl StrengthLaw {
         *factors = capped;
         is_capped
     }
+
+    /// Caps the resistance of the web of the lower bar, whose chord leans by the sine `lean`, by that of the base against slipping,
+    /// `|(M_1a + M_3)/l + N v_1/l| <= V_R(N)`, and tells in which directions it does, as [`StrengthLaw::cap_base`]. Both are in
+    /// series and turn the bar alike, so that the weaker one flows.
+    fn cap_slip(&self, web: &mut SliderStrength, forces: &BarForces, lean: f64) -> [bool; 2] {
+        let (Some(connection), Some(laws)) = (&self.connection, &self.webs) else {
+            return [false; 2];
+        };
+        let normal = forces.normal;
+        // The share that the normal force leaves to the web multiplies its factor once more.
+        let of_web = laws.below.force * axial_share(self.surface.relative_axial(normal).abs());
+        let (most, leaning) = (connection.shear(normal), normal * lean);
+        let limits = [most - leaning, most + leaning];
+        let mut slips = [false; 2];
+        for (k, limit) in limits.into_iter().enumerate() {
+            let factor = (limit / of_web).max(LEAST_RESISTANCE);
+            slips[k] = factor < web.factor[k];
+            if slips[k] {
+                web.factor[k] = factor;
+                web.growth[k] = 0.0;
+            }
+        }
+        slips
+    }
 }
 
 /// Strain rates of the outer fibres \[1/s\]; 1a and 1b share one.
@@ -560,11 +495,6 @@ struct Rates {
     joint: f64,
     base: f64,
     top: f64,
-}
-
-/// Equivalent strain rate \[1/s\] after von Mises of a web that shears by all of the turn \[rad\] of its bar.
-fn web_rate(turn: f64, secs: f64) -> f64 {
-    turn.abs() / (3.0_f64.sqrt() * secs)
 }
 
 impl RateFilter {

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::base_resistance::BaseFailure;
 use super::contact::MAX_ELASTIC_IMPACT_IMPULSES;
-use super::properties::is_default;
+use super::properties::{is_default, is_zero};
 use super::sample::{BaseForces, HINGES, WEBS};
 use super::vehicle::MAX_MASSES;
 
@@ -17,8 +18,8 @@ pub enum Outcome {
     Plastic,
     /// The column has lost its shape or its equilibrium.
     Collapsed,
-    /// The plastic rotation of a hinge has exceeded the ultimate rotation, or the plastic shear angle of a web the ultimate
-    /// angle: it is fractured and carries nothing.
+    /// The plastic rotation of a hinge has exceeded the ultimate rotation, the plastic shear angle of a web the ultimate angle, or
+    /// the base has slipped or lifted so far that its anchors are gone ([`BaseReport::fractured`]): it carries nothing.
     Fractured,
 }
 
@@ -32,14 +33,14 @@ pub enum End {
     DurationReached,
     /// The column has collapsed.
     Collapsed,
-    /// A hinge or a web has been fractured.
+    /// A hinge, a web or the base has been fractured.
     Fractured,
     /// The next step did not converge, however small its parts; the report tells what happened until then.
     NotConverged,
 }
 
 /// The outcome of one impact. Times count from the event \[s\]; an event that did not happen is `None`. The largest values of a
-/// response that ends with a fractured hinge or web are those up to the instant of the fracture, which is interpolated within its last step.
+/// response that ends with a fractured hinge, web or base are those up to the instant of the fracture, which is interpolated within its last step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Elastic, plastic, collapsed or fractured.
@@ -133,6 +134,15 @@ pub struct BaseReport {
     /// With the largest moment that a connection has to be checked for, >= 0: that of hinge 3, or once the web of the lower
     /// bar has flowed, `M(N)` of the column, at most `V L_a` and at least `V L_a / 2`.
     pub checked_moment: BaseForces,
+    /// How far the base has slipped on its foundation at the end \[m\], >= 0; 0 without a connection.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub slip: f64,
+    /// By how much the anchors of one side have been stretched at the end \[m\], >= 0; 0 without a connection.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub anchor_elongation: f64,
+    /// Which anchors are fractured, so that the response ended.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fractured: Option<BaseFailure>,
 }
 
 /// What became of a deformable vehicle: arrays over its masses and the springs in front of them, front first.

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::base_reactions::{BaseHistory, BaseInstant};
 use super::elastic_motion::Glimpse;
-use super::fracture::share_until_fracture;
+use super::fracture::{Strained, base_at_end, is_torn_off};
 use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
@@ -14,12 +14,12 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::{is_default, is_zero};
-use super::rate::WebState;
 use super::report::{BaseReport, End, HingeReport, Outcome, Report, VehicleReport, WebReport};
 use super::sample::{HINGES, WEBS};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
+use super::web_strength::WebState;
 use super::yield_surface::YieldSurface;
 use super::yielding::{over_hinges, share_until_shear, share_until_yield, yield_sums};
 
@@ -222,11 +222,12 @@ impl Response {
             contact_force: state.contact_force,
             forces: state.forces,
             plastic: state.plastic,
+            strained: Strained::of(model, state),
         };
         let made = stepping::macro_step(model, state, steps);
         let fractured_after = made
             .ok()
-            .and_then(|()| share_until_fracture(model, &before.plastic, &state.plastic));
+            .and_then(|()| before.strained.share_until_fracture(model, state));
         self.record::<IN_FULL>(model, &before, state, fractured_after);
         match made {
             Ok(()) if fractured_after.is_some() => Ok(Progress::Over(End::Fractured)),
@@ -245,7 +246,9 @@ impl Response {
         if approaches && now <= self.approach_until {
             self.counted_from = now;
         }
-        if self.is_settled(model, state, now) {
+        if is_torn_off(model, self.base.tension()) {
+            Progress::Over(End::Fractured)
+        } else if self.is_settled(model, state, now) {
             Progress::Over(End::AtRest)
         } else if now - self.counted_from >= self.max_duration {
             Progress::Over(End::DurationReached)
@@ -526,15 +529,11 @@ impl Response {
         self.peak_force
     }
 
-    /// The reactions of the base so far.
-    pub(crate) fn base(&self) -> BaseReport {
-        self.base.report()
-    }
-
-    /// Whether a hinge or a web has flowed.
+    /// Whether a hinge or a web has flowed, or the base has slipped.
     pub(crate) fn has_yielded(&self) -> bool {
         self.first_yield.iter().any(Option::is_some)
             || self.webs.iter().any(|web| web.first_yield.is_some())
+            || self.base.has_slid()
     }
 
     /// The summary of a response that is over, or of what has happened so far.
@@ -550,7 +549,7 @@ impl Response {
         let touched = impactor.and_then(|i| i.touched_at);
         let released = impactor.and_then(|i| if i.closed { None } else { i.released_at });
         let ledger = &state.ledger;
-        let PerBar { below, above } = &state.plastic;
+        let PerBar { below, above } = &state.plastic_of_steel(model);
         let (lower, upper) = (&model.frame.below.surface, &model.frame.above.surface);
         let hinge =
             |index: usize, surface: &YieldSurface, plastic: &PlasticFlow, k: usize| HingeReport {
@@ -607,8 +606,13 @@ impl Response {
                 web_report(&self.webs[0], below, &state.webs.below),
                 web_report(&self.webs[1], above, &state.webs.above),
             ],
-            base: self.base.report(),
+            base: self.base_at_end(model, state, end),
         }
+    }
+
+    /// The reactions of the base, and what has become of its anchors.
+    pub(crate) fn base_at_end(&self, model: &Model, state: &State, end: End) -> BaseReport {
+        base_at_end(model, state, end, self.base.report())
     }
 }
 
@@ -655,6 +659,7 @@ struct StepStart {
     contact_force: f64,
     forces: PerBar<BarForces>,
     plastic: PerBar<PlasticFlow>,
+    strained: Strained,
 }
 
 /// The quantities whose largest values a response keeps.

@@ -12,9 +12,10 @@ use super::impact::time_of_travel;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
 use super::properties::is_default;
-use super::rate::{HingeStrength, Strengths, WebState, Webs};
+use super::rate::{HingeStrength, Strengths, Webs};
 use super::sample::{BaseForces, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
 use super::vehicle::MAX_MASSES;
+use super::web_strength::WebState;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -244,6 +245,15 @@ impl State {
         }
     }
 
+    /// The plastic deformation of the steel since the column was new: without the slip of the base, which turns the lower bar as
+    /// a shear of its web does.
+    #[must_use]
+    pub fn plastic_of_steel(&self, model: &Model) -> PerBar<PlasticFlow> {
+        let mut plastic = self.plastic;
+        plastic.below.shear_angle -= self.webs.below.slip / model.frame.below.length;
+        plastic
+    }
+
     /// Accumulated plastic rotations \[rad\], per bar.
     pub fn accumulated_rotation(&self) -> PerBar<[f64; 2]> {
         let of = |hinges: &[HingeStrength; 2]| hinges.map(|hinge| hinge.accumulated_rotation);
@@ -350,7 +360,7 @@ impl State {
     ) {
         for (web, (forces, flow)) in [(&mut self.webs.below, below), (&mut self.webs.above, above)]
         {
-            if flow.shear_angle != 0.0 {
+            if flow.shear_angle != 0.0 && !web.slipping {
                 web.work += factor * forces.shear_work(flow);
             }
         }
@@ -362,6 +372,7 @@ impl State {
         self.flowing = PerBar::default();
         self.webs.below.flowing = false;
         self.webs.above.flowing = false;
+        self.webs.below.slipping = false;
     }
 
     /// Moves a deformable vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
@@ -416,10 +427,16 @@ impl State {
         }
     }
 
-    /// Whether any hinge or web flowed in the last step.
+    /// Whether any hinge or web flowed, or the base slipped, in the last step.
     pub fn is_flowing(&self) -> bool {
         let (PerBar { below, above }, webs) = (self.flowing, &self.webs);
-        below[0] || below[1] || above[0] || above[1] || webs.below.flowing || webs.above.flowing
+        below[0]
+            || below[1]
+            || above[0]
+            || above[1]
+            || webs.below.flowing
+            || webs.above.flowing
+            || webs.below.slipping
     }
 
     /// A hash over the bits of the visible motion: equal states have equal hashes on every machine. It leaves out what else
@@ -533,7 +550,7 @@ impl State {
             time,
             v1: self.displacement.v1,
             forces: self.base_forces(model),
-            slides: self.webs.below.flowing,
+            slides: self.webs.below.flowing || self.webs.below.slipping,
             last_contact: touched.map(|_| last_contact),
             model,
             strength: [factors.dynamic, factors.hardening],

@@ -397,7 +397,7 @@ impl Course<'_> {
         let rest = stands
             .then(|| statics::residual_state(model, &self.state))
             .flatten();
-        let PerBar { below, above } = &self.state.plastic;
+        let PerBar { below, above } = &self.state.plastic_of_steel(model);
         StudyResponse {
             outcome,
             end,
@@ -414,7 +414,7 @@ impl Course<'_> {
             rest,
             last: self.state,
             utilisation_sum: self.utilisation_sum,
-            base: self.response.base(),
+            base: self.response.base_at_end(model, &self.state, end),
             macro_steps: self.macro_steps,
             elastic_steps: self.elastic_steps,
         }

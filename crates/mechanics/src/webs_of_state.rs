@@ -3,10 +3,11 @@
 use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, PlasticFlow};
 use super::model::Model;
-use super::rate::{HingeStrength, WebState};
+use super::rate::HingeStrength;
 use super::sample::{WEBS, WebSample};
 use super::shear::SliderStrength;
 use super::state::{State, hinge_state};
+use super::web_strength::WebState;
 
 impl State {
     /// The webs of both bars; their default where they do not yield.
@@ -26,11 +27,9 @@ impl State {
             }
         };
         let Self {
-            forces: f,
-            plastic: p,
-            webs: w,
-            ..
+            forces: f, webs: w, ..
         } = self;
+        let p = self.plastic_of_steel(model);
         [
             web(
                 &model.frame.below,

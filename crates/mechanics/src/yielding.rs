@@ -3,8 +3,9 @@
 use super::backbone::HingeFactors;
 use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
 use super::frame::Frame;
-use super::rate::{HingeStrength, WebState};
+use super::rate::HingeStrength;
 use super::sample::HINGES;
+use super::web_strength::WebState;
 
 /// One value of each of the hinges 1a, 1b, 2, 3.
 pub(crate) fn over_hinges<T, R>(hinges: &PerBar<[T; 2]>, value: impl Fn(&T) -> R) -> [R; HINGES] {

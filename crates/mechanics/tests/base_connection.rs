@@ -1,12 +1,13 @@
-//! What a base plate bears, in the response: it caps the moment of hinge 3.
+//! What a base plate bears, in the response: it caps the moment of hinge 3 and the shear of the lower bar, and its anchors fracture.
 
 mod example;
 #[allow(dead_code, reason = "the cases are for other tests")]
 mod finite_elements;
 
 use column_mechanics::{
-    Anchors, BaseFactors, BasePlate, BaseResistance, ColumnProperties, CrushCurve, CrushSpring,
-    Impact, Model, PushDown, Scheme, State, Vehicle, plastic_plateau, respond, simulate,
+    Anchors, BaseFactors, BaseFailure, BasePlate, BaseResistance, ColumnProperties, CrushCurve,
+    CrushSpring, End, Impact, Model, Outcome, PushDown, Sample, Scheme, State, StudyModel, Support,
+    Vehicle, follow, plastic_plateau, respond, simulate,
 };
 use finite_elements::{YIELD_STRENGTH, column, section};
 
@@ -14,7 +15,13 @@ const SCHEMES: [Scheme; 2] = [Scheme::ConservingMidpoint, Scheme::Midpoint];
 
 /// The plate that an engineer has worked out by hand: 400 x 400 x 30 with four M24 8.8 at 140 mm from the axis, in C25/30.
 fn plate() -> BaseResistance {
-    let plate = BasePlate {
+    let resistance = plate_of(0.024, 800e6, 640e6).resistance(&BaseFactors::CHARACTERISTIC);
+    resistance.expect("a plate")
+}
+
+/// The same with other anchors.
+fn plate_of(diameter: f64, ultimate_strength: f64, yield_strength: f64) -> BasePlate {
+    BasePlate {
         section: section("HEB220"),
         thickness: 0.030,
         length: 0.400,
@@ -22,17 +29,15 @@ fn plate() -> BaseResistance {
         yield_strength: YIELD_STRENGTH,
         anchors: Anchors {
             count: 4,
-            diameter: 0.024,
-            ultimate_strength: 800e6,
-            yield_strength: 640e6,
+            diameter,
+            ultimate_strength,
+            yield_strength,
             distance: 0.140,
         },
         concrete_strength: 25e6,
         concrete_modulus: 31e9,
         friction: 0.2,
-    };
-    let resistance = plate.resistance(&BaseFactors::CHARACTERISTIC);
-    resistance.expect("a plate")
+    }
 }
 
 /// HEB 220 of 4 m under 490 kN, to be hit by a lorry at 1.25 m.
@@ -131,4 +136,144 @@ fn a_plate_adds_no_capacity() {
     let (plate, built_in) = (of(Some(plate())), of(None));
     println!("{plate:.4e} N on the plate, {built_in:.4e} N built in");
     assert!(plate <= 1.000_001 * built_in && plate > 0.7 * built_in);
+}
+
+/// The column hit at the height of a car.
+fn low(scheme: Scheme, plate: BaseResistance) -> ColumnProperties {
+    ColumnProperties {
+        top_load: 490e3,
+        top_spring_stiffness: 0.0,
+        base_connection: Some(plate),
+        scheme,
+        ..column("HEB220", [0.5, 3.5], 0.0, 0.2)
+    }
+}
+
+/// By hand: the web of the lower bar bears `397 + 2 x 5 / 0.4 = 422 kN`, its base `280 + 0.2 x 490 = 378 kN`, so that the base slips
+/// first, and `F0 = 378 + 2 x 268 / 3.4 = 536 kN`.
+#[test]
+fn a_base_that_bears_less_than_the_web_limits_the_plateau() {
+    let model = Model::new(&low(SCHEMES[0], plate())).expect("a column");
+    let found = plastic_plateau(&model, 490e3) / 1e3;
+    assert!((found - 536.0).abs() < 2.0, "{found}");
+}
+
+/// While the foot slips, its shear force is what anchors and friction bear at the normal force of that instant, but for the inertia
+/// of the lower bar; without a limit of the slip the response goes on.
+#[test]
+fn a_slipping_base_bears_its_shear_resistance() {
+    let plate = plate();
+    for scheme in SCHEMES {
+        let (mut last, mut slipped, mut compared) = (Sample::default(), 0.0, 0);
+        let observe = |model: &Model, state: &State| {
+            let sample = state.sample(model);
+            let slip = state.webs.below.slip;
+            let step = sample.time - last.time;
+            if slip > slipped && step > 0.0 {
+                let acceleration = (sample.v1_rate - last.v1_rate) / step;
+                let inertia = model.properties.mass_per_length * 0.5 * acceleration / 6.0;
+                let expected = plate.shear(sample.base.normal_force) - inertia;
+                let off = (sample.base.shear / expected - 1.0).abs();
+                // The step in which contact closes has no acceleration.
+                if sample.impact_impulse == 0.0 && last.impact_impulse == 0.0 {
+                    assert!(off < 0.02, "{scheme:?} {off} at {sample:?}");
+                    compared += 1;
+                }
+                assert_eq!(sample.webs[0].plastic_angle, last.webs[0].plastic_angle);
+            }
+            (last, slipped) = (sample, slip);
+        };
+        let column = low(scheme, plate.without_limits());
+        let (report, ..) = follow(&column, &front(600e3, 10.0), 2.0, observe).expect("a response");
+        assert!(compared > 50, "{compared}");
+        assert_eq!(report.outcome, Outcome::Plastic);
+        assert!(report.base.slip > 2.0 * plate.ultimate_slip);
+        assert_eq!(report.base.fractured, None);
+        assert_eq!(report.webs[0].first_yield, None);
+        assert!(report.ledger_residual < 1e-10 || scheme == Scheme::Midpoint);
+        println!("{scheme:?}: slip {:.1} mm", 1e3 * report.base.slip);
+    }
+}
+
+/// The shear and the uplift of the anchors once only restricted the use of a column, whatever they were.
+#[test]
+fn a_base_whose_anchors_are_sheared_off_ends_the_response() {
+    let plate = plate();
+    for scheme in SCHEMES {
+        let column = low(scheme, plate);
+        let hit = front(600e3, 10.0);
+        let mut slips = Vec::new();
+        let observe = |_: &Model, state: &State| slips.push(state.webs.below.slip);
+        let (report, model, _) = follow(&column, &hit, 2.0, observe).expect("a response");
+        assert_eq!(
+            (report.outcome, report.end),
+            (Outcome::Fractured, End::Fractured)
+        );
+        assert_eq!(report.base.fractured, Some(BaseFailure::AnchorsInShear));
+        assert_eq!(report.residual_v1, None);
+        let [before @ .., last] = slips.as_slice() else {
+            panic!("no samples")
+        };
+        assert!(*last > plate.ultimate_slip && report.base.slip == *last);
+        assert!(before.iter().all(|slip| *slip <= plate.ultimate_slip));
+        assert!(report.ledger_residual < 1e-10 || scheme == Scheme::Midpoint);
+        // One of thousands of responses of a study ends there, too.
+        let study = StudyModel::of_model(model, 1.0);
+        let quick = study
+            .respond(&State::at_rest(&model), &hit, 2.0)
+            .expect("a response");
+        assert_eq!(quick.outcome, Outcome::Fractured);
+        assert_eq!(quick.base.fractured, Some(BaseFailure::AnchorsInShear));
+        let slow = respond(&column, &front(600e3, 3.0), 2.0).expect("a response");
+        assert_ne!(slow.outcome, Outcome::Fractured);
+    }
+}
+
+/// Thin anchors of a column that is hit high up are stretched by the rotation of its base: `delta = theta (z_T + z_C)`.
+#[test]
+fn a_base_whose_anchors_are_stretched_too_far_ends_the_response() {
+    let thin = plate_of(0.016, 800e6, 640e6).resistance(&BaseFactors::CHARACTERISTIC);
+    let plate = BaseResistance {
+        // Held by a shear key.
+        anchor_shear: 1e7,
+        ..thin.expect("a plate")
+    };
+    assert_eq!(plate.tension_limit, BaseFailure::AnchorsInTension);
+    for scheme in SCHEMES {
+        let column = heb220(scheme, Some(plate));
+        let report = respond(&column, &front(600e3, 8.0), 2.0).expect("a response");
+        assert_eq!(report.outcome, Outcome::Fractured);
+        assert_eq!(report.base.fractured, Some(BaseFailure::AnchorsInTension));
+        let stretched = report.hinges[3].plastic_rotation.abs() * (plate.lever[0] + plate.lever[1]);
+        assert!((report.base.anchor_elongation / stretched - 1.0).abs() < 1e-12);
+        assert!(stretched > plate.ultimate_elongation);
+        assert!(stretched < 1.2 * plate.ultimate_elongation, "{stretched}");
+        let lifted = heb220(scheme, Some(plate.without_limits()));
+        let lifted = respond(&lifted, &front(600e3, 8.0), 2.0).expect("a response");
+        assert_eq!(lifted.outcome, Outcome::Plastic);
+    }
+}
+
+/// A pinned base bears no moment, but it slips, and the catenary lifts it.
+#[test]
+fn a_pinned_base_slips_and_is_torn_off() {
+    for scheme in SCHEMES {
+        let pinned = |plate| ColumnProperties {
+            base: Support::Pinned,
+            top_load: 0.0,
+            top_spring_stiffness: 1e9,
+            ..low(scheme, plate)
+        };
+        let sheared = respond(&pinned(plate()), &front(800e3, 10.0), 2.0).expect("a response");
+        assert_eq!(sheared.base.fractured, Some(BaseFailure::AnchorsInShear));
+        let weak = BaseResistance {
+            tension: 100e3,
+            anchor_shear: 1e7,
+            ..plate()
+        };
+        let torn = respond(&pinned(weak), &front(800e3, 10.0), 2.0).expect("a response");
+        assert_eq!(torn.outcome, Outcome::Fractured);
+        assert_eq!(torn.base.fractured, Some(BaseFailure::AnchorsInTension));
+        assert!(torn.base.least_compressed.normal_force > weak.uplift());
+    }
 }

@@ -14,7 +14,7 @@ pub(super) fn outcome_text(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
-        ImpactReport::FRACTURED => "a hinge or a web is fractured",
+        ImpactReport::FRACTURED => "a hinge, a web or the base is fractured",
         _ => "the column collapses",
     }
 }
