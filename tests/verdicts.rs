@@ -63,7 +63,7 @@ const OUT_OF_RANGE: [u32; 1] = [23];
 
 /// Cases in which the fibre beam alone makes the program more severe than the engineer: it bends and buckles between the hinges of
 /// the two bars, and the more severe verdict of both models counts.
-const HARSHER_BY_THE_BEAM: [u32; 6] = [3, 9, 11, 13, 16, 20];
+const HARSHER_BY_THE_BEAM: [u32; 3] = [13, 16, 20];
 
 fn cases() -> Vec<Case> {
     // The engineer's word for taking the load off a column is the program's former one.

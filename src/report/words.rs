@@ -11,7 +11,9 @@ pub fn outcome_in_words(outcome: Outcome) -> &'static str {
         Outcome::Elastic => "elastic: no hinge has yielded",
         Outcome::Plastic => "plastic: hinges or webs have yielded",
         Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
-        Outcome::Fractured => "FRACTURED: a hinge, a web or the base passed its ultimate deformation",
+        Outcome::Fractured => {
+            "FRACTURED: a hinge, a web or the base passed its ultimate deformation"
+        }
     }
 }
 

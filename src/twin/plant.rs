@@ -119,8 +119,7 @@ impl Plant {
                 return Ok(self.clone());
             }
             if self.condition == Condition::Fractured {
-                let reason =
-                    "a hinge, a web or the base of the column is fractured; reset the twin first (~/reset)";
+                let reason = "a hinge, a web or the base of the column is fractured; reset the twin first (~/reset)";
                 return Err(Rejection::new(RejectionCode::ColumnFractured, reason));
             }
             let reason =

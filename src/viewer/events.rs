@@ -153,7 +153,9 @@ fn end(report: &ImpactReport) -> String {
     let residual = 1e3 * report.residual_v1;
     match (report.outcome, report.end) {
         (ImpactReport::COLLAPSED, _) => "collapse".to_owned(),
-        (ImpactReport::FRACTURED, _) => "fractured: a hinge, a web or the base is fractured".to_owned(),
+        (ImpactReport::FRACTURED, _) => {
+            "fractured: a hinge, a web or the base is fractured".to_owned()
+        }
         (_, ImpactReport::END_DURATION_REACHED) => {
             format!("stopped at response.duration; residual v1 = {residual:.1} mm")
         }

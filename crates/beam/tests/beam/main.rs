@@ -14,5 +14,6 @@ mod plane;
 mod plateau;
 mod reference;
 mod robustness;
+mod rotation;
 mod shear;
 mod space;
