@@ -73,7 +73,7 @@ fn the_fibres_that_have_yielded_lie_in_the_section_and_move_with_the_axis() {
         let movement = model.movement(&hit(1500.0, 6.0, None, degrees), None);
         let movement = movement.unwrap();
         let remains = movement.remains.as_ref().unwrap();
-        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let (sin, cos) = libm::sincos(f64::to_radians(degrees));
         let mut sides = [0, 0];
         for fibre in &movement.yielded {
             let [along, across, height] = fibre.place;
