@@ -87,7 +87,7 @@ fn hinge_3_bears_no_more_than_the_plate() {
     for scheme in SCHEMES {
         let mut most = 0.0_f64;
         let on_plate = simulate(
-            &heb220(scheme, Some(plate)),
+            &heb220(scheme, Some(plate.without_limits())),
             &front(600e3, 6.0),
             2.0,
             &mut |sample| {
@@ -111,6 +111,7 @@ fn a_strong_plate_changes_nothing() {
     let strong = BaseResistance {
         tension: 1e8,
         compression: 1e8,
+        anchor_shear: 1e8,
         ..plate()
     };
     for scheme in SCHEMES {
@@ -176,7 +177,7 @@ fn a_slipping_base_bears_its_shear_resistance() {
                 let off = (sample.base.shear / expected - 1.0).abs();
                 // The step in which contact closes has no acceleration.
                 if sample.impact_impulse == 0.0 && last.impact_impulse == 0.0 {
-                    assert!(off < 0.02, "{scheme:?} {off} at {sample:?}");
+                    assert!(off < 0.03, "{scheme:?} {off} at {sample:?}");
                     compared += 1;
                 }
                 assert_eq!(sample.webs[0].plastic_angle, last.webs[0].plastic_angle);
@@ -224,7 +225,7 @@ fn a_base_whose_anchors_are_sheared_off_ends_the_response() {
             .expect("a response");
         assert_eq!(quick.outcome, Outcome::Fractured);
         assert_eq!(quick.base.fractured, Some(BaseFailure::AnchorsInShear));
-        let slow = respond(&column, &front(600e3, 3.0), 2.0).expect("a response");
+        let slow = respond(&column, &front(600e3, 1.0), 2.0).expect("a response");
         assert_ne!(slow.outcome, Outcome::Fractured);
     }
 }
