@@ -166,11 +166,13 @@ fn a_slipping_base_bears_its_shear_resistance() {
     let plate = plate();
     for scheme in SCHEMES {
         let (mut last, mut slipped, mut compared) = (Sample::default(), 0.0, 0);
+        let mut began = None;
         let observe = |model: &Model, state: &State| {
             let sample = state.sample(model);
             let slip = state.webs.below.slip;
             let step = sample.time - last.time;
             if slip > slipped && step > 0.0 {
+                began = began.or(Some(sample.time));
                 let acceleration = (sample.v1_rate - last.v1_rate) / step;
                 let inertia = model.properties.mass_per_length * 0.5 * acceleration / 6.0;
                 let expected = plate.shear(sample.base.normal_force) - inertia;
@@ -185,12 +187,14 @@ fn a_slipping_base_bears_its_shear_resistance() {
             (last, slipped) = (sample, slip);
         };
         let column = low(scheme, plate.without_limits());
-        let (report, ..) = follow(&column, &front(600e3, 10.0), 2.0, observe).expect("a response");
+        let (report, ..) = follow(&column, &front(600e3, 4.0), 2.0, observe).expect("a response");
         assert!(compared > 50, "{compared}");
         assert_eq!(report.outcome, Outcome::Plastic);
         assert!(report.base.slip > 2.0 * plate.ultimate_slip);
         assert_eq!(report.base.fractured, None);
-        assert_eq!(report.webs[0].first_yield, None);
+        // The more the bar leans, the more of the shear its load takes off the base, until the web is the weaker one.
+        let first_yield = report.webs[0].first_yield;
+        assert!(first_yield.is_none_or(|it| it > began.expect("it slips")));
         assert!(report.ledger_residual < 1e-10 || scheme == Scheme::Midpoint);
         println!("{scheme:?}: slip {:.1} mm", 1e3 * report.base.slip);
     }
