@@ -229,7 +229,7 @@ impl StrengthLaw {
             prediction.growth.below[1] = 0.0;
         }
         let web = &mut prediction.webs.below.1;
-        prediction.slips = self.cap_slip(web, &forces.below, below.v / below.length);
+        prediction.slips = self.cap_slip(web, &forces.below, below);
         prediction
     }
 
@@ -465,22 +465,27 @@ impl StrengthLaw {
         is_capped
     }
 
-    /// Caps the resistance of the web of the lower bar, whose chord leans by the sine `lean`, by that of the base against slipping,
-    /// `|(M_1a + M_3)/l + N v_1/l| <= V_R(N)`, and tells in which directions it does, as [`StrengthLaw::cap_base`]. Both are in
-    /// series and turn the bar alike, so that the weaker one flows.
-    fn cap_slip(&self, web: &mut SliderStrength, forces: &BarForces, lean: f64) -> [bool; 2] {
+    /// Caps the resistance of the web of the lower bar by that of the base against slipping, `|(M_1a + M_3)/l + N v_1/l| <= V_R(N)`
+    /// on its chord, and tells in which directions it does, as [`StrengthLaw::cap_base`]. Both are in series and turn the bar alike,
+    /// so that the weaker one flows.
+    fn cap_slip(&self, web: &mut SliderStrength, forces: &BarForces, chord: &Chord) -> [bool; 2] {
         let (Some(connection), Some(laws)) = (&self.connection, &self.webs) else {
             return [false; 2];
         };
         let normal = forces.normal;
         // The share that the normal force leaves to the web multiplies its factor once more.
-        let of_web = laws.below.force * axial_share(self.surface.relative_axial(normal).abs());
-        let (most, leaning) = (connection.shear(normal), normal * lean);
+        let share = axial_share(self.surface.relative_axial(normal).abs());
+        let gradient = chord.gradient();
+        let of_web = laws.below.force * share * laws.below.length * gradient.angle_v;
+        // Along the undeformed column it presses on the foundation, which makes the friction.
+        let most = connection.shear(gradient.forces(forces).x);
+        let leaning = normal * gradient.length_v;
         let limits = [most - leaning, most + leaning];
         let mut slips = [false; 2];
         for (k, limit) in limits.into_iter().enumerate() {
             let factor = (limit / of_web).max(LEAST_RESISTANCE);
-            slips[k] = factor < web.factor[k];
+            // A chord across the column leaves the moments no shear.
+            slips[k] = of_web > 0.0 && factor < web.factor[k];
             if slips[k] {
                 web.factor[k] = factor;
                 web.growth[k] = 0.0;

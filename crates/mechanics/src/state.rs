@@ -17,6 +17,9 @@ use super::sample::{BaseForces, HINGES, HingeSample, HingeState, Phase, Sample, 
 use super::vehicle::MAX_MASSES;
 use super::web_strength::WebState;
 
+/// Relative to the angle that a bar owes to a slip of its base: less is the round-off of their difference, and no shear of its web.
+const SLIP_ROUND_OFF: f64 = 1e-9;
+
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Velocity {
@@ -250,7 +253,12 @@ impl State {
     #[must_use]
     pub fn plastic_of_steel(&self, model: &Model) -> PerBar<PlasticFlow> {
         let mut plastic = self.plastic;
-        plastic.below.shear_angle -= self.webs.below.slip / model.frame.below.length;
+        let slip = self.webs.below.slip / model.frame.below.length;
+        let web = &mut plastic.below.shear_angle;
+        *web -= slip;
+        if web.abs() < SLIP_ROUND_OFF * slip.abs() {
+            *web = 0.0;
+        }
         plastic
     }
 
