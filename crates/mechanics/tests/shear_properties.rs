@@ -343,7 +343,7 @@ fn midpoint_holds_on_random_columns_with_shear() {
 
 /// The issue that asked for shear, softening and a base asked for this number; `COLUMN_TWIN_EXPLORE` draws another number of new ones.
 #[test]
-#[ignore = "takes most of an hour"]
+#[ignore = "takes minutes"]
 fn a_million_random_columns_of_both_schemes_converge() {
     let (begun, slipped, steps) = (Instant::now(), AtomicU64::new(0), AtomicU64::new(0));
     let cases = check_in_parts(MANY, |index, cases, random| {
