@@ -18,7 +18,6 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - assessment/: Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one action
-// - bounded_file.rs: A file that is expected to be short
 // - cli/: The command line
 // - commissioning/: The check of the sensors when they are commissioned: readings of a column that vibrates from ambient
 //   excitation or from a tap, against what the model says about frequencies, signs and amplitudes
@@ -66,7 +65,6 @@
 pub use column_mechanics as column;
 
 pub mod assessment;
-pub mod bounded_file;
 pub mod commissioning;
 pub mod endpoints;
 pub mod estimation;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use bounded_file::read_at_most;
 use openssl::x509::X509;
 
-use crate::bounded_file::read_at_most;
 use crate::ros::security::MAX_ENCLAVE_FILE_BYTES;
 
 use super::error::KeystoreError;

@@ -4,9 +4,8 @@ use std::io;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
+use bounded_file::read_at_most;
 use jiff::Timestamp;
-
-use crate::bounded_file::read_at_most;
 
 use super::certificates::{Certificate, private_key};
 use super::dates::{is_near, remaining};

@@ -1,4 +1,4 @@
-//! A file that is expected to be short.
+#![doc = include_str!("../README.md")]
 
 use std::fs::File;
 use std::io::{self, Read as _};
