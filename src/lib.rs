@@ -33,8 +33,8 @@
 // - hexadecimal.rs: Bytes as hexadecimal digits
 // - host_header.rs: The host that an HTTP request asks for
 // - incoming.rs: Converts received messages to commands, and measurements to batches
-// - keystore/: Keystores for DDS security, laid out as SROS 2 lays them out, so that `ros2 security` and every ROS 2 node can
-//   use them:
+// - keystore/: What the enclaves of twins, of monitors and of operators may do: keystores of the crate `sros2_keystore` for the
+//   topics and services of this program
 // - live/: One twin or many in real time: clocks, deadlines, bounded queues, a pool of solver threads
 // - main.rs: The program `column-twin`
 // - messages/: The messages that the twin exchanges with other programs, as Rust types

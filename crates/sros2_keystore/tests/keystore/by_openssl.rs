@@ -4,8 +4,6 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-use column_twin::ros::Environment;
-use column_twin::ros::security::{SecuritySettings, SecurityStrategy};
 use openssl::asn1::Asn1Time;
 use openssl::bn::BigNum;
 use openssl::ec::{EcGroup, EcKey};
@@ -312,20 +310,6 @@ impl Keystore {
     pub fn write(&self, enclave: &Enclave) -> PathBuf {
         let relative = enclave.name.trim_start_matches('/');
         enclave.write_to(&self.folder.path().join("enclaves").join(relative))
-    }
-
-    /// The environment of a node in this enclave.
-    pub fn environment(&self, of: &Environment, enclave: &str) -> Environment {
-        let settings = SecuritySettings {
-            is_enabled: true,
-            strategy: SecurityStrategy::Enforce,
-            keystore: Some(self.path().to_owned()),
-            ..SecuritySettings::default()
-        };
-        Environment {
-            security: settings.with_enclave(Some(enclave)),
-            ..of.clone()
-        }
     }
 }
 

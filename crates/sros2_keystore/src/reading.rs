@@ -5,9 +5,8 @@ use std::path::Path;
 use bounded_file::read_at_most;
 use openssl::x509::X509;
 
-use crate::ros::security::MAX_ENCLAVE_FILE_BYTES;
-
-use super::error::KeystoreError;
+use crate::checks::MAX_ENCLAVE_FILE_BYTES;
+use crate::error::KeystoreError;
 
 /// Reads a file.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, KeystoreError> {

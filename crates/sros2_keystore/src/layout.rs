@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::enclave_name::EnclaveName;
+use crate::enclave_name::EnclaveName;
 
 pub(super) const PUBLIC: &str = "public";
 pub(super) const PRIVATE: &str = "private";

@@ -9,14 +9,8 @@ use openssl::error::ErrorStack;
 /// How long before its end a certificate or a permissions document is announced to expire.
 pub const EXPIRY_NOTICE: Duration = Duration::from_secs(30 * 24 * 3600);
 
-/// The time of day.
-#[must_use]
-pub fn now() -> Timestamp {
-    Timestamp::now()
-}
-
 /// The whole seconds of a date of a certificate.
-pub(super) fn of_certificate(time: &Asn1TimeRef) -> Result<Timestamp, ErrorStack> {
+pub(crate) fn of_certificate(time: &Asn1TimeRef) -> Result<Timestamp, ErrorStack> {
     let since = Asn1Time::from_unix(0)?.diff(time)?;
     let seconds = i64::from(since.days) * 86_400 + i64::from(since.secs);
     // Dates of certificates end with the year 9999, those of `jiff` as well.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use roxmltree::Node;
 
-use super::documents::{Domains, child, children, parse, text_of};
+use super::documents::{child, children, domains_of, parse, text_of};
 use super::fault::{EnclaveFault, EnclaveFile};
 
 /// The protection kinds of a domain as the governance document names them.
@@ -94,7 +94,7 @@ impl Governance {
         let rules = child(child(root, "dds")?, "domain_access_rules")?;
         let mut others = Vec::new();
         for rule in children(rules, "domain_rule") {
-            let domains = Domains::of(rule)?;
+            let domains = domains_of(rule)?;
             // The first rule for the domain applies, as in RustDDS (DDS Security 9.4.1.2.7).
             if domains.contain(domain_id) {
                 return Self::of_rule(rule, faults).map(Some);

@@ -2,27 +2,24 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::ops::RangeInclusive;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
 use openssl::pkcs7::Pkcs7;
 use openssl::x509::X509;
-use roxmltree::{Document, Node};
+use roxmltree::Document;
 
-use crate::ros::MAX_DOMAIN_ID;
-use crate::ros::security::{Enclave, EnclaveFile, SecurityError};
-
-use super::certificates::expiry;
-use super::documents::{DomainRanges, date};
-use super::enclave_name::EnclaveName;
-use super::error::KeystoreError;
-use super::layout::{
+use crate::checks::{Enclave, EnclaveError, EnclaveFile, domains_of, of_certificate};
+use crate::documents::date;
+use crate::domain_ranges::DomainRanges;
+use crate::enclave_name::EnclaveName;
+use crate::error::{KeystoreError, Remedy};
+use crate::layout::{
     CERTIFICATE, ENCLAVES, GOVERNANCE, GOVERNANCE_XML, IDENTITY_CA, IDENTITY_CA_KEY, PERMISSIONS,
     PERMISSIONS_CA, PERMISSIONS_CA_KEY, PERMISSIONS_XML, PRIVATE, PUBLIC, enclave_folder,
 };
-use super::reading::{read, read_certificate, read_text};
+use crate::reading::{read, read_certificate, read_text};
 
 /// A keystore for people.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,7 +35,7 @@ pub struct KeystoreSummary {
     /// The enclaves by name.
     pub enclaves: Vec<EnclaveSummary>,
     /// What is wrong with the keystore itself, and should be changed.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// An enclave for people.
@@ -53,7 +50,22 @@ pub struct EnclaveSummary {
     /// DDS topics that may be subscribed to.
     pub subscribe: BTreeSet<String>,
     /// What should be changed.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
+}
+
+/// What should be changed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Warning {
+    /// For people.
+    pub text: String,
+    /// What settles it, where a function of this crate does.
+    pub remedy: Option<Remedy>,
+}
+
+impl From<String> for Warning {
+    fn from(text: String) -> Self {
+        Self { text, remedy: None }
+    }
 }
 
 /// An enclave without faults.
@@ -97,18 +109,22 @@ pub fn inspect(
         authorities.push((what, read_certificate(&path)?));
     }
     let domains = governance_domains(folder)?;
-    let checked_domain = domain.or_else(|| domains.first()).unwrap_or(0);
+    let checked_domain = match domain {
+        Some(domain) => domain,
+        None => domains.ranges().first().map_or(0, |range| *range.start()),
+    };
     let keys = [IDENTITY_CA_KEY, PERMISSIONS_CA_KEY].map(|key| folder.join(PRIVATE).join(key));
     let mut warnings = Vec::new();
     let enclaves = folder.join(ENCLAVES);
     warnings.extend(unsigned_change(
         &enclaves.join(GOVERNANCE_XML),
         &enclaves.join(GOVERNANCE),
-        "column-twin keystore renew DIR --authority",
+        "renew the authority",
+        Remedy::RenewAuthority,
     ));
     let mut loose: Vec<_> = keys.iter().filter_map(|key| loose_key(key)).collect();
     loose.dedup();
-    warnings.extend(loose);
+    warnings.extend(loose.into_iter().map(Warning::from));
     Ok(KeystoreSummary {
         domains,
         checked_domain,
@@ -133,14 +149,14 @@ fn inspect_enclave(
     let mut warnings = Vec::new();
     let state = match Enclave::load(name.as_str(), &folder, domain, now) {
         Ok(enclave) => {
-            warnings.extend(enclave.warnings(now));
+            warnings.extend(enclave.warnings(now).into_iter().map(Warning::from));
             Ok(UsableEnclave {
                 subject: enclave.subject.clone(),
                 protection: enclave.kinds.to_string(),
                 first_end: enclave.first_end(),
             })
         }
-        Err(SecurityError::Broken { faults, .. }) => {
+        Err(EnclaveError::Broken { faults, .. }) => {
             Err(faults.iter().map(ToString::to_string).collect())
         }
         Err(error) => Err(vec![error.to_string()]),
@@ -148,7 +164,8 @@ fn inspect_enclave(
     warnings.extend(unsigned_change(
         &folder.join(PERMISSIONS_XML),
         &folder.join(PERMISSIONS),
-        &format!("column-twin keystore renew DIR {name}"),
+        "renew the enclave",
+        Remedy::Renew(name.to_string()),
     ));
     EnclaveSummary {
         name,
@@ -193,34 +210,18 @@ pub(super) fn governance_domains(keystore: &Path) -> Result<DomainRanges, Keysto
     let text = signed_text(&path)?;
     let wrong = |reason: String| KeystoreError::document(&path, reason);
     let document = Document::parse(&text).map_err(|error| wrong(error.to_string()))?;
-    let ids = document.descendants().filter(|node| node.is_element());
-    let ranges = ids.filter_map(|node| match node.tag_name().name() {
-        "id" => Some(number(node).map(|id| id..=id)),
-        "id_range" => Some(range(node)),
-        _ => None,
-    });
-    let ranges: Result<Vec<_>, String> = ranges.collect();
-    match ranges.map_err(wrong)? {
+    let nodes = document.descendants();
+    let rules = nodes.filter(|node| node.has_tag_name("domain_rule"));
+    let domains: Result<Vec<_>, String> = rules.map(domains_of).collect();
+    let domains = domains.map_err(wrong)?;
+    let ranges = domains.iter().flat_map(DomainRanges::ranges);
+    match ranges.cloned().collect::<Vec<_>>() {
         none if none.is_empty() => Err(KeystoreError::document(
             &path,
             "expected the domains of the governance, found none",
         )),
-        ranges => Ok(DomainRanges::from_ranges(ranges)),
+        ranges => Ok(ranges.into_iter().collect()),
     }
-}
-
-fn range(node: Node<'_, '_>) -> Result<RangeInclusive<u16>, String> {
-    let bound = |tag: &str, open| match node.children().find(|child| child.has_tag_name(tag)) {
-        Some(bound) => number(bound),
-        None => Ok(open),
-    };
-    Ok(bound("min", 0)?..=bound("max", MAX_DOMAIN_ID)?)
-}
-
-fn number(node: Node<'_, '_>) -> Result<u16, String> {
-    let text = node.text().unwrap_or_default().trim();
-    let wrong = || format!("expected the number of a domain, found `{text}`");
-    text.parse().map_err(|_| wrong())
 }
 
 /// The text of a signed document as it is, also if the signature is wrong: the checks of the enclave tell that.
@@ -257,16 +258,22 @@ fn allowed_topics(permissions: &Path) -> (BTreeSet<String>, BTreeSet<String>) {
 }
 
 /// A warning if a document was edited after it was signed: the edit has no effect.
-fn unsigned_change(document: &Path, signed: &Path, remedy: &str) -> Option<String> {
+fn unsigned_change(
+    document: &Path,
+    signed: &Path,
+    advice: &str,
+    remedy: Remedy,
+) -> Option<Warning> {
     let text = read_text(document).ok()?;
     let signed_text = signed_text(signed).ok()?;
     let start = text.find('<').unwrap_or_default();
-    (text[start..].trim() != signed_text.trim()).then(|| {
-        format!(
-            "{} differs from {}, and only the signed text counts; sign it with: {remedy}",
+    (text[start..].trim() != signed_text.trim()).then(|| Warning {
+        text: format!(
+            "{} differs from {}, and only the signed text counts; to sign it, {advice}",
             document.display(),
             signed.display()
-        )
+        ),
+        remedy: Some(remedy),
     })
 }
 
@@ -287,7 +294,7 @@ fn loose_key(path: &Path) -> Option<String> {
 fn in_words(authorities: &[(&str, X509)]) -> Result<Vec<String>, KeystoreError> {
     let mut words = Vec::new();
     for (what, certificate) in authorities {
-        let end = expiry(certificate)
+        let end = of_certificate(certificate.not_after())
             .map_err(KeystoreError::openssl("read the expiry of the authority"))?;
         let is_one = authorities[0].1 == *certificate && authorities[1].1 == *certificate;
         let what = if is_one {
@@ -295,7 +302,7 @@ fn in_words(authorities: &[(&str, X509)]) -> Result<Vec<String>, KeystoreError> 
         } else {
             what
         };
-        let line = format!("{what} until {}", date(end));
+        let line = format!("{what} until {}", date(end.as_second()));
         if !words.contains(&line) {
             words.push(line);
         }

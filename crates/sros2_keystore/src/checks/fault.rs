@@ -34,7 +34,7 @@ pub const ENCLAVE_FILES: [(EnclaveFile, &str); 6] = [
 /// Maximum size of a file \[bytes\]; genuine ones have some kilobytes.
 pub const MAX_ENCLAVE_FILE_BYTES: u64 = 1 << 20;
 
-/// A file at the top of a keystore by which its private keys must not be readable by others. `column-twin keystore` writes it;
+/// A file at the top of a keystore by which its private keys must not be readable by others. [`create`](crate::create) writes it;
 /// SROS 2 does not know it.
 pub const STRICT_FILES: &str = "security.strict_files";
 
@@ -58,7 +58,7 @@ impl fmt::Display for EnclaveFile {
 pub enum EnclaveFault {
     /// A file is missing.
     #[error(
-        "{0} is missing; create the enclave completely, with `column-twin keystore` or `ros2 security create_enclave`"
+        "{0} is missing; create the enclave completely, with the program that made the keystore or `ros2 security create_enclave`"
     )]
     Missing(EnclaveFile),
     /// A file cannot be read.

@@ -1,10 +1,10 @@
 //! Which enclaves a keystore for some twins needs.
 
+use sros2_keystore::{EnclaveName, EnclaveNameError, EnclavePlan};
+
 use crate::ros::{NameError, Names, RemapRule};
 
-use super::access::Role;
-use super::enclave_name::EnclaveName;
-use super::error::KeystoreError;
+use super::role::{Role, access};
 
 /// The twins that a keystore is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,15 +42,30 @@ impl Twins {
     }
 }
 
-/// An enclave to be made.
+/// An enclave to be made, with what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EnclavePlan {
-    /// Its name.
-    pub name: EnclaveName,
+pub struct PlannedEnclave {
     /// What it is for.
     pub role: Role,
-    /// The twins that it is about.
-    pub twins: Vec<Names>,
+    /// Its name and what it may therefore do.
+    pub plan: EnclavePlan,
+}
+
+/// Why enclaves cannot be planned.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// An enclave is named twice.
+    #[error("the enclave {0} is named twice; name it once, with one role")]
+    Twice(String),
+    /// A name of an enclave is invalid.
+    #[error(transparent)]
+    EnclaveName(#[from] EnclaveNameError),
+    /// A name of a node, topic or service is invalid.
+    #[error(transparent)]
+    NodeName(#[from] NameError),
+    /// The role is unknown.
+    #[error("`{0}` gives the enclave no role; write NAME=twin, NAME=monitor or NAME=operator")]
+    Role(String),
 }
 
 /// The enclaves for some twins, by texts such as `/control_room=monitor`; without any, one for each twin by its name, and
@@ -59,8 +74,8 @@ pub struct EnclavePlan {
 ///
 /// # Errors
 /// A name or role is invalid, or an enclave is named twice.
-pub fn plan(wanted: &[String], twins: &Twins) -> Result<Vec<EnclavePlan>, KeystoreError> {
-    let mut plans: Vec<EnclavePlan> = Vec::new();
+pub fn plan(wanted: &[String], twins: &Twins) -> Result<Vec<PlannedEnclave>, PlanError> {
+    let mut plans: Vec<PlannedEnclave> = Vec::new();
     let default: Vec<String> = (twins.0.iter().map(Names::fully_qualified))
         .chain(["/monitor".to_owned(), "/operator".to_owned()])
         .collect();
@@ -82,18 +97,18 @@ pub fn plan(wanted: &[String], twins: &Twins) -> Result<Vec<EnclavePlan>, Keysto
             }
             None => Role::named(name.last()),
         };
-        let role = role.ok_or_else(|| KeystoreError::Role(text.clone()))?;
-        if plans.iter().any(|plan| plan.name == name) {
-            return Err(KeystoreError::Twice(name.to_string()));
+        let role = role.ok_or_else(|| PlanError::Role(text.clone()))?;
+        if plans.iter().any(|it| it.plan.name == name) {
+            return Err(PlanError::Twice(name.to_string()));
         }
         let own = match role {
             Role::Twin => twins.of_enclave(&name),
             Role::Monitor | Role::Operator => twins.0.clone(),
         };
-        plans.push(EnclavePlan {
-            name,
+        let access = access(role, &name, &own)?;
+        plans.push(PlannedEnclave {
             role,
-            twins: own,
+            plan: EnclavePlan { name, access },
         });
     }
     Ok(plans)

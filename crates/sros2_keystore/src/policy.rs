@@ -3,28 +3,21 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::access::Access;
-use super::enclave::EnclavePlan;
-use super::error::KeystoreError;
+use crate::access::EnclavePlan;
 
-/// A policy in the format of SROS 2 (`sros2/policy/schemas/policy.xsd`, version 0.2.0). SROS 2 adds `ros_discovery_info` itself.
-///
-/// # Errors
-/// A name is invalid.
-pub fn policy(enclaves: &[EnclavePlan]) -> Result<String, KeystoreError> {
-    let mut xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-                   <!-- Made by `column-twin keystore policy` from the table of the node's topics and services. -->\n\
-                   <policy version=\"0.2.0\">\n  <enclaves>\n"
-        .to_owned();
-    for enclave in enclaves {
-        let access = Access::of(enclave.role, &enclave.name, &enclave.twins)?;
+/// A policy in the format of SROS 2 (`sros2/policy/schemas/policy.xsd`, version 0.2.0), with a comment at its head that says where it
+/// comes from; the comment contains no `--`. SROS 2 adds `ros_discovery_info` itself.
+#[must_use]
+pub fn policy(enclaves: &[EnclavePlan], comment: &str) -> String {
+    let mut xml = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- {comment} -->\n<policy version=\"0.2.0\">\n  <enclaves>\n"
+    );
+    for EnclavePlan { name, access } in enclaves {
         // All names are absolute, so the node's namespace and name only label the profile.
-        let (namespace, node) = enclave.name.as_str().rsplit_once('/').unwrap_or_default();
-        let namespace = if namespace.is_empty() { "/" } else { namespace };
+        let (namespace, node) = name.namespace_and_node();
         let _ = write!(
             xml,
-            "    <enclave path=\"{}\">\n      <profiles>\n        <profile ns=\"{namespace}\" node=\"{node}\">\n",
-            enclave.name
+            "    <enclave path=\"{name}\">\n      <profiles>\n        <profile ns=\"{namespace}\" node=\"{node}\">\n"
         );
         for (list, name, attribute, names) in [
             ("topics", "topic", "publish", &access.publish),
@@ -36,7 +29,7 @@ pub fn policy(enclaves: &[EnclavePlan]) -> Result<String, KeystoreError> {
         }
         xml += "        </profile>\n      </profiles>\n    </enclave>\n";
     }
-    Ok(xml + "  </enclaves>\n</policy>\n")
+    xml + "  </enclaves>\n</policy>\n"
 }
 
 fn list_xml(xml: &mut String, list: &str, name: &str, attribute: &str, names: &BTreeSet<String>) {

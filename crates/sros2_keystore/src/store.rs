@@ -9,27 +9,35 @@ use std::path::{Path, PathBuf};
 use openssl::pkey::{HasPublic, PKey, PKeyRef};
 use openssl::x509::X509;
 
-use crate::ros::security::STRICT_FILES;
-
-use super::access::Access;
-use super::certificates::{Authority, expiry, new_key};
-use super::documents::{
-    DataProtection, DomainRanges, Validity, date, governance_xml, permissions_xml, with_validity,
+use crate::access::EnclavePlan;
+use crate::certificates::{Authority, new_key};
+use crate::checks::{STRICT_FILES, of_certificate};
+use crate::documents::{
+    DataProtection, Validity, date, governance_xml, permissions_xml, with_validity,
 };
-use super::enclave::EnclavePlan;
-use super::enclave_name::EnclaveName;
-use super::error::KeystoreError;
-use super::inspection::{enclaves_of, governance_domains};
-use super::layout::{
+use crate::domain_ranges::DomainRanges;
+use crate::enclave_name::EnclaveName;
+use crate::error::KeystoreError;
+use crate::inspection::{enclaves_of, governance_domains};
+use crate::layout::{
     CA_CERTIFICATE, CA_KEY, CERTIFICATE, ENCLAVES, FOLDER_CONTENT, GOVERNANCE, GOVERNANCE_XML,
     IDENTITY_CA, IDENTITY_CA_KEY, KEY, PERMISSIONS, PERMISSIONS_CA, PERMISSIONS_CA_KEY,
     PERMISSIONS_XML, PRIVATE, PUBLIC, enclave_folder, links,
 };
-use super::reading::{read, read_certificate, read_text};
-use super::{AUTHORITY_DAYS, BACKDATED_SECS, MAX_DAYS};
+use crate::reading::{read, read_certificate, read_text};
 
-/// Common name of the authority.
-const AUTHORITY_NAME: &str = "column_twin CA";
+/// Days for which the certificate and the permissions of an enclave are valid, unless told otherwise. One year: a key that
+/// was copied becomes useless by itself, and renewing once a year is little work.
+pub const ENCLAVE_DAYS: u32 = 365;
+
+/// Days for which the authority's certificate is valid, unless an enclave needs more: ten years, as in SROS 2.
+pub const AUTHORITY_DAYS: u32 = 3650;
+
+/// Most days that anything can be valid: a century, so that no date leaves the range of the certificates' format.
+pub const MAX_DAYS: u32 = 36_500;
+
+/// Certificates are valid from one day before they are made, as in SROS 2, so that a clock that is behind accepts them.
+const BACKDATED_SECS: i64 = 86_400;
 
 /// Mode of files that only their owner may read.
 const SECRET_FILE: u32 = 0o600;
@@ -46,6 +54,8 @@ const OPEN_FOLDER: u32 = 0o755;
 pub struct Creation<'a> {
     /// Its folder, which does not exist or is empty.
     pub folder: &'a Path,
+    /// Common name of its authority, such as `sros2CA`.
+    pub authority: &'a str,
     /// Its enclaves.
     pub enclaves: &'a [EnclavePlan],
     /// The domains of governance and permissions.
@@ -89,7 +99,8 @@ pub struct Renewal<'a> {
 }
 
 /// What the file says to a person.
-const STRICT_FILES_TEXT: &[u8] = b"column-twin rejects enclaves of this keystore with a private key that other users can read.\n\
+const STRICT_FILES_TEXT: &[u8] =
+    b"Enclaves of this keystore with a private key that other users can read are rejected.\n\
     Remove this file to have a warning instead.\n";
 
 /// Makes a keystore. Its folder appears complete or not at all.
@@ -109,7 +120,7 @@ pub fn create(creation: &Creation<'_>) -> Result<(), KeystoreError> {
     }
     let authority_days = AUTHORITY_DAYS.max(creation.days);
     let authority = Authority::new(
-        AUTHORITY_NAME,
+        creation.authority,
         self::validity(authority_days, creation.now)?,
     )
     .map_err(KeystoreError::openssl("make the authority"))?;
@@ -282,8 +293,9 @@ impl Opened {
     fn validity(&self, days: u32, now: i64) -> Result<Validity, KeystoreError> {
         let validity = validity(days, now)?;
         for authority in [&self.identity, &self.permissions] {
-            let end = expiry(&authority.certificate)
-                .map_err(KeystoreError::openssl("read the expiry of the authority"))?;
+            let end = of_certificate(authority.certificate.not_after())
+                .map_err(KeystoreError::openssl("read the expiry of the authority"))?
+                .as_second();
             if end < validity.until {
                 return Err(KeystoreError::OutlivesAuthority {
                     wanted: date(validity.until),
@@ -376,8 +388,7 @@ fn write_enclave(
     identity_authority: &Authority,
     permissions_authority: &Authority,
 ) -> Result<(), KeystoreError> {
-    let access = Access::of(plan.role, &plan.name, &plan.twins)?;
-    let permissions = permissions_xml(&plan.name, &access, domains, validity);
+    let permissions = permissions_xml(&plan.name, &plan.access, domains, validity);
     let key = new_key().map_err(KeystoreError::openssl("make a key"))?;
     new_secret(&folder.join(KEY), &key_pem(&key)?)?;
     let certificate = identity(identity_authority, &plan.name, &key, validity)?;
@@ -426,7 +437,7 @@ impl Staged {
             _ => Path::new("."),
         };
         let staged = tempfile::Builder::new()
-            .prefix(".column-twin-")
+            .prefix(".keystore-")
             .suffix(".partial")
             .permissions(fs::Permissions::from_mode(OPEN_FOLDER))
             .tempdir_in(parent)
@@ -496,7 +507,7 @@ fn replace_file(path: &Path, content: &[u8]) -> Result<(), KeystoreError> {
     let failed = |error: io::Error| KeystoreError::io("replace", path)(error);
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut file = tempfile::Builder::new()
-        .prefix(".column-twin-")
+        .prefix(".keystore-")
         .suffix(".partial")
         .permissions(fs::Permissions::from_mode(OPEN_FILE))
         .tempfile_in(folder)

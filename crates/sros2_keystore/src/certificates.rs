@@ -1,7 +1,7 @@
 //! Keys, certificates and signatures, all by OpenSSL: elliptic curve P-256 and SHA-256, which DDS Security 1.1 asks for and SROS 2
 //! uses.
 
-use openssl::asn1::{Asn1Integer, Asn1Time, Asn1TimeRef};
+use openssl::asn1::{Asn1Integer, Asn1Time};
 use openssl::bn::{BigNum, MsbOption};
 use openssl::ec::{EcGroup, EcKey};
 use openssl::error::ErrorStack;
@@ -11,9 +11,9 @@ use openssl::pkcs7::{Pkcs7, Pkcs7Flags};
 use openssl::pkey::{HasPublic, PKey, PKeyRef, Private};
 use openssl::stack::Stack;
 use openssl::x509::extension::BasicConstraints;
-use openssl::x509::{X509, X509Name, X509NameRef, X509Ref};
+use openssl::x509::{X509, X509Name, X509NameRef};
 
-use super::documents::Validity;
+use crate::documents::Validity;
 
 /// Bits of a serial number: as many as RFC 5280 allows in a positive number of 20 bytes.
 const SERIAL_BITS: i32 = 159;
@@ -71,17 +71,6 @@ impl Authority {
 pub(super) fn new_key() -> Result<PKey<Private>, ErrorStack> {
     let curve = EcGroup::from_curve_name(Nid::X9_62_PRIME256V1)?;
     PKey::from_ec_key(EcKey::generate(&curve)?)
-}
-
-/// The end of a certificate's validity \[s since 1970\].
-pub(super) fn expiry(certificate: &X509Ref) -> Result<i64, ErrorStack> {
-    since_1970(certificate.not_after())
-}
-
-/// A time of a certificate \[s since 1970\].
-pub(super) fn since_1970(time: &Asn1TimeRef) -> Result<i64, ErrorStack> {
-    let difference = Asn1Time::from_unix(0)?.diff(time)?;
-    Ok(i64::from(difference.days) * 86_400 + i64::from(difference.secs))
 }
 
 fn self_signed(

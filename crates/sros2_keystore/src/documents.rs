@@ -1,100 +1,13 @@
 //! The governance and the permissions as XML (DDS Security 1.1, 9.4.1.2 and 9.4.1.3), in the words of SROS 2.
 
 use std::collections::BTreeSet;
-use std::fmt::{self, Write as _};
-use std::ops::RangeInclusive;
-use std::str::FromStr;
+use std::fmt::Write as _;
 
 use jiff::Timestamp;
 
-use crate::ros::MAX_DOMAIN_ID;
-
-use super::access::Access;
-use super::enclave_name::EnclaveName;
-
-/// DomainRanges that documents are valid for, in the order given.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DomainRanges(Vec<RangeInclusive<u16>>);
-
-/// A text does not name domains.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}`: expected domains from 0 to {MAX_DOMAIN_ID}, such as 0, 0-9 or 3,7-9, with the lower end of a range first"
-)]
-pub struct DomainRangesError(String);
-
-impl From<u16> for DomainRanges {
-    fn from(id: u16) -> Self {
-        Self(vec![id..=id])
-    }
-}
-
-impl FromStr for DomainRanges {
-    type Err = DomainRangesError;
-
-    fn from_str(text: &str) -> Result<Self, DomainRangesError> {
-        let wrong = || DomainRangesError(text.chars().take(40).collect());
-        let id = |text: &str| {
-            let id = text.trim().parse().ok().filter(|id| *id <= MAX_DOMAIN_ID);
-            id.ok_or_else(wrong)
-        };
-        let range = |part: &str| {
-            let (first, last) = part.split_once('-').unwrap_or((part, part));
-            let (first, last) = (id(first)?, id(last)?);
-            (first <= last).then_some(first..=last).ok_or_else(wrong)
-        };
-        text.split(',')
-            .map(range)
-            .collect::<Result<_, _>>()
-            .map(Self)
-    }
-}
-
-impl fmt::Display for DomainRanges {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, range) in self.0.iter().enumerate() {
-            let comma = if index == 0 { "" } else { "," };
-            match (range.start(), range.end()) {
-                (first, last) if first == last => write!(f, "{comma}{first}")?,
-                (first, last) => write!(f, "{comma}{first}-{last}")?,
-            }
-        }
-        Ok(())
-    }
-}
-
-impl DomainRanges {
-    /// Whether the documents are valid in this domain.
-    #[must_use]
-    pub fn contain(&self, id: u16) -> bool {
-        self.0.iter().any(|range| range.contains(&id))
-    }
-
-    /// The first domain.
-    pub(super) fn first(&self) -> Option<u16> {
-        self.0.first().map(|range| *range.start())
-    }
-
-    /// From ranges as documents hold them.
-    pub(super) fn from_ranges(ranges: Vec<RangeInclusive<u16>>) -> Self {
-        Self(ranges)
-    }
-
-    fn xml(&self, indent: &str) -> String {
-        let mut xml = format!("{indent}<domains>\n");
-        for range in &self.0 {
-            let (first, last) = (range.start(), range.end());
-            let _ = match first == last {
-                true => writeln!(xml, "{indent}  <id>{first}</id>"),
-                false => writeln!(
-                    xml,
-                    "{indent}  <id_range>\n{indent}    <min>{first}</min>\n{indent}    <max>{last}</max>\n{indent}  </id_range>"
-                ),
-            };
-        }
-        xml + &format!("{indent}</domains>\n")
-    }
-}
+use crate::access::Access;
+use crate::domain_ranges::DomainRanges;
+use crate::enclave_name::EnclaveName;
 
 /// How the payload of a message is protected by itself, besides the submessage around it, which is always encrypted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -123,7 +36,7 @@ impl DataProtection {
 /// The governance: only participants with a valid identity and permissions may join, every message is signed, and discovery,
 /// liveliness and all submessages are encrypted.
 pub(super) fn governance_xml(domains: &DomainRanges, data: DataProtection) -> String {
-    let domains = domains.xml("      ");
+    let domains = domains_xml(domains, "      ");
     let data = data.word();
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -169,7 +82,7 @@ pub(super) fn permissions_xml(
     domains: &DomainRanges,
     validity: Validity,
 ) -> String {
-    let domains = domains.xml("        ");
+    let domains = domains_xml(domains, "        ");
     let publish = criteria_xml("publish", &access.dds_publish());
     let subscribe = criteria_xml("subscribe", &access.dds_subscribe());
     let (from, until) = (xml_time(validity.from), xml_time(validity.until));
@@ -191,6 +104,21 @@ pub(super) fn permissions_xml(
 </dds>
 "#
     )
+}
+
+fn domains_xml(domains: &DomainRanges, indent: &str) -> String {
+    let mut xml = format!("{indent}<domains>\n");
+    for range in domains.ranges() {
+        let (first, last) = (range.start(), range.end());
+        let _ = match first == last {
+            true => writeln!(xml, "{indent}  <id>{first}</id>"),
+            false => writeln!(
+                xml,
+                "{indent}  <id_range>\n{indent}    <min>{first}</min>\n{indent}    <max>{last}</max>\n{indent}  </id_range>"
+            ),
+        };
+    }
+    xml + &format!("{indent}</domains>\n")
 }
 
 fn criteria_xml(action: &str, topics: &BTreeSet<String>) -> String {
@@ -244,20 +172,6 @@ pub(super) fn with_validity(xml: &str, validity: Validity) -> Result<String, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn domains_are_read_and_written() {
-        for text in ["0", "0-9", "3,7-9,232"] {
-            let domains: DomainRanges = text.parse().expect(text);
-            assert_eq!(domains.to_string(), text);
-        }
-        let domains: DomainRanges = " 3 , 7 - 9 ".parse().expect("blanks are allowed");
-        assert!(domains.contain(3) && domains.contain(8) && !domains.contain(10));
-        for wrong in ["", "233", "9-0", "-1", "1-", "1,,2", "a", "0-9-12", "1.0"] {
-            let error = wrong.parse::<DomainRanges>().expect_err(wrong).to_string();
-            assert!(error.contains("from 0 to 232"), "{error}");
-        }
-    }
 
     #[test]
     fn documents_are_well_formed_and_name_the_domains() {

@@ -10,7 +10,6 @@ use jiff::Timestamp;
 use super::certificates::{Certificate, private_key};
 use super::dates::{is_near, remaining};
 use super::documents::signed_text;
-use super::error::SecurityError;
 use super::fault::{
     Action, ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES,
 };
@@ -27,11 +26,11 @@ const NEEDED: [(Action, &str); 3] = [
 /// The enclave of a participant; all checks have passed.
 #[derive(Debug)]
 pub struct Enclave {
-    /// Its name, such as `/column_twin`.
+    /// Its name, such as `/talker`.
     pub name: String,
     /// Where its files are.
     pub directory: PathBuf,
-    /// The subject of its certificate, such as `CN=/column_twin`.
+    /// The subject of its certificate, such as `CN=/talker`.
     pub subject: String,
     /// Until when its certificates and its permissions are valid, in the order in which they end, with the name of the file.
     pub ends: Vec<(EnclaveFile, Timestamp)>,
@@ -43,20 +42,51 @@ pub struct Enclave {
     weak_points: Vec<String>,
 }
 
+/// Why an enclave cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum EnclaveError {
+    /// Its directory does not exist.
+    #[error(
+        "SECURITY ERROR: directory '{}' does not exist. Choose an enclave of the keystore with --ros-args --enclave or \
+         ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
+        .0.display()
+    )]
+    NoDirectory(PathBuf),
+    /// Its directory contains no files of an enclave.
+    #[error(
+        "SECURITY ERROR: directory '{}' contains none of the files of an enclave (cert.pem, key.pem and others). Choose an \
+         enclave of the keystore with --ros-args --enclave or ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
+        .0.display()
+    )]
+    NoFiles(PathBuf),
+    /// It exists, but has faults.
+    #[error("SECURITY ERROR: the enclave in '{}' cannot be used:{}", .directory.display(), listed(.faults))]
+    Broken {
+        /// Its directory.
+        directory: PathBuf,
+        /// All faults that were found; not empty.
+        faults: Vec<EnclaveFault>,
+    },
+}
+
+fn listed(faults: &[EnclaveFault]) -> String {
+    faults.iter().map(|fault| format!("\n- {fault}")).collect()
+}
+
 impl Enclave {
     /// Reads and checks the files for a participant in this domain at this time.
     ///
     /// # Errors
-    /// The directory or all files are missing ([`SecurityError::NoDirectory`], [`SecurityError::NoFiles`]), or the files
-    /// cannot be used ([`SecurityError::Broken`], with all faults).
+    /// The directory or all files are missing ([`EnclaveError::NoDirectory`], [`EnclaveError::NoFiles`]), or the files
+    /// cannot be used ([`EnclaveError::Broken`], with all faults).
     pub fn load(
         name: &str,
         directory: &Path,
         domain_id: u16,
         now: Timestamp,
-    ) -> Result<Self, SecurityError> {
+    ) -> Result<Self, EnclaveError> {
         if !directory.is_dir() {
-            return Err(SecurityError::NoDirectory(directory.to_owned()));
+            return Err(EnclaveError::NoDirectory(directory.to_owned()));
         }
         let is_present = |(file, name): &(EnclaveFile, &str)| {
             // The folder above all enclaves, which a program without `--enclave` names, has a governance and nothing else. A
@@ -64,7 +94,7 @@ impl Enclave {
             *file != EnclaveFile::Governance && directory.join(name).symlink_metadata().is_ok()
         };
         if !ENCLAVE_FILES.iter().any(is_present) {
-            return Err(SecurityError::NoFiles(directory.to_owned()));
+            return Err(EnclaveError::NoFiles(directory.to_owned()));
         }
         let mut faults = Vec::new();
         let checked = Self::check(directory, domain_id, now, &mut faults);
@@ -74,7 +104,7 @@ impl Enclave {
                 directory: directory.to_owned(),
                 ..checked
             }),
-            _ => Err(SecurityError::Broken {
+            _ => Err(EnclaveError::Broken {
                 directory: directory.to_owned(),
                 faults,
             }),
@@ -186,7 +216,7 @@ impl Enclave {
         near.chain(weak_points.cloned()).collect()
     }
 
-    /// What has expired, and what will within [`EXPIRY_NOTICE`](super::EXPIRY_NOTICE), in words.
+    /// What has expired, and what will within [`EXPIRY_NOTICE`](crate::EXPIRY_NOTICE), in words.
     #[must_use]
     pub fn near_ends(&self, now: Timestamp) -> (Vec<String>, Vec<String>) {
         let near = self.ends.iter().filter(|(_, until)| is_near(*until, now));

@@ -14,7 +14,7 @@ use super::fault::{EnclaveFault, EnclaveFile};
 pub(super) struct Certificate {
     pub file: EnclaveFile,
     pub x509: X509,
-    /// Its subject, such as `CN=/column_twin`.
+    /// Its subject, such as `CN=/talker`.
     pub subject: String,
     pub not_before: Timestamp,
     pub not_after: Timestamp,
@@ -128,7 +128,7 @@ fn unsupported(key: &PKeyRef<impl HasPublic>) -> Option<String> {
     }
 }
 
-/// The subject as `CN=/column_twin,O=garage`, in the order of the certificate.
+/// The subject as `CN=/talker,O=garage`, in the order of the certificate.
 fn subject(x509: &X509Ref) -> String {
     name(x509.subject_name())
 }

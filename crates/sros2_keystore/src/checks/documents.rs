@@ -7,6 +7,8 @@ use openssl::x509::X509Ref;
 use openssl::x509::store::X509StoreBuilder;
 use roxmltree::{Document, Node};
 
+use crate::domain_ranges::{DomainRanges, MAX_DOMAIN_ID};
+
 use super::certificates::{Certificate, reason};
 use super::fault::{EnclaveFault, EnclaveFile};
 
@@ -74,53 +76,23 @@ pub(super) fn text_of<'a>(node: Node<'a, '_>, name: &'static str) -> Result<&'a 
     Ok(child(node, name)?.text().unwrap_or_default().trim())
 }
 
-/// A set of domains: `<domains>`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Domains(Vec<(u16, u16)>);
-
-impl Domains {
-    /// Of an element with `<domains>`.
-    pub fn of(node: Node<'_, '_>) -> Result<Self, String> {
-        let number = |text: &str| {
-            let number = text.parse::<u16>();
-            number.map_err(|_| format!("expected the number of a domain, found `{text}`"))
-        };
-        let mut domains = Vec::new();
-        for member in child(node, "domains")?.children().filter(Node::is_element) {
-            match member.tag_name().name() {
-                "id" => {
-                    let id = number(member.text().unwrap_or_default().trim())?;
-                    domains.push((id, id));
-                }
-                "id_range" => {
-                    let bound = |name| text_of(member, name).ok().map(number).transpose();
-                    domains.push((
-                        bound("min")?.unwrap_or(0),
-                        bound("max")?.unwrap_or(u16::MAX),
-                    ));
-                }
-                other => return Err(format!("<domains> contains the unknown element <{other}>")),
-            }
+/// The domains of an element with `<domains>`.
+pub(crate) fn domains_of(node: Node<'_, '_>) -> Result<DomainRanges, String> {
+    let number = |text: &str| {
+        let number = text.parse::<u16>();
+        number.map_err(|_| format!("expected the number of a domain, found `{text}`"))
+    };
+    let of_member = |member: Node<'_, '_>| match member.tag_name().name() {
+        "id" => {
+            let id = number(member.text().unwrap_or_default().trim())?;
+            Ok(id..=id)
         }
-        Ok(Self(domains))
-    }
-
-    pub fn contain(&self, domain_id: u16) -> bool {
-        let mut ranges = self.0.iter();
-        ranges.any(|(min, max)| (min..=max).contains(&&domain_id))
-    }
-}
-
-impl std::fmt::Display for Domains {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (index, (min, max)) in self.0.iter().enumerate() {
-            let separator = if index == 0 { "" } else { ", " };
-            if min == max {
-                write!(f, "{separator}{min}")?;
-            } else {
-                write!(f, "{separator}{min} to {max}")?;
-            }
+        "id_range" => {
+            let bound = |name| text_of(member, name).ok().map(number).transpose();
+            Ok(bound("min")?.unwrap_or(0)..=bound("max")?.unwrap_or(MAX_DOMAIN_ID))
         }
-        Ok(())
-    }
+        other => Err(format!("<domains> contains the unknown element <{other}>")),
+    };
+    let members = child(node, "domains")?.children().filter(Node::is_element);
+    members.map(of_member).collect()
 }

@@ -2,11 +2,10 @@
 
 use std::fs;
 
-use column_twin::ros::security::{
-    Enclave as Checked, EnclaveFault, EnclaveFile, SecurityError, now,
-};
+use jiff::Timestamp;
+use sros2_keystore::{Enclave as Checked, EnclaveError, EnclaveFault, EnclaveFile};
 
-use super::keystore::{
+use super::by_openssl::{
     ALL_DOMAINS, Enclave, Governance, Identity, Keystore, NODE, Permissions, RECOMMENDED,
     SROS_DEFAULT, everything,
 };
@@ -14,15 +13,15 @@ use super::keystore::{
 /// The faults of an enclave in domain 7.
 fn faults(enclave: &Enclave) -> Vec<EnclaveFault> {
     match check(enclave) {
-        Err(SecurityError::Broken { faults, .. }) => faults,
+        Err(EnclaveError::Broken { faults, .. }) => faults,
         other => panic!("{other:?}"),
     }
 }
 
-fn check(enclave: &Enclave) -> Result<Checked, SecurityError> {
+fn check(enclave: &Enclave) -> Result<Checked, EnclaveError> {
     let folder = tempfile::tempdir().unwrap();
     let files = enclave.write_to(folder.path());
-    Checked::load("/column_twin", &files, 7, now())
+    Checked::load("/talker", &files, 7, Timestamp::now())
 }
 
 /// The only fault, and its text.
@@ -34,9 +33,9 @@ fn only(enclave: &Enclave) -> (EnclaveFault, String) {
     (fault.clone(), fault.to_string())
 }
 
-fn twin() -> (Identity, Enclave) {
+fn talker() -> (Identity, Enclave) {
     let keystore = Keystore::new();
-    let enclave = keystore.unrestricted("/column_twin", &RECOMMENDED);
+    let enclave = keystore.unrestricted("/talker", &RECOMMENDED);
     (keystore.authority, enclave)
 }
 
@@ -44,29 +43,25 @@ fn twin() -> (Identity, Enclave) {
 fn an_enclave_of_sros2_passes_all_checks() {
     for governance in [RECOMMENDED, SROS_DEFAULT] {
         let keystore = Keystore::new();
-        let enclave = check(&keystore.unrestricted("/column_twin", &governance)).unwrap();
-        assert_eq!(enclave.subject, "CN=/column_twin");
+        let enclave = check(&keystore.unrestricted("/talker", &governance)).unwrap();
+        assert_eq!(enclave.subject, "CN=/talker");
         assert_eq!(enclave.kinds.rtps, "SIGN");
         assert_eq!(enclave.kinds.data, [governance.data]);
-        assert!(
-            enclave
-                .summary()
-                .contains("enclave /column_twin (CN=/column_twin)")
-        );
-        let is_warned = !enclave.warnings(now()).is_empty();
+        assert!(enclave.summary().contains("enclave /talker (CN=/talker)"));
+        let is_warned = !enclave.warnings(Timestamp::now()).is_empty();
         assert_eq!(is_warned, governance.data == "ENCRYPT", "{enclave:?}");
     }
 }
 
 #[test]
 fn a_missing_file_is_named() {
-    let (_, enclave) = twin();
+    let (_, enclave) = talker();
     let folder = tempfile::tempdir().unwrap();
     let files = enclave.write_to(folder.path());
     fs::remove_file(files.join("permissions.p7s")).unwrap();
     fs::remove_file(files.join("governance.p7s")).unwrap();
     std::os::unix::fs::symlink("../nowhere.p7s", files.join("governance.p7s")).unwrap();
-    let error = Checked::load("/column_twin", &files, 7, now()).unwrap_err();
+    let error = Checked::load("/talker", &files, 7, Timestamp::now()).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("\n- permissions.p7s is missing"), "{text}");
     assert!(
@@ -77,21 +72,21 @@ fn a_missing_file_is_named() {
 
 #[test]
 fn the_key_of_another_is_rejected() {
-    let (authority, mut enclave) = twin();
-    let other = authority.issue("/column_twin", -1..365);
+    let (authority, mut enclave) = talker();
+    let other = authority.issue("/talker", -1..365);
     enclave.key = other.key.private_key_to_pem_pkcs8().unwrap();
     let (fault, text) = only(&enclave);
     assert!(matches!(fault, EnclaveFault::ForeignKey { .. }), "{text}");
     assert!(
-        text.starts_with("key.pem is not the private key of cert.pem (CN=/column_twin)"),
+        text.starts_with("key.pem is not the private key of cert.pem (CN=/talker)"),
         "{text}"
     );
 }
 
 #[test]
 fn a_key_that_rustdds_cannot_read_is_rejected() {
-    let (authority, mut enclave) = twin();
-    let key = authority.issue("/column_twin", -1..365).key;
+    let (authority, mut enclave) = talker();
+    let key = authority.issue("/talker", -1..365).key;
     let cipher = openssl::symm::Cipher::aes_128_cbc();
     enclave.key = key
         .private_key_to_pem_pkcs8_passphrase(cipher, b"secret")
@@ -115,18 +110,18 @@ fn a_key_that_rustdds_cannot_read_is_rejected() {
 fn an_expired_certificate_is_rejected_and_one_that_is_not_valid_yet() {
     let keystore = Keystore::new();
     for (days, words) in [(-30..-1, "expired on"), (1..30, "is not valid before")] {
-        let identity = keystore.authority.issue("/column_twin", days);
-        let permissions = everything("/column_twin");
+        let identity = keystore.authority.issue("/talker", days);
+        let permissions = everything("/talker");
         let enclave = Enclave::of(&keystore.authority, &identity, &RECOMMENDED, &permissions);
         let (_, text) = only(&enclave);
-        assert!(text.starts_with("cert.pem (CN=/column_twin)"), "{text}");
+        assert!(text.starts_with("cert.pem (CN=/talker)"), "{text}");
         assert!(text.contains(words), "{text}");
     }
 }
 
 #[test]
 fn a_certificate_of_another_authority_is_rejected() {
-    let (_, mut enclave) = twin();
+    let (_, mut enclave) = talker();
     let foreign = Identity::authority("foreignCA");
     enclave.identity_ca = foreign.certificate.to_pem().unwrap();
     let (fault, text) = only(&enclave);
@@ -142,12 +137,12 @@ fn a_certificate_of_another_authority_is_rejected() {
 
 #[test]
 fn a_document_that_was_changed_or_signed_by_another_is_rejected() {
-    let (_, mut enclave) = twin();
+    let (_, mut enclave) = talker();
     let text = String::from_utf8(enclave.governance.clone()).unwrap();
     let changed = text.replace("<rtps_protection_kind>SIGN<", "<rtps_protection_kind>NONE<");
     assert_ne!(text, changed);
     enclave.governance = changed.into_bytes();
-    enclave.permissions = Identity::authority("sros2CA").sign(&everything("/column_twin").xml());
+    enclave.permissions = Identity::authority("sros2CA").sign(&everything("/talker").xml());
     let faults = faults(&enclave);
     let files: Vec<_> = faults
         .iter()
@@ -172,7 +167,7 @@ fn a_document_that_was_changed_or_signed_by_another_is_rejected() {
 fn permissions_of_another_time_subject_or_domain_are_rejected() {
     let keystore = Keystore::new();
     let of = |permissions: &Permissions<'_>, governance: &Governance<'_>| {
-        let identity = keystore.authority.issue("/column_twin", -1..365);
+        let identity = keystore.authority.issue("/talker", -1..365);
         only(&Enclave::of(
             &keystore.authority,
             &identity,
@@ -180,7 +175,7 @@ fn permissions_of_another_time_subject_or_domain_are_rejected() {
             permissions,
         ))
     };
-    let good = everything("/column_twin");
+    let good = everything("/talker");
     for days in [-30..-1, 1..30] {
         let (fault, text) = of(
             &Permissions {
@@ -196,7 +191,7 @@ fn permissions_of_another_time_subject_or_domain_are_rejected() {
     }
     let (_, text) = of(&everything("/another"), &RECOMMENDED);
     assert!(
-        text.contains("expected `CN=/column_twin`, found `CN=/another`"),
+        text.contains("expected `CN=/talker`, found `CN=/another`"),
         "{text}"
     );
     let elsewhere = "<id>3</id><id_range><min>10</min><max>20</max></id_range>";
@@ -209,7 +204,7 @@ fn permissions_of_another_time_subject_or_domain_are_rejected() {
     );
     assert!(
         text.starts_with(
-            "permissions.p7s has no rule for the domain 7 (it has rules for: 3, 10 to 20)"
+            "permissions.p7s has no rule for the domain 7 (it has rules for: 3,10-20)"
         ),
         "{text}"
     );
@@ -221,9 +216,7 @@ fn permissions_of_another_time_subject_or_domain_are_rejected() {
         },
     );
     assert!(
-        text.starts_with(
-            "governance.p7s has no rule for the domain 7 (it has rules for: 3, 10 to 20)"
-        ),
+        text.starts_with("governance.p7s has no rule for the domain 7 (it has rules for: 3,10-20)"),
         "{text}"
     );
 }
@@ -231,11 +224,11 @@ fn permissions_of_another_time_subject_or_domain_are_rejected() {
 #[test]
 fn a_permissions_document_without_the_topics_of_every_node_is_rejected() {
     let keystore = Keystore::new();
-    let identity = keystore.authority.issue("/column_twin", -1..365);
+    let identity = keystore.authority.issue("/talker", -1..365);
     let permissions = Permissions {
         publish: &["rt/*"],
         subscribe: &["rt/*"],
-        ..everything("/column_twin")
+        ..everything("/talker")
     };
     let enclave = Enclave::of(&keystore.authority, &identity, &RECOMMENDED, &permissions);
     let texts: Vec<_> = faults(&enclave).iter().map(ToString::to_string).collect();
@@ -272,7 +265,7 @@ fn protection_that_rustdds_does_not_support_is_rejected_with_what_would_do() {
             "metadata_protection_kind of the topics `*` is `HIDE`, expected one of NONE, SIGN",
         ),
     ] {
-        let (_, text) = only(&keystore.unrestricted("/column_twin", &governance));
+        let (_, text) = only(&keystore.unrestricted("/talker", &governance));
         assert!(text.contains(words), "{text}");
     }
 }
@@ -280,7 +273,7 @@ fn protection_that_rustdds_does_not_support_is_rejected_with_what_would_do() {
 #[test]
 fn all_faults_are_reported_at_once() {
     let keystore = Keystore::new();
-    let identity = keystore.authority.issue("/column_twin", -30..-1);
+    let identity = keystore.authority.issue("/talker", -30..-1);
     let governance = Governance {
         domains: "<id>3</id>",
         ..RECOMMENDED
@@ -288,7 +281,7 @@ fn all_faults_are_reported_at_once() {
     let permissions = Permissions {
         days: -30..-1,
         domains: ALL_DOMAINS,
-        ..everything("/column_twin")
+        ..everything("/talker")
     };
     let mut enclave = Enclave::of(&keystore.authority, &identity, &governance, &permissions);
     enclave.key = b"no key".to_vec();
@@ -299,20 +292,20 @@ fn all_faults_are_reported_at_once() {
 #[test]
 fn an_end_within_thirty_days_is_announced() {
     let keystore = Keystore::new();
-    let identity = keystore.authority.issue("/column_twin", -1..20);
-    let permissions = everything("/column_twin");
+    let identity = keystore.authority.issue("/talker", -1..20);
+    let permissions = everything("/talker");
     let enclave = Enclave::of(&keystore.authority, &identity, &RECOMMENDED, &permissions);
     let enclave = check(&enclave).unwrap();
     let hour = std::time::Duration::from_secs(3600);
-    let warnings = enclave.warnings(now() + hour);
+    let warnings = enclave.warnings(Timestamp::now() + hour);
     assert!(
         warnings[0].starts_with("cert.pem of the enclave expires in 19 days, on "),
         "{warnings:?}"
     );
-    let (over, coming) = enclave.near_ends(now());
+    let (over, coming) = enclave.near_ends(Timestamp::now());
     assert_eq!((over.len(), coming.len()), (0, 1));
     let month = std::time::Duration::from_secs(30 * 86_400);
-    let (over, _) = enclave.near_ends(now() + month);
+    let (over, _) = enclave.near_ends(Timestamp::now() + month);
     assert!(
         over[0].contains("cert.pem of the enclave expired on"),
         "{over:?}"
@@ -321,7 +314,7 @@ fn an_end_within_thirty_days_is_announced() {
 
 #[test]
 fn no_content_of_a_file_panics() {
-    let (authority, enclave) = twin();
+    let (authority, enclave) = talker();
     let good = [
         &enclave.identity_ca,
         &enclave.certificate,

@@ -3,23 +3,17 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::ros::NameError;
-use crate::ros::security::EnclaveNameError;
-
 /// Why a keystore cannot be made, changed or read.
 #[derive(Debug, thiserror::Error)]
 pub enum KeystoreError {
     /// The folder of a new keystore is in use.
     #[error(
         "{} exists and is not empty, and nothing in it is overwritten; choose another folder, or add an enclave to an existing \
-         keystore: column-twin keystore add {} /NAME=monitor", .0.display(), .0.display()
+         keystore", .0.display()
     )]
     Occupied(PathBuf),
     /// The folder is no keystore.
-    #[error(
-        "{} is not a keystore: there is no {missing}; make one with: column-twin keystore create {}", path.display(),
-        path.display()
-    )]
+    #[error("{} is not a keystore: there is no {missing}; choose another folder, or make a keystore", path.display())]
     NotAKeystore {
         /// The folder.
         path: PathBuf,
@@ -45,8 +39,8 @@ pub enum KeystoreError {
     },
     /// The enclave exists.
     #[error(
-        "the enclave {0} exists, and its key is not overwritten; to extend its validity: column-twin keystore renew DIR {0}; to \
-         replace a key that became known, delete the folder of the enclave first"
+        "the enclave {0} exists, and its key is not overwritten; to replace a key that became known, delete the folder of the \
+         enclave first; to extend its validity, renew it"
     )]
     Exists(String),
     /// The enclave does not exist.
@@ -57,33 +51,6 @@ pub enum KeystoreError {
         /// Those that there are.
         known: String,
     },
-    /// An enclave is named twice.
-    #[error("the enclave {0} is named twice; name it once, with one role")]
-    Twice(String),
-    /// A name of an enclave is invalid.
-    #[error(transparent)]
-    EnclaveName(#[from] EnclaveNameError),
-    /// The name is that of the whole keystore.
-    #[error(
-        "`/` is no enclave of its own; write a name such as /monitor or /garage/a3/column_twin"
-    )]
-    NoName,
-    /// The name does not fit into a certificate.
-    #[error(
-        "the name of the enclave has {found} characters; the common name of a certificate has at most {max}, so shorten it"
-    )]
-    LongName {
-        /// Its length.
-        found: usize,
-        /// The limit.
-        max: usize,
-    },
-    /// A name of a node, topic or service is invalid.
-    #[error(transparent)]
-    NodeName(#[from] NameError),
-    /// The role is unknown.
-    #[error("`{0}` gives the enclave no role; write NAME=twin, NAME=monitor or NAME=operator")]
-    Role(String),
     /// The validity is out of range.
     #[error("expected a validity of 1 to {max} days, found {found}")]
     Days {
@@ -94,8 +61,8 @@ pub enum KeystoreError {
     },
     /// The authority would expire before the enclave.
     #[error(
-        "the enclave would be valid until {wanted}, but the authority's certificate expires on {authority}; choose fewer \
-         --days, or renew the authority too: column-twin keystore renew DIR --authority"
+        "the enclave would be valid until {wanted}, but the authority's certificate expires on {authority}; choose fewer days, or \
+         renew the authority too"
     )]
     OutlivesAuthority {
         /// End of the enclave.
@@ -131,7 +98,32 @@ pub enum KeystoreError {
     },
 }
 
+/// What settles an error or a warning: a function of this crate, so that a program can name its command for it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Remedy {
+    /// [`create`](crate::create) makes a keystore in this folder.
+    Create(PathBuf),
+    /// [`add`](crate::add) adds an enclave to the keystore in this folder.
+    Add(PathBuf),
+    /// [`renew`](crate::renew) renews the enclave of this name.
+    Renew(String),
+    /// [`renew`](crate::renew) renews the authority.
+    RenewAuthority,
+}
+
 impl KeystoreError {
+    /// What settles it, where a function of this crate does.
+    #[must_use]
+    pub fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::Occupied(folder) => Some(Remedy::Add(folder.clone())),
+            Self::NotAKeystore { path, .. } => Some(Remedy::Create(path.clone())),
+            Self::Exists(name) => Some(Remedy::Renew(name.clone())),
+            Self::OutlivesAuthority { .. } => Some(Remedy::RenewAuthority),
+            _ => None,
+        }
+    }
+
     /// Whether the command was given something wrong, rather than failing at it.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
