@@ -18,7 +18,6 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - assessment/: Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one action
-// - bounded_file.rs: A file that is expected to be short
 // - cli/: The command line
 // - commissioning/: The check of the sensors when they are commissioned: readings of a column that vibrates from ambient
 //   excitation or from a tap, against what the model says about frequencies, signs and amplitudes
@@ -34,8 +33,8 @@
 // - hexadecimal.rs: Bytes as hexadecimal digits
 // - host_header.rs: The host that an HTTP request asks for
 // - incoming.rs: Converts received messages to commands, and measurements to batches
-// - keystore/: Keystores for DDS security, laid out as SROS 2 lays them out, so that `ros2 security` and every ROS 2 node can
-//   use them:
+// - keystore/: What the enclaves of twins, of monitors and of operators may do: keystores of the crate `sros2_keystore` for the
+//   topics and services of this program
 // - live/: One twin or many in real time: clocks, deadlines, bounded queues, a pool of solver threads
 // - main.rs: The program `column-twin`
 // - messages/: The messages that the twin exchanges with other programs, as Rust types
@@ -66,7 +65,6 @@
 pub use column_mechanics as column;
 
 pub mod assessment;
-pub mod bounded_file;
 pub mod commissioning;
 pub mod endpoints;
 pub mod estimation;

@@ -4,8 +4,8 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces};
-use column_twin::ros::security::{SecuritySettings, SecurityStrategy};
 use column_twin::ros::{Environment, qos};
+use sros2_keystore::{SecuritySettings, SecurityStrategy};
 
 use super::domain::Domain;
 use super::peers::{Arrival, Peer, Reader};

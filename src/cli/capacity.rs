@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use bounded_file::read_text_at_most;
 use clap::Args;
 
 use super::failure::{Exit, Failure, unless_closed};
@@ -12,7 +13,6 @@ use super::simulate::parameters_of;
 use column_twin::assessment::{
     Assessment, AssessmentInput, ResidualCapacity, assess, imperfection, respond_and_rest,
 };
-use column_twin::bounded_file::read_text_at_most;
 use column_twin::column::{
     BucklingResistance, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome,
     PushDownPoint, Report, SimulationError, State, push_down, residual_state,

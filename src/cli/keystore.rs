@@ -9,11 +9,15 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::failure::{Exit, Failure, printed};
 use column_twin::keystore::{
-    self, Addition, Creation, DataProtection, DomainRanges, ENCLAVE_DAYS, EnclaveName, EnclavePlan,
-    EnclaveSummary, KeystoreError, KeystoreSummary, Renewal, Role, Twins,
+    AUTHORITY_NAME, POLICY_ORIGIN, PlanError, PlannedEnclave, Role, Twins, plan,
 };
 use column_twin::ros::security::now;
-use column_twin::ros::{Environment, MAX_DOMAIN_ID, NODE_NAME, RosArguments};
+use column_twin::ros::{Environment, NODE_NAME, RosArguments};
+use sros2_keystore::{
+    self as keystore, Addition, Creation, DataProtection, DomainRanges, ENCLAVE_DAYS, EnclaveName,
+    EnclavePlan, EnclaveSummary, KeystoreError, KeystoreSummary, MAX_DOMAIN_ID, Remedy, Renewal,
+    Warning,
+};
 
 /// Arguments of `column-twin keystore`.
 #[derive(Debug, Args)]
@@ -154,8 +158,8 @@ pub fn run(
         KeystoreCommand::Add(arguments) => add(arguments, ros)?,
         KeystoreCommand::Renew(arguments) => renew(arguments)?,
         KeystoreCommand::Policy(arguments) => {
-            let plans = plans(&arguments.enclaves, ros)?;
-            keystore::policy(&plans).map_err(failure)?
+            let planned = planned(&arguments.enclaves, ros)?;
+            keystore::policy(&plans(&planned), POLICY_ORIGIN)
         }
         KeystoreCommand::Show(arguments) => return show(arguments, out),
     };
@@ -163,7 +167,7 @@ pub fn run(
 }
 
 fn create(arguments: &CreateArgs, ros: &RosArguments) -> Result<String, Failure> {
-    let plans = plans(&arguments.enclaves, ros)?;
+    let planned = planned(&arguments.enclaves, ros)?;
     let domains = match &arguments.domain {
         Some(domains) => domains.clone(),
         None => environment()?.domain_id.into(),
@@ -171,7 +175,8 @@ fn create(arguments: &CreateArgs, ros: &RosArguments) -> Result<String, Failure>
     let folder = &arguments.folder;
     keystore::create(&Creation {
         folder,
-        enclaves: &plans,
+        authority: AUTHORITY_NAME,
+        enclaves: &plans(&planned),
         domains: &domains,
         data: match arguments.data_protection {
             DataProtectionArg::None => DataProtection::None,
@@ -186,8 +191,8 @@ fn create(arguments: &CreateArgs, ros: &RosArguments) -> Result<String, Failure>
         "made a keystore in {shown} for domain {domains}, valid for {} days:\n",
         arguments.days
     );
-    for plan in &plans {
-        let _ = writeln!(text, "  {:<24} {}", plan.name.as_str(), plan.role.name());
+    for PlannedEnclave { role, plan } in &planned {
+        let _ = writeln!(text, "  {:<24} {}", plan.name.as_str(), role.name());
     }
     let _ = write!(
         text,
@@ -197,8 +202,8 @@ fn create(arguments: &CreateArgs, ros: &RosArguments) -> Result<String, Failure>
          export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE={}\n",
         absolute(folder).display()
     );
-    for plan in &plans {
-        let command = match plan.role {
+    for PlannedEnclave { role, plan } in &planned {
+        let command = match role {
             Role::Twin => "run",
             Role::Monitor => "watch",
             Role::Operator => "impact --mass 1500 --velocity 10",
@@ -214,10 +219,9 @@ fn create(arguments: &CreateArgs, ros: &RosArguments) -> Result<String, Failure>
 
 fn add(arguments: &AddArgs, ros: &RosArguments) -> Result<String, Failure> {
     let twins = twins(&arguments.twins, ros)?;
-    let plans = keystore::plan(std::slice::from_ref(&arguments.enclave), &twins);
-    let plans = plans.map_err(failure)?;
+    let planned = plan(std::slice::from_ref(&arguments.enclave), &twins);
     let mut text = String::new();
-    for plan in &plans {
+    for PlannedEnclave { role, plan } in &planned.map_err(bad_plan)? {
         keystore::add(&Addition {
             folder: &arguments.folder,
             enclave: plan,
@@ -230,7 +234,7 @@ fn add(arguments: &AddArgs, ros: &RosArguments) -> Result<String, Failure> {
             text,
             "added the enclave {} ({}), valid for {} days",
             plan.name,
-            plan.role.name(),
+            role.name(),
             arguments.days
         );
     }
@@ -241,11 +245,11 @@ fn renew(arguments: &RenewArgs) -> Result<String, Failure> {
     let names: Result<Vec<_>, _> = arguments
         .enclaves
         .iter()
-        .map(|it| EnclaveName::new(it))
+        .map(|it| EnclaveName::new(it).map_err(PlanError::from))
         .collect();
     let renewed = keystore::renew(&Renewal {
         folder: &arguments.folder,
-        enclaves: &names.map_err(failure)?,
+        enclaves: &names.map_err(bad_plan)?,
         authority: arguments.authority,
         days: arguments.days,
         now: now().as_second(),
@@ -296,7 +300,7 @@ fn described(folder: &Path, summary: &KeystoreSummary) -> String {
         text += "            its key is not here, so this copy cannot add or renew enclaves\n";
     }
     for warning in &summary.warnings {
-        let _ = writeln!(text, "warning     {warning}");
+        let _ = writeln!(text, "warning     {}", advised(warning));
     }
     for enclave in &summary.enclaves {
         let _ = writeln!(text, "\n{}", enclave.name);
@@ -322,7 +326,7 @@ fn describe_enclave(enclave: &EnclaveSummary, text: &mut String) {
         Err(faults) => faults.iter().for_each(|fault| line("fault", fault)),
     }
     for warning in &enclave.warnings {
-        line("warning", warning);
+        line("warning", &advised(warning));
     }
     for (mut what, names) in allowed(enclave) {
         for row in rows(&names) {
@@ -386,9 +390,13 @@ fn rows(names: &BTreeSet<String>) -> Vec<String> {
     rows
 }
 
-fn plans(arguments: &EnclaveArgs, ros: &RosArguments) -> Result<Vec<EnclavePlan>, Failure> {
+fn planned(arguments: &EnclaveArgs, ros: &RosArguments) -> Result<Vec<PlannedEnclave>, Failure> {
     let twins = twins(&arguments.twins, ros)?;
-    keystore::plan(&arguments.enclaves, &twins).map_err(failure)
+    plan(&arguments.enclaves, &twins).map_err(bad_plan)
+}
+
+fn plans(planned: &[PlannedEnclave]) -> Vec<EnclavePlan> {
+    planned.iter().map(|it| it.plan.clone()).collect()
 }
 
 fn twins(arguments: &TwinArgs, ros: &RosArguments) -> Result<Twins, Failure> {
@@ -420,5 +428,31 @@ fn failure(error: KeystoreError) -> Failure {
         true => Exit::BadInput,
         false => Exit::Failed,
     };
-    Failure::plain(exit, error)
+    let text = match error.remedy() {
+        Some(remedy) => format!("{error}: {}", command(&remedy)),
+        None => error.to_string(),
+    };
+    Failure::plain(exit, text)
+}
+
+fn bad_plan(error: PlanError) -> Failure {
+    Failure::plain(Exit::BadInput, error)
+}
+
+fn advised(warning: &Warning) -> String {
+    match &warning.remedy {
+        Some(remedy) => format!("{}: {}", warning.text, command(remedy)),
+        None => warning.text.clone(),
+    }
+}
+
+/// The command that does it.
+fn command(remedy: &Remedy) -> String {
+    let rest = match remedy {
+        Remedy::Create(folder) => format!("create {}", folder.display()),
+        Remedy::Add(folder) => format!("add {} /NAME=monitor", folder.display()),
+        Remedy::Renew(enclave) => format!("renew DIR {enclave}"),
+        Remedy::RenewAuthority => "renew DIR --authority".to_owned(),
+    };
+    format!("column-twin keystore {rest}")
 }

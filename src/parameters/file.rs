@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::bounded_file::read_text_at_most;
+use bounded_file::read_text_at_most;
 
 use super::fault::{Fault, Origin, Problem, SourceFile};
 use super::given::{self, Assignment, Given};

@@ -5,10 +5,11 @@
 
 use std::ffi::OsString;
 
+use sros2_keystore::{EnclaveNameError, enclave_name};
+
 use crate::parameters::{Source, parse_override};
 
 use super::names::{RemapRule, RemapTarget};
-use super::security::{EnclaveNameError, enclave_name};
 
 /// Begins a section of ROS arguments.
 const BEGIN: &str = "--ros-args";

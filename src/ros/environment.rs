@@ -2,10 +2,7 @@
 
 use std::net::Ipv4Addr;
 
-use super::security::{EnclaveNameError, SecuritySettings};
-
-/// Highest domain with valid port numbers (RTPS 9.6.1.1).
-pub const MAX_DOMAIN_ID: u16 = 232;
+use sros2_keystore::{EnclaveNameError, MAX_DOMAIN_ID, SecuritySettings};
 
 /// Where the node discovers others and can be discovered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

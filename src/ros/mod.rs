@@ -161,7 +161,7 @@ pub use client::{
 };
 pub use client_error::ClientError;
 pub use detected::follow_sensors;
-pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use environment::{DiscoveryRange, Environment, EnvironmentError};
 pub use face::Face;
 pub use fresh_domain::FreshDomain;
 pub use lines::{

@@ -5,10 +5,10 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use bounded_file::read_text_at_most;
 use thiserror::Error;
 
 use super::saved_state::SavedState;
-use crate::bounded_file::read_text_at_most;
 use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
 use crate::state_home;

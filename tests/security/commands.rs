@@ -100,6 +100,24 @@ fn show_fails_for_an_enclave_that_no_node_can_use() {
 }
 
 #[test]
+fn show_gives_the_commands_that_sign_edited_documents() {
+    let folder = tempfile::tempdir().unwrap();
+    done(folder.path(), "create keystore");
+    let enclaves = folder.path().join("keystore/enclaves");
+    for (edited, command) in [
+        ("monitor/permissions.xml", "renew DIR /monitor"),
+        ("governance.xml", "renew DIR --authority"),
+    ] {
+        let path = enclaves.join(edited);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replace("<dds ", "<!-- edited --><dds ")).unwrap();
+        let shown = done(folder.path(), "show keystore");
+        let command = format!(": column-twin keystore {command}\n");
+        assert!(shown.contains(&command), "{command}: {shown}");
+    }
+}
+
+#[test]
 fn bad_input_is_rejected_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

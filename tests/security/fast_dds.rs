@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-use column_twin::keystore::{Creation, DataProtection, Renewal, create, renew};
+use column_twin::keystore::AUTHORITY_NAME;
 use openssl::pkcs7::{Pkcs7, Pkcs7Flags};
 use openssl::pkey::PKey;
 use openssl::stack::Stack;
 use openssl::x509::X509;
 use serde_json::Value as Json;
+use sros2_keystore::{Creation, DataProtection, Renewal, create, renew};
 use tempfile::TempDir;
 
 use super::domain::Domain;
@@ -202,6 +203,7 @@ fn the_default_governance_of_sros_2_works_with_fast_dds() {
     let keystore = folder.path().join("keystore");
     create(&Creation {
         folder: &keystore,
+        authority: AUTHORITY_NAME,
         enclaves: &plans(&[]),
         domains: &"0-232".parse().unwrap(),
         data: DataProtection::Encrypt,

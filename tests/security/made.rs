@@ -1,13 +1,13 @@
 //! Keystores made by the library, in a temporary folder.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use column_twin::keystore::{
-    Creation, DataProtection, DomainRanges, ENCLAVE_DAYS, EnclaveName, EnclavePlan, Twins, create,
-    plan,
-};
+use column_twin::keystore::{AUTHORITY_NAME, Twins, plan};
 use column_twin::ros::NODE_NAME;
 use column_twin::ros::security::now;
+use sros2_keystore::{
+    Creation, DataProtection, DomainRanges, ENCLAVE_DAYS, EnclaveName, EnclavePlan, create,
+};
 use tempfile::TempDir;
 
 pub const DAY: i64 = 86_400;
@@ -25,7 +25,8 @@ pub fn twin() -> Twins {
 /// Enclaves by texts as on the command line; without any the three that every keystore has.
 pub fn plans(wanted: &[&str]) -> Vec<EnclavePlan> {
     let wanted: Vec<String> = wanted.iter().map(|it| (*it).to_owned()).collect();
-    plan(&wanted, &twin()).expect("valid enclaves")
+    let planned = plan(&wanted, &twin()).expect("valid enclaves");
+    planned.into_iter().map(|it| it.plan).collect()
 }
 
 pub fn name(text: &str) -> EnclaveName {
@@ -51,6 +52,7 @@ impl Made {
         let domains: DomainRanges = "0-232".parse().expect("domains");
         create(&Creation {
             folder: &made.path(),
+            authority: AUTHORITY_NAME,
             enclaves: &plans(&[]),
             domains: &domains,
             data: DataProtection::None,
@@ -76,27 +78,4 @@ impl Made {
     pub fn read(&self, path: &str) -> String {
         std::fs::read_to_string(self.file(path)).expect(path)
     }
-}
-
-/// Every path below a folder in order, with what a link points to or the mode of a file or folder.
-pub fn listing(folder: &Path) -> Vec<String> {
-    use std::os::unix::fs::PermissionsExt;
-    let mut lines = Vec::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(&next).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            let shown = path.strip_prefix(folder).expect("below").display();
-            let kind = path.symlink_metadata().expect("there");
-            lines.push(match path.read_link() {
-                Ok(target) => format!("{shown} -> {}", target.display()),
-                Err(_) => format!("{shown} {:o}", kind.permissions().mode() & 0o777),
-            });
-            if kind.is_dir() {
-                open.push(path);
-            }
-        }
-    }
-    lines.sort();
-    lines
 }

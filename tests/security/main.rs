@@ -7,9 +7,9 @@ mod commands;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod fast_dds;
-mod keystore;
 mod made;
 mod permissions;
+mod plans;
 #[allow(dead_code)] // the tests of the node use more of it
 #[path = "../ros/program.rs"]
 mod program;

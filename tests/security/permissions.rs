@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use column_twin::endpoints::{Direction, ENDPOINTS};
-use column_twin::keystore::{Access, Role, Twins, plan, policy};
+use column_twin::keystore::{POLICY_ORIGIN, Role, Twins, access, plan};
 use column_twin::ros::{NODE_NAME, RosArguments};
+use sros2_keystore::{Access, policy};
 
 use super::made::{name, plans, twin};
 
@@ -13,18 +14,18 @@ fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect(path)
 }
 
-fn access(role: Role) -> Access {
+fn access_of(role: Role) -> Access {
     let enclave = match role {
         Role::Twin => "/column_twin",
         Role::Monitor => "/monitor",
         Role::Operator => "/operator",
     };
-    Access::of(role, &name(enclave), &twin().0).expect("valid names")
+    access(role, &name(enclave), &twin().0).expect("valid names")
 }
 
 /// The word of the documentation for what a role may do with the topics of an endpoint.
 fn word(role: Role, endpoint: &column_twin::endpoints::Endpoint) -> &'static str {
-    let access = access(role);
+    let access = access_of(role);
     let (publish, subscribe) = (access.dds_publish(), access.dds_subscribe());
     let full = match endpoint.name.strip_prefix("~/") {
         Some(private) => format!("/column_twin/{private}"),
@@ -75,7 +76,7 @@ fn every_endpoint_of_the_node_is_in_the_permissions_as_documented() {
 /// What a monitor may publish is only what every node of ROS 2 publishes about itself, and it may call nothing.
 #[test]
 fn a_monitor_can_send_the_twin_nothing() {
-    let monitor = access(Role::Monitor);
+    let monitor = access_of(Role::Monitor);
     let allowed: Vec<_> = monitor.publish.iter().map(String::as_str).collect();
     assert_eq!(allowed, ["/parameter_events", "/rosout"]);
     assert!(monitor.request.is_empty());
@@ -110,8 +111,8 @@ fn names_follow_namespace_node_and_remapping_as_the_node_does() {
     let (_, ros) = RosArguments::split(words).expect("arguments");
     let twins = Twins::new(&[], NODE_NAME, &ros.remap_rules).expect("names");
     let plans = plan(&[], &twins).expect("enclaves");
-    assert_eq!(plans[0].name.as_str(), "/garage/a1/column_twin");
-    let operator = Access::of(Role::Operator, &name("/operator"), &twins.0).expect("names");
+    assert_eq!(plans[0].plan.name.as_str(), "/garage/a1/column_twin");
+    let operator = access(Role::Operator, &name("/operator"), &twins.0).expect("names");
     let publish = operator.dds_publish();
     for topic in [
         "rt/garage/impact_event",
@@ -130,7 +131,7 @@ fn names_follow_namespace_node_and_remapping_as_the_node_does() {
 /// `column-twin keystore policy` writes it.
 #[test]
 fn the_policy_file_for_ros2_security_is_that_of_the_table() {
-    let expected = policy(&plans(&[])).expect("names");
+    let expected = policy(&plans(&[]), POLICY_ORIGIN);
     let path = "config/security/column_twin.policy.xml";
     assert!(
         read(path) == expected,
@@ -141,7 +142,7 @@ fn the_policy_file_for_ros2_security_is_that_of_the_table() {
 /// What `permissions.xsl` of SROS 2 makes of the policy is what is in our permissions; its rules are short enough to repeat here.
 #[test]
 fn sros_2_makes_the_same_permissions_of_the_policy() {
-    let text = policy(&plans(&[])).expect("names");
+    let text = policy(&plans(&[]), POLICY_ORIGIN);
     for (index, role) in Role::ALL.into_iter().enumerate() {
         let enclave = text
             .split("<enclave path=")
@@ -179,7 +180,7 @@ fn sros_2_makes_the_same_permissions_of_the_policy() {
         }
         publish.push("ros_discovery_info".to_owned());
         subscribe.push("ros_discovery_info".to_owned());
-        let access = access(role);
+        let access = access_of(role);
         assert_eq!(access.dds_publish(), publish.into_iter().collect());
         assert_eq!(access.dds_subscribe(), subscribe.into_iter().collect());
     }

@@ -4,10 +4,10 @@ use std::fs;
 use std::os::unix::fs::{PermissionsExt as _, symlink};
 use std::path::Path;
 
-use column_twin::ros::security::STRICT_FILES;
+use sros2_keystore::STRICT_FILES;
 
+use super::by_openssl::{Enclave, Identity, Keystore, Permissions, RECOMMENDED, everything};
 use super::domain::Domain;
-use super::keystore::{Enclave, Identity, Keystore, Permissions, RECOMMENDED, everything};
 use super::start::rejected;
 
 const NAME: &str = "/column_twin";

@@ -12,13 +12,14 @@ use column_twin::ros::{
     ClientError, Environment, ImpactOptions, ImpactOutcome, ImpactRequest, Names, Node, qos,
     send_impact,
 };
+use sros2_keystore::{SecuritySettings, SecurityStrategy};
 
-use super::domain::{Domain, PATIENCE};
-use super::incoming::Incoming;
-use super::keystore::{
+use super::by_openssl::{
     ALL_DOMAINS, Enclave, Governance, Identity, Keystore, NODE, Permissions, RECOMMENDED,
     SROS_DEFAULT, everything,
 };
+use super::domain::{Domain, PATIENCE};
+use super::incoming::Incoming;
 use super::peer::Peer;
 use super::program::Program;
 
@@ -80,8 +81,16 @@ impl Bed {
     }
 
     fn operator(&self) -> Environment {
-        self.keystore
-            .environment(&self.domain.environment, "/operator")
+        let settings = SecuritySettings {
+            is_enabled: true,
+            strategy: SecurityStrategy::Enforce,
+            keystore: Some(self.keystore.path().to_owned()),
+            ..SecuritySettings::default()
+        };
+        Environment {
+            security: settings.with_enclave(Some("/operator")),
+            ..self.domain.environment.clone()
+        }
     }
 
     /// Lets a peer try, and returns it, and how many of its events the twin has seen.

@@ -7,8 +7,8 @@ use column_twin::ros::qos;
 use rustdds::{QosPolicies, ReadCondition, TopicKind};
 use serde::{Deserialize, Serialize};
 
+use super::by_openssl::{Keystore, SROS_DEFAULT};
 use super::domain::{Domain, PATIENCE};
-use super::keystore::{Keystore, SROS_DEFAULT};
 use super::peer::participant;
 
 /// A message that ends with its text: its length on the wire is that of the text, and 9 bytes.

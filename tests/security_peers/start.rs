@@ -4,10 +4,10 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::Command;
 
-use column_twin::ros::security::STRICT_FILES;
+use sros2_keystore::STRICT_FILES;
 
+use super::by_openssl::{Keystore, RECOMMENDED};
 use super::domain::Domain;
-use super::keystore::{Keystore, RECOMMENDED};
 use super::program::Program;
 
 /// `column-twin run` with these variables and ROS arguments.

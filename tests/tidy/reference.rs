@@ -204,7 +204,7 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "characters of the reason of a rejection",
             ),
             (
-                "src/ros/environment.rs",
+                "crates/sros2_keystore/src/domain_ranges.rs",
                 "MAX_DOMAIN_ID",
                 "highest `ROS_DOMAIN_ID`",
             ),

@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use bounded_file::read_at_most;
 use serde::{Deserialize, Serialize};
 use serde_yaml_ng::Value;
 
-use crate::bounded_file::read_at_most;
 use crate::bounded_yaml;
 use crate::error::RecordingError;
 

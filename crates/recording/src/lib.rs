@@ -3,7 +3,6 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - bag_metadata.rs: `metadata.yaml` of a recording, version 9, as rosbag2 writes it (`rosbag2_storage/yaml.hpp`)
-// - bounded_file.rs: Reads a file that is expected to be short
 // - bounded_yaml.rs: YAML from recordings of unknown origin
 // - chain.rs: The hash chain over the content of a recording, in the order of the file
 // - compression.rs: How the chunks of a recording are compressed, and how much of them is unpacked
@@ -44,7 +43,6 @@
 // - writer.rs: Writes one recording
 
 mod bag_metadata;
-mod bounded_file;
 mod bounded_yaml;
 mod chain;
 mod compression;

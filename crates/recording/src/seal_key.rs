@@ -6,11 +6,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use bounded_file::read_at_most;
 use ed25519_dalek::pkcs8::DecodePrivateKey as _;
 use ed25519_dalek::pkcs8::spki::DecodePublicKey as _;
 use ed25519_dalek::{SECRET_KEY_LENGTH, Signature, Signer as _, SigningKey, VerifyingKey};
 
-use crate::bounded_file::read_at_most;
 use crate::chain::{from_hex, to_hex};
 use crate::error::RecordingError;
 

@@ -4,6 +4,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+use bounded_file::read_text_at_most;
 use clap::Args;
 
 use super::tables::SampleWriter;
@@ -12,7 +13,6 @@ use crate::cli::fleet_study::FleetStudyArgs;
 use crate::cli::interruption::Interruption;
 use crate::cli::simulate::load;
 use crate::cli::threads;
-use column_twin::bounded_file::read_text_at_most;
 use column_twin::figures::FigureError;
 use column_twin::parameters::Parameters;
 use column_twin::study::risk::{

@@ -29,7 +29,11 @@ impl Protection {
 }
 
 #[cfg(feature = "security")]
-fn enclave_health(enclave: &super::Enclave, peers: &Peers, now: jiff::Timestamp) -> SecurityHealth {
+fn enclave_health(
+    enclave: &sros2_keystore::Enclave,
+    peers: &Peers,
+    now: jiff::Timestamp,
+) -> SecurityHealth {
     let (over, coming) = enclave.near_ends(now);
     let weak: Vec<_> = coming
         .into_iter()

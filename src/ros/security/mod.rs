@@ -1,57 +1,26 @@
 //! DDS Security: which enclave a participant belongs to, and whether its files can be used.
 //!
 //! The settings and the messages are those of rcl. RustDDS authenticates, encrypts and enforces the permissions; the checks
-//! here come before it, because RustDDS stops at the first fault, describes some misleadingly, and starts with a key that
-//! does not belong to its certificate.
+//! of the crate `sros2_keystore` come before it.
 //!
 //! Without the feature `security`, only the settings exist: a node that must be protected does not start.
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - certificates.rs: Certificates and keys of an enclave
-// - dates.rs: Dates of certificates and documents
-// - documents.rs: The signed documents of an enclave: their signature, and the XML elements that both share
-// - enclave.rs: An enclave: the six files of a participant, checked before it starts
 // - error.rs: Why a participant must not be created
-// - fault.rs: The files of an enclave, and what can be wrong with them
-// - governance.rs: The governance document: how the domain is protected
 // - health.rs: The state of security for `/diagnostics`
 // - peers.rs: Peers that joined with a valid identity, and peers that were rejected: counted, and logged within a limit
-// - permissions.rs: The permissions document: what the participant may do, and until when
-// - settings.rs: What the environment and the command line ask for, with the rules of rcl (`rcl/src/rcl/security.c`)
 
-#[cfg(feature = "security")]
-mod certificates;
-#[cfg(feature = "security")]
-mod dates;
-#[cfg(feature = "security")]
-mod documents;
-#[cfg(feature = "security")]
-mod enclave;
 mod error;
-#[cfg(feature = "security")]
-mod fault;
-#[cfg(feature = "security")]
-mod governance;
 mod health;
 mod peers;
-#[cfg(feature = "security")]
-mod permissions;
-mod settings;
 
 #[cfg(feature = "security")]
-pub use dates::{EXPIRY_NOTICE, now};
-#[cfg(feature = "security")]
-pub use enclave::Enclave;
+use sros2_keystore::{Enclave, EnclaveError};
+use sros2_keystore::{SecuritySettings, SecurityStrategy};
+
 pub use error::SecurityError;
-#[cfg(feature = "security")]
-pub use fault::{ENCLAVE_FILES, EnclaveFault, EnclaveFile, MAX_ENCLAVE_FILE_BYTES, STRICT_FILES};
-#[cfg(feature = "security")]
-pub use governance::ProtectionKinds;
 pub use peers::Peers;
-pub use settings::{
-    DEFAULT_ENCLAVE, EnclaveNameError, SecuritySettings, SecurityStrategy, enclave_name,
-};
 
 pub(super) use health::SecurityHealth;
 
@@ -66,6 +35,13 @@ pub enum Protection {
     /// The participant belongs to this enclave.
     #[cfg(feature = "security")]
     Enclave(Box<Enclave>),
+}
+
+/// The time of day.
+#[cfg(feature = "security")]
+#[must_use]
+pub fn now() -> jiff::Timestamp {
+    jiff::Timestamp::now()
 }
 
 /// Determines the protection of a participant in a domain. Every program that opens a participant calls this first.
@@ -83,7 +59,7 @@ pub fn protection(
     match enclave(settings, domain_id) {
         // Files that exist but are broken are an accident or an attack; running unprotected would hide it.
         #[cfg(feature = "security")]
-        Err(error @ SecurityError::Broken { .. }) => Err(error),
+        Err(error @ SecurityError::Enclave(EnclaveError::Broken { .. })) => Err(error),
         Err(error) if settings.strategy == SecurityStrategy::Enforce => Err(error),
         Err(error) => Ok(Protection::Unprotected(unprotected(settings, &error))),
         Ok(protection) => Ok(protection),
@@ -95,8 +71,8 @@ fn enclave(settings: &SecuritySettings, domain_id: u16) -> Result<Protection, Se
     let directory = settings
         .enclave_directory()
         .ok_or(SecurityError::NoKeystore)?;
-    Enclave::load(&settings.enclave, &directory, domain_id, now())
-        .map(|enclave| Protection::Enclave(Box::new(enclave)))
+    let enclave = Enclave::load(&settings.enclave, &directory, domain_id, now())?;
+    Ok(Protection::Enclave(Box::new(enclave)))
 }
 
 #[cfg(not(feature = "security"))]
@@ -108,19 +84,21 @@ fn enclave(_: &SecuritySettings, _: u16) -> Result<Protection, SecurityError> {
 fn unprotected(settings: &SecuritySettings, error: &SecurityError) -> String {
     let reason = match error {
         SecurityError::NoKeystore => "ROS_SECURITY_KEYSTORE is not set".to_owned(),
-        SecurityError::NoDirectory(directory) => {
-            format!("directory '{}' does not exist", directory.display())
-        }
-        SecurityError::NoFiles(directory) => format!(
-            "directory '{}' contains none of the files of an enclave",
-            directory.display()
-        ),
         SecurityError::NotBuilt => {
             "this program was built without DDS security (build it with `--features security`)"
                 .to_owned()
         }
         #[cfg(feature = "security")]
-        other @ SecurityError::Broken { .. } => other.to_string(),
+        SecurityError::Enclave(error) => match error {
+            EnclaveError::NoDirectory(directory) => {
+                format!("directory '{}' does not exist", directory.display())
+            }
+            EnclaveError::NoFiles(directory) => format!(
+                "directory '{}' contains none of the files of an enclave",
+                directory.display()
+            ),
+            broken @ EnclaveError::Broken { .. } => broken.to_string(),
+        },
     };
     let strategy = match &settings.odd_strategy {
         Some(odd) => format!("ROS_SECURITY_STRATEGY=`{odd}`, which means the same as Permissive"),

@@ -127,7 +127,7 @@ fn a_file_that_is_no_private_key_is_rejected_with_what_to_do() {
     assert!(folder.contains("directory"), "{folder}");
     let large = rejected(&files.file(&"x".repeat(100_000)));
     assert!(
-        large.contains("expected the file of a key") && large.contains("found more"),
+        large.contains("expected the file of a key") && large.contains("larger than 65536 bytes"),
         "{large}"
     );
 }
