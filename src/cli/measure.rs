@@ -10,8 +10,8 @@ use clap::Args;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
-use super::transport::TransportArgs;
 use super::simulate::parameters_of;
+use super::transport::TransportArgs;
 use column_twin::estimation::Readings;
 use column_twin::ros::{ClientError, MeasureOptions, RosArguments, send_measurements};
 

@@ -8,8 +8,8 @@ use super::failure::{Exit, Failure};
 use super::transport::TransportArgs;
 use column_twin::ros::security::protection;
 use column_twin::ros::{
-    self, Environment, NodeError, RosArguments, RunEnd, RunError, RunOptions, StartError, Transport,
-    check_transport,
+    self, Environment, NodeError, RosArguments, RunEnd, RunError, RunOptions, StartError,
+    Transport, check_transport,
 };
 
 /// Arguments of `column-twin run`, besides the ROS arguments.

@@ -42,11 +42,7 @@ const USUAL_SIZE: TableSize = TableSize {
 };
 
 /// Prints until SIGINT or SIGTERM, or until the reader closes the pipe (`| head`).
-pub fn run(
-    arguments: &WatchArgs,
-    ros: &RosArguments,
-    out: &mut impl Write,
-) -> Result<(), Failure> {
+pub fn run(arguments: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<(), Failure> {
     let environment = client_environment(ros, arguments.transport)?;
     let mut written = Ok(());
     let is_terminal = io::stdout().is_terminal();

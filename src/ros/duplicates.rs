@@ -8,9 +8,7 @@ use futures::channel::mpsc::{UnboundedReceiver, unbounded};
 use futures::future::{Either, select};
 use futures::stream::{BoxStream, unfold};
 use rustdds::no_key::SimpleDataReader;
-use rustdds::{
-    CDRDeserializerAdapter, DomainParticipant, GUID, QosPolicies, Topic,
-};
+use rustdds::{CDRDeserializerAdapter, DomainParticipant, GUID, QosPolicies, Topic};
 
 use super::live_columns::LiveColumns;
 use super::matches::Found;

@@ -244,7 +244,8 @@ impl Node {
             Link::Dds { context, .. } => {
                 let discovered = context.discovered_topics().into_iter();
                 let topics = discovered.filter(|topic| topic.type_name == dds_type);
-                let bare = |name: String| name.strip_prefix("rt").map_or(name.clone(), str::to_owned);
+                let bare =
+                    |name: String| name.strip_prefix("rt").map_or(name.clone(), str::to_owned);
                 topics.map(|topic| bare(topic.name)).collect()
             }
             Link::Zenoh(node) => node.topics_of(&dds_type).collect(),
@@ -399,7 +400,10 @@ impl Node {
     {
         let full = self.resolved(endpoint)?;
         let Link::Dds { node, .. } = &mut self.link else {
-            return Err(not_created(&full, &"clients of services exist over DDS only"));
+            return Err(not_created(
+                &full,
+                &"clients of services exist over DDS only",
+            ));
         };
         node.create_client(
             ServiceMapping::Enhanced,

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-
 use crate::live::OutputSource;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;

@@ -136,7 +136,11 @@ impl<Request, Response> ZenohServer<Request, Response> {
         match self.0 {}
     }
 
-    pub(super) fn send_response(&self, _: RmwRequestId, _: &Response) -> Result<(), TransportError> {
+    pub(super) fn send_response(
+        &self,
+        _: RmwRequestId,
+        _: &Response,
+    ) -> Result<(), TransportError> {
         match self.0 {}
     }
 }

@@ -147,7 +147,13 @@ impl<M: DeserializeOwned> ZenohSubscription<M> {
                 let sender = read_attachment(sample.attachment()).map(|it| graph.sender(it.gid));
                 let sender = GuidPrefix::from(sender.unwrap_or_default());
                 let size = u32::try_from(size).unwrap_or(u32::MAX);
-                given_up.take(&name, sender, size, MAX_MESSAGE_BYTES as u32, Instant::now());
+                given_up.take(
+                    &name,
+                    sender,
+                    size,
+                    MAX_MESSAGE_BYTES as u32,
+                    Instant::now(),
+                );
                 return;
             }
             filled.push(sample, size);

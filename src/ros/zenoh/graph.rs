@@ -130,7 +130,10 @@ impl Graph {
 
     /// The endpoint whose messages carry this identifier, or else the identifier itself.
     pub fn sender(&self, gid: Gid) -> Gid {
-        self.known().senders.get(&gid).map_or(gid, |it| Gid::from(*it))
+        self.known()
+            .senders
+            .get(&gid)
+            .map_or(gid, |it| Gid::from(*it))
     }
 
     /// The topics with a type that others use.

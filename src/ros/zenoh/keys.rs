@@ -259,7 +259,10 @@ mod tests {
         );
         let token = Token::parse(&listener).expect("a token");
         assert_eq!(token.to_string(), listener);
-        assert_eq!((token.kind, token.id, &*token.namespace), (Kind::Subscription, 10, "/"));
+        assert_eq!(
+            (token.kind, token.id, &*token.namespace),
+            (Kind::Subscription, 10, "/")
+        );
         assert_eq!(token.endpoint, Some((chatter(), "::,10:,:,:,,".to_owned())));
         let node = "@ros2_lv/2/aac3178e146ba6f1fc6e6a4085e77f21/0/0/NN/%/%/listener";
         assert_eq!(Token::parse(node).expect("a node").to_string(), node);

@@ -31,13 +31,19 @@ const DEFAULTS: &[(&str, &str)] = &[
     ("connect/endpoints", r#"["tcp/localhost:7447"]"#),
     ("listen/endpoints", r#"["tcp/localhost:0"]"#),
     ("scouting/multicast/enabled", "false"),
-    ("scouting/gossip/target", r#"{ router: ["router", "peer"], peer: ["router"] }"#),
+    (
+        "scouting/gossip/target",
+        r#"{ router: ["router", "peer"], peer: ["router"] }"#,
+    ),
     (
         "scouting/gossip/autoconnect_strategy",
         r#"{ peer: { to_router: "always", to_peer: "greater-zid" } }"#,
     ),
     // The history for late joiners needs the time of each message.
-    ("timestamping/enabled", "{ router: true, peer: true, client: true }"),
+    (
+        "timestamping/enabled",
+        "{ router: true, peer: true, client: true }",
+    ),
     ("transport/link/rx/max_message_size", "8388608"),
 ];
 
@@ -248,8 +254,8 @@ impl ZenohNode {
     ) -> Result<ZenohPublisher<M>, String> {
         let topic = TypedName::new(name, type_name, recorded)?;
         let (token, place) = self.place(Kind::Publisher, &topic, qos)?;
-        let mut created =
-            ZenohPublisher::new(self.zenoh(), &topic, self.key(&topic), qos, place).map_err(text)?;
+        let mut created = ZenohPublisher::new(self.zenoh(), &topic, self.key(&topic), qos, place)
+            .map_err(text)?;
         self.announce(&token, &mut created.place)?;
         Ok(created)
     }
@@ -397,14 +403,18 @@ mod tests {
                 ..ZenohVariables::default()
             })
         };
-        let config = with(r#"listen/endpoints=["tcp/127.0.0.1:7999"];scouting/multicast/enabled=true;"#);
+        let config =
+            with(r#"listen/endpoints=["tcp/127.0.0.1:7999"];scouting/multicast/enabled=true;"#);
         let config = config.expect("valid");
         let value = |key: &str| config.get_json(key).expect("known");
         assert_eq!(value("listen/endpoints"), r#"["tcp/127.0.0.1:7999"]"#);
         assert_eq!(value("scouting/multicast/enabled"), "true");
         for wrong in ["mode", "no/such/key=1", "mode=\"twin\""] {
             let fault = with(wrong).expect_err("wrong");
-            assert!(fault.starts_with("ZENOH_CONFIG_OVERRIDE: expected"), "{fault}");
+            assert!(
+                fault.starts_with("ZENOH_CONFIG_OVERRIDE: expected"),
+                "{fault}"
+            );
         }
     }
 
@@ -417,7 +427,10 @@ mod tests {
                 ..ZenohVariables::default()
             });
             let fault = fault.expect_err("wrong");
-            assert!(fault.starts_with("ZENOH_SESSION_CONFIG_URI: expected"), "{fault}");
+            assert!(
+                fault.starts_with("ZENOH_SESSION_CONFIG_URI: expected"),
+                "{fault}"
+            );
             assert!(fault.contains(path), "{fault}");
         }
     }
