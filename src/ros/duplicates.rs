@@ -1,6 +1,7 @@
 //! Warns about another node with the same name, and about another twin of the same column, on the network.
 
 use std::collections::BTreeSet;
+use std::pin::pin;
 use std::sync::Arc;
 
 use futures::StreamExt;
@@ -42,22 +43,22 @@ pub(super) fn statuses(
     topic: &Topic,
     qos: &Qos,
 ) -> Result<Statuses, String> {
-    let text = |error: rustdds::dds::CreateError| error.to_string();
     let qos = QosPolicies::from(qos.profile());
-    let subscriber = participant.create_subscriber(&qos).map_err(text)?;
+    let subscriber = participant.create_subscriber(&qos);
+    let subscriber = subscriber.map_err(|error| error.to_string())?;
     let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> = subscriber
         .create_simple_datareader_no_key(topic, Some(qos))
-        .map_err(text)?;
-    let next = async |reader: SimpleDataReader<_, _>| {
+        .map_err(|error| error.to_string())?;
+    let statuses = unfold(reader, |reader| async move {
         loop {
+            let taken = pin!(reader.as_async_stream()).next().await?;
             // What is no status is skipped.
-            let taken = reader.as_async_stream().next().await?;
             if let Ok(status) = taken {
                 return Some(((status.writer_guid, status.sample), reader));
             }
         }
-    };
-    Ok(unfold(reader, next).boxed())
+    });
+    Ok(statuses.boxed())
 }
 
 impl Duplicates {

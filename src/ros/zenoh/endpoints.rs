@@ -189,7 +189,7 @@ impl<M: DeserializeOwned> ZenohSubscription<M> {
     pub(in crate::ros) fn stream(
         &self,
     ) -> impl Stream<Item = Result<(M, MessageInfo), TransportError>> {
-        unfold(self, async |it: &Self| {
+        unfold(self, |it| async move {
             let sample = it.queue.next().await;
             Some((it.read(&sample), it))
         })
@@ -265,7 +265,7 @@ impl<Request: DeserializeOwned, Response: Serialize> ZenohServer<Request, Respon
     pub(in crate::ros) fn stream(
         &self,
     ) -> impl Stream<Item = Result<(RmwRequestId, Request), TransportError>> {
-        unfold(self, async |it: &Self| {
+        unfold(self, |it| async move {
             let query = it.queue.next().await;
             Some((it.read(query), it))
         })
