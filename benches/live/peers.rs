@@ -12,10 +12,9 @@ use column_twin::messages::column_twin_msgs::ImpactEvent;
 use column_twin::messages::std_msgs::Header;
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{Names, Node};
+use column_twin::ros::{Names, Node, Publisher};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
-use ros2_client::Publisher;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -39,7 +39,7 @@ const STRAGGLERS: Duration = Duration::from_secs(1);
 
 /// Causes continuous responses until the turn is over.
 pub struct Impacts {
-    events: ros2_client::Publisher<ImpactEvent>,
+    events: column_twin::ros::Publisher<ImpactEvent>,
     reports: Reader<String>,
     sent: u64,
 }

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::run::{end_of_run, environment, failure_of_run};
+use super::transport::TransportArgs;
 use column_twin::parameters::{Source, Value};
 use column_twin::ros::{RosArguments, RunOptions, run_fleet};
 
@@ -32,6 +33,9 @@ pub struct FleetArgs {
     /// configures and activates it; impacts before that are rejected
     #[arg(long)]
     managed: bool,
+
+    #[command(flatten)]
+    transport: TransportArgs,
 }
 
 const EXAMPLE: &str = "\
@@ -55,7 +59,7 @@ pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> 
             "a fleet needs columns: give --params-file FILE, --columns FILE, or both",
         ));
     }
-    let environment = environment(&ros)?;
+    let environment = arguments.transport.apply(environment(&ros)?);
     if !arguments.select.is_empty() {
         let selected = Value::from(arguments.select.clone());
         let selected = Source::Value("viewer.select".to_owned(), selected);

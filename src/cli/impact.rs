@@ -8,6 +8,7 @@ use clap::Args;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
+use super::transport::TransportArgs;
 use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, RosArguments, RowImpactOptions,
@@ -51,6 +52,8 @@ pub struct ImpactArgs {
     /// Maximum wait for a twin, and for its forecast [s]
     #[arg(long, value_name = "S", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=3600))]
     timeout: u16,
+    #[command(flatten)]
+    transport: TransportArgs,
 }
 
 /// What an event without a mass means; the help of other commands has the parameters of a file in mind.
@@ -88,7 +91,7 @@ pub fn run(
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
     let outcome = send_impact(
-        &client_environment(ros)?,
+        &client_environment(ros, arguments.transport)?,
         &ros.remap_rules,
         &options,
         &mut say,
@@ -143,7 +146,7 @@ fn run_row(
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
-    let environment = client_environment(ros)?;
+    let environment = client_environment(ros, arguments.transport)?;
     let answers =
         send_row_impact(&environment, &ros.remap_rules, &options, &mut say).map_err(failure)?;
     let is_rejected = |it: &ImpactReport| {

@@ -11,6 +11,7 @@ use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
 use super::simulate::parameters_of;
+use super::transport::TransportArgs;
 use column_twin::estimation::Readings;
 use column_twin::ros::{ClientError, MeasureOptions, RosArguments, send_measurements};
 
@@ -33,6 +34,8 @@ pub struct MeasureArgs {
     /// Maximum wait for a twin with sensors [s]
     #[arg(long, value_name = "S", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=3600))]
     timeout: u16,
+    #[command(flatten)]
+    transport: TransportArgs,
 }
 
 const EXAMPLE: &str = "\
@@ -79,7 +82,7 @@ pub fn run(
         match_timeout: Duration::from_secs(u64::from(arguments.timeout)),
     };
     let lines = LinePrinter::new(out);
-    let environment = client_environment(ros)?;
+    let environment = client_environment(ros, arguments.transport)?;
     let mut say = |line: &str| lines.print(line);
     let measured =
         send_measurements(&environment, &ros.remap_rules, &options, &mut say).map_err(|error| {

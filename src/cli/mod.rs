@@ -37,6 +37,7 @@
 // - summary.rs: The summary of one impact, for a person and for programs
 // - tell.rs: Lines on standard error, which may be closed: the exit code stays what it is
 // - threads.rs: The option `--threads` of the studies
+// - transport.rs: The option `--transport` of the commands that take part in ROS 2
 // - vehicles.rs: `column-twin vehicles`: the catalogue of vehicles with the source of every number
 // - verify.rs: `column-twin verify`: verifies a recording by recomputation
 // - watch.rs: `column-twin watch`: prints what a running twin or a fleet publishes
@@ -96,6 +97,8 @@ mod simulate;
 mod simulate_tests;
 mod summary;
 mod threads;
+#[cfg(feature = "ros")]
+mod transport;
 mod vehicles;
 #[cfg(feature = "record")]
 mod verify;

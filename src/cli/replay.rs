@@ -13,6 +13,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::failure::printed;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::run::client_environment;
+use super::transport::TransportArgs;
 use column_twin::ros::RosArguments;
 #[cfg(feature = "foxglove")]
 use column_twin::ros::replay::replay_to_foxglove;
@@ -67,6 +68,8 @@ pub struct ReplayArgs {
     /// Maximum wait until every topic has a reader; then the replay starts [s]
     #[arg(long, value_name = "S", default_value_t = 0)]
     wait_for_readers: u16,
+    #[command(flatten)]
+    transport: TransportArgs,
 }
 
 const EXAMPLE: &str = "\
@@ -127,7 +130,7 @@ pub fn run(
     if let Some(address) = &arguments.foxglove {
         return report(&serve_foxglove(&options, address)?, out);
     }
-    let environment = client_environment(ros)?;
+    let environment = client_environment(ros, arguments.transport)?;
     let mut terminal = Terminal::new();
     let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
     drop(terminal); // restores the terminal before anything is printed

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure};
+use super::transport::TransportArgs;
 use column_twin::ros::security::protection;
 use column_twin::ros::{
     self, Environment, NodeError, RosArguments, RunEnd, RunError, RunOptions, StartError,
+    Transport, check_transport,
 };
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
@@ -22,6 +24,9 @@ pub struct RunArgs {
     /// configures and activates it; impacts before that are rejected
     #[arg(long)]
     managed: bool,
+
+    #[command(flatten)]
+    transport: TransportArgs,
 }
 
 const EXAMPLE: &str = "\
@@ -40,7 +45,7 @@ missing in a recording, or damage could not be saved.";
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
     let options = RunOptions {
-        environment: environment(&ros)?,
+        environment: arguments.transport.apply(environment(&ros)?),
         ros,
         parameter_files: arguments.config.clone(),
         columns: None,
@@ -59,7 +64,10 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
             StartError::Selection(_) | StartError::SensorTopics { .. } | StartError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
         error @ RunError::Node(
-            NodeError::Alarms(_) | NodeError::Metrics(_) | NodeError::Foxglove(_),
+            NodeError::Alarms(_)
+            | NodeError::Metrics(_)
+            | NodeError::Foxglove(_)
+            | NodeError::Zenoh(_),
         ) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
@@ -104,10 +112,17 @@ pub(super) fn environment(ros: &RosArguments) -> Result<Environment, Failure> {
     })
 }
 
-/// As [`environment`], for a client, which has no log: rejects an enclave that cannot be used, and warns on the terminal if
-/// the client runs unprotected.
-pub(super) fn client_environment(ros: &RosArguments) -> Result<Environment, Failure> {
-    let environment = environment(ros)?;
+/// As [`environment`], for a client with this transport, which has no log: rejects what [`check_transport`] does, and an enclave that
+/// cannot be used, and warns on the terminal if the client runs unprotected.
+pub(super) fn client_environment(
+    ros: &RosArguments,
+    transport: TransportArgs,
+) -> Result<Environment, Failure> {
+    let environment = transport.apply(environment(ros)?);
+    check_transport(&environment).map_err(|error| Failure::plain(Exit::BadInput, error))?;
+    if environment.transport == Transport::Zenoh {
+        return Ok(environment);
+    }
     let protection = protection(&environment.security, environment.domain_id)
         .map_err(|error| Failure::plain(Exit::BadInput, error))?;
     if let Some(warning) = protection.warning() {

@@ -11,6 +11,7 @@ use crossterm::terminal::{self, Clear, ClearType};
 
 use super::failure::{Exit, Failure, printed};
 use super::run::client_environment;
+use super::transport::TransportArgs;
 use column_twin::fleet::{TableSize, table};
 use column_twin::messages::column_twin_msgs::{ColumnStatus, FleetStatus};
 use column_twin::ros::{RosArguments, Shown, watch};
@@ -18,7 +19,10 @@ use column_twin::ros::{RosArguments, Shown, watch};
 /// Arguments of `column-twin watch`, besides the ROS arguments.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-pub struct WatchArgs {}
+pub struct WatchArgs {
+    #[command(flatten)]
+    transport: TransportArgs,
+}
 
 const EXAMPLE: &str = "\
 Example: a twin in the namespace /garage, on this machine only
@@ -38,11 +42,12 @@ const USUAL_SIZE: TableSize = TableSize {
 };
 
 /// Prints until SIGINT or SIGTERM, or until the reader closes the pipe (`| head`).
-pub fn run(_: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(arguments: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<(), Failure> {
+    let environment = client_environment(ros, arguments.transport)?;
     let mut written = Ok(());
     let is_terminal = io::stdout().is_terminal();
     let mut last_table: Option<Instant> = None;
-    watch(&client_environment(ros)?, &ros.remap_rules, &mut |shown| {
+    watch(&environment, &ros.remap_rules, &mut |shown| {
         written = match shown {
             // A line would destroy the table.
             Shown::Line(_) if is_terminal && last_table.is_some() => Ok(()),

@@ -6,7 +6,6 @@ use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use futures::join;
-use ros2_client::Subscription;
 
 use crate::column::ImpactSpecification;
 use crate::messages::builtin_interfaces::Time;
@@ -27,6 +26,7 @@ use super::qos;
 use super::signals::StopSignals;
 use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Search, Subscribed, later, next, wait_until};
 use super::task::Task;
+use super::transport::Subscription;
 
 /// The twins are found one after another. Only if no further one was found for this time is the only one the one that is there.
 const SETTLED: Duration = Duration::from_millis(300);

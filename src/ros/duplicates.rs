@@ -7,53 +7,83 @@ use std::sync::Arc;
 use futures::StreamExt;
 use futures::channel::mpsc::{UnboundedReceiver, unbounded};
 use futures::future::{Either, select};
-use ros2_client::CreateResult;
+use futures::stream::{BoxStream, unfold};
 use rustdds::no_key::SimpleDataReader;
-use rustdds::{
-    CDRDeserializerAdapter, DomainParticipant, EndpointDescription, GUID, QosPolicies, RTPSEntity,
-    Topic, TopicDescription,
-};
+use rustdds::{CDRDeserializerAdapter, DomainParticipant, GUID, QosPolicies, Topic};
 
 use super::live_columns::LiveColumns;
+use super::matches::Found;
 use super::qos::Qos;
 use crate::messages::column_twin_msgs::TwinStatus;
 
+/// Statuses, each with the endpoint that sent it.
+pub(super) type Statuses = BoxStream<'static, (GUID, TwinStatus)>;
+
+/// Begins to listen to statuses.
+pub(super) type Listen = Box<dyn Fn() -> Result<Statuses, String> + Send + Sync>;
+
 /// What a node compares with its peers.
 pub(super) struct Duplicates {
-    pub participant: DomainParticipant,
+    /// Any endpoint of the node: all of them have one prefix.
+    pub own: GUID,
     /// Fully qualified name of the node.
     pub node: String,
-    /// The topic on which the node publishes its status.
-    pub status: Topic,
-    /// With which quality of service it does so: a reader that asks for more would not match a twin that was started like this one.
-    pub qos: Qos,
+    /// Full name of the topic on which the node publishes its status.
+    pub status: String,
+    /// Listens to that topic.
+    pub listen: Listen,
     /// The columns of the node.
     pub columns: Arc<LiveColumns>,
 }
 
+/// The statuses on a topic of DDS. `qos` is that with which the node publishes its own: a reader that asks for more would not match
+/// a twin that was started like this one.
+pub(super) fn statuses(
+    participant: &DomainParticipant,
+    topic: &Topic,
+    qos: &Qos,
+) -> Result<Statuses, String> {
+    let qos = QosPolicies::from(qos.profile());
+    let subscriber = participant.create_subscriber(&qos);
+    let subscriber = subscriber.map_err(|error| error.to_string())?;
+    let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> = subscriber
+        .create_simple_datareader_no_key(topic, Some(qos))
+        .map_err(|error| error.to_string())?;
+    let statuses = unfold(reader, |reader| async move {
+        loop {
+            let taken = pin!(reader.as_async_stream()).next().await?;
+            // What is no status is skipped.
+            if let Ok(status) = taken {
+                return Some(((status.writer_guid, status.sample), reader));
+            }
+        }
+    });
+    Ok(statuses.boxed())
+}
+
 impl Duplicates {
     /// A handler for every writer that is discovered, and a future that compares the columns of twins. Each warns once.
-    pub fn watch(self) -> (impl FnMut(&EndpointDescription), impl Future<Output = ()>) {
-        let own = self.participant.guid().prefix;
+    pub fn watch(self) -> (impl FnMut(Found<'_>), impl Future<Output = ()>) {
+        let own = self.own.prefix;
         let node = self.node.clone();
         // Every ROS 2 node with parameters replies on this topic.
         let replies = format!("rr{node}/get_parametersReply");
-        let status = self.status.name();
-        // As many as RustDDS follows at most.
+        let status = format!("rt{}", self.status);
+        // As many as are followed at most.
         let (found, other_twins) = unbounded();
         let mut is_unique = true;
-        let on_writer = move |writer: &EndpointDescription| {
+        let on_writer = move |writer: Found<'_>| {
             if writer.guid.prefix == own {
                 return;
             }
-            if writer.topic_name == replies && is_unique {
+            if *writer.topic_name == replies && is_unique {
                 is_unique = false;
                 tracing::warn!(
                     "another node on the network is called {node}; stop one of the two, or start one with another name \
                      (-r __node:=...) or namespace (-r __ns:=...)"
                 );
             }
-            if writer.topic_name == status {
+            if *writer.topic_name == status {
                 // Without a receiver the warning was given, or the node is stopping.
                 let _ = found.unbounded_send(writer.guid);
             }
@@ -71,23 +101,19 @@ impl Duplicates {
     async fn wait_for_same_column(
         &self,
         mut other_twins: UnboundedReceiver<GUID>,
-    ) -> CreateResult<()> {
+    ) -> Result<(), String> {
         while let Some(twin) = other_twins.next().await {
-            let qos = QosPolicies::from(self.qos.profile());
-            let subscriber = self.participant.create_subscriber(&qos)?;
-            let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> =
-                subscriber.create_simple_datareader_no_key(&self.status, Some(qos))?;
-            let mut statuses = pin!(reader.as_async_stream());
+            let mut statuses = (self.listen)()?;
             let mut unknown = BTreeSet::from([twin]);
             while !unknown.is_empty() {
                 match select(other_twins.next(), statuses.next()).await {
                     Either::Left((Some(twin), _)) => {
                         unknown.insert(twin);
                     }
-                    Either::Right((Some(Ok(status)), _)) => {
-                        unknown.remove(&status.writer_guid);
-                        let is_other = status.writer_guid.prefix != self.participant.guid().prefix;
-                        let column_id = &status.sample.column_id;
+                    Either::Right((Some((sender, status)), _)) => {
+                        unknown.remove(&sender);
+                        let is_other = sender.prefix != self.own.prefix;
+                        let column_id = &status.column_id;
                         let is_own = self.columns.face().index_of(column_id).is_some();
                         if is_other && is_own {
                             tracing::warn!(
@@ -97,8 +123,6 @@ impl Duplicates {
                             return Ok(());
                         }
                     }
-                    // Not a status.
-                    Either::Right((Some(Err(_)), _)) => {}
                     Either::Left((None, _)) | Either::Right((None, _)) => return Ok(()),
                 }
             }

@@ -13,6 +13,27 @@ pub enum DiscoveryRange {
     Subnet,
 }
 
+/// How messages travel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Transport {
+    /// By DDS.
+    #[default]
+    Dds,
+    /// By Zenoh, as `rmw_zenoh` speaks it.
+    Zenoh,
+}
+
+/// The variables of `rmw_zenoh`; they mean something only with [`Transport::Zenoh`].
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ZenohVariables {
+    /// `ZENOH_SESSION_CONFIG_URI`: the file with the configuration of the session.
+    pub session_config: Option<String>,
+    /// `ZENOH_CONFIG_OVERRIDE`: settings in the form `key=value;key=value` that win over the configuration.
+    pub config_override: Option<String>,
+    /// `ZENOH_ROUTER_CHECK_ATTEMPTS`: a negative number means that no router is expected.
+    pub router_check_attempts: Option<String>,
+}
+
 /// Settings from the environment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Environment {
@@ -24,6 +45,10 @@ pub struct Environment {
     pub namespace: String,
     /// `ROS_SECURITY_*` and `--enclave`.
     pub security: SecuritySettings,
+    /// `--transport`.
+    pub transport: Transport,
+    /// The variables of rmw_zenoh.
+    pub zenoh: ZenohVariables,
     /// Invalid or unsupported settings, to be logged at the start.
     pub warnings: Vec<String>,
 }
@@ -53,6 +78,8 @@ impl Default for Environment {
             discovery_range: DiscoveryRange::Subnet,
             namespace: "/".to_owned(),
             security: SecuritySettings::default(),
+            transport: Transport::default(),
+            zenoh: ZenohVariables::default(),
             warnings: Vec::new(),
         }
     }
@@ -98,6 +125,12 @@ impl Environment {
                 |namespace| format!("/{}", namespace.trim_matches('/')),
             ),
             security: SecuritySettings::from_variables(&get)?,
+            transport: Transport::default(),
+            zenoh: ZenohVariables {
+                session_config: get("ZENOH_SESSION_CONFIG_URI"),
+                config_override: get("ZENOH_CONFIG_OVERRIDE"),
+                router_check_attempts: get("ZENOH_ROUTER_CHECK_ATTEMPTS"),
+            },
             warnings,
         })
     }

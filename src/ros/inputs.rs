@@ -1,4 +1,4 @@
-//! The inputs over DDS: impact events, parameters, the clock, and service requests.
+//! The inputs of the node: impact events, parameters, the clock, and service requests.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use futures::channel::oneshot;
 use futures::{StreamExt, join};
 use ros2_client::rcl_interfaces as rcl;
-use ros2_client::{Gid, MessageInfo, Server, Subscription};
+use ros2_client::{Gid, MessageInfo};
 
 use crate::incoming::{column_command, impact_command, nanos};
 use crate::live::BACKGROUND_THREAD;
@@ -37,6 +37,7 @@ use super::qos::{self, Endpoint};
 use super::receiving::{Receiving, each, named};
 use super::requests;
 use super::task::spawn;
+use super::transport::{Server, Subscription};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}
@@ -440,7 +441,7 @@ async fn answer_in_time<Request, Response>(
                 let response = reply(id.writer_gid, request).await;
                 if let Err(error) = server.async_send_response(id, response).await {
                     NodeCounters::count(&counters.unpublished);
-                    tracing::warn!("a response of {} cannot be sent: {error:?}", endpoint.name);
+                    tracing::warn!("a response of {} cannot be sent: {error}", endpoint.name);
                 }
             }
             Err(error) => {

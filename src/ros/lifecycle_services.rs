@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use futures::channel::oneshot;
 use futures::join;
-use ros2_client::{Publisher, Server};
 
 use crate::messages::cdr;
 use crate::messages::lifecycle_msgs::{
@@ -24,6 +23,7 @@ use super::qos;
 use super::raw::Raw;
 use super::receiving::Receiving;
 use super::sending::encoded;
+use super::transport::{Publisher, Server};
 
 /// Time for the answer to `shutdown` to arrive before the process ends.
 const ANSWER_TIME: Duration = Duration::from_millis(200);

@@ -18,13 +18,30 @@ use super::guid_prefix::GuidPrefix;
 use super::lost_peers::LostPeers;
 use super::security::Peers;
 
+/// An endpoint of another participant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found<'a> {
+    pub guid: GUID,
+    /// As DDS calls the topic: with a prefix for topics, requests and replies.
+    pub topic_name: &'a str,
+}
+
+impl<'a> From<&'a EndpointDescription> for Found<'a> {
+    fn from(endpoint: &'a EndpointDescription) -> Self {
+        Self {
+            guid: endpoint.guid,
+            topic_name: &endpoint.topic_name,
+        }
+    }
+}
+
 /// What is discovered of the endpoints of others.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Discovered<'a> {
     /// A writer.
-    Writer(&'a EndpointDescription),
+    Writer(Found<'a>),
     /// A reader, whether one of the node's writers matches it or not. It may be told again.
-    Reader(&'a EndpointDescription),
+    Reader(Found<'a>),
     /// A reader has gone.
     ReaderLost(GUID),
     /// A participant has gone, with all its endpoints.
@@ -143,10 +160,10 @@ impl Matches {
         while let Some(event) = events.next().await {
             match event {
                 DomainParticipantStatusEvent::WriterDetected { writer } => {
-                    on(Discovered::Writer(&writer));
+                    on(Discovered::Writer((&writer).into()));
                 }
                 DomainParticipantStatusEvent::ReaderDetected { reader } => {
-                    on(Discovered::Reader(&reader));
+                    on(Discovered::Reader((&reader).into()));
                 }
                 event => {
                     match &event {
@@ -164,6 +181,30 @@ impl Matches {
         }
     }
 
+    /// A peer of an endpoint was found.
+    pub(super) fn add(&self, own: GUID, peer: GUID) {
+        let is_new = locked(&self.peers).entry(own).or_default().insert(peer);
+        self.changed.notify_all();
+        // Not one of the endpoints of discovery.
+        if is_new && let Some(name) = locked(&self.names).get(&own) {
+            tracing::debug!("matched {peer:?} on {name}");
+            self.lost_peers
+                .take_matched(prefix(peer.prefix), Instant::now());
+        }
+    }
+
+    /// A peer has gone.
+    pub(super) fn remove(&self, peer: GUID) {
+        let mut was_known = false;
+        for peers in locked(&self.peers).values_mut() {
+            was_known |= peers.remove(&peer);
+        }
+        self.changed.notify_all();
+        if was_known {
+            tracing::debug!("lost {peer:?}");
+        }
+    }
+
     fn take(&self, event: DomainParticipantStatusEvent) {
         use DomainParticipantStatusEvent as Event;
         match event {
@@ -174,26 +215,8 @@ impl Matches {
             | Event::RemoteWriterMatched {
                 local_reader: own,
                 remote_writer: peer,
-            } => {
-                let is_new = locked(&self.peers).entry(own).or_default().insert(peer);
-                self.changed.notify_all();
-                // Not one of the endpoints of discovery.
-                if is_new && let Some(name) = locked(&self.names).get(&own) {
-                    tracing::debug!("matched {peer:?} on {name}");
-                    self.lost_peers
-                        .take_matched(prefix(peer.prefix), Instant::now());
-                }
-            }
-            Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {
-                let mut was_known = false;
-                for peers in locked(&self.peers).values_mut() {
-                    was_known |= peers.remove(&guid);
-                }
-                self.changed.notify_all();
-                if was_known {
-                    tracing::debug!("lost {guid:?}");
-                }
-            }
+            } => self.add(own, peer),
+            Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => self.remove(guid),
             Event::RemoteReaderQosIncompatible {
                 local_writer: own, ..
             }

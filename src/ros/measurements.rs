@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use futures::FutureExt;
 use futures::future::{LocalBoxFuture, join_all};
-use ros2_client::{MessageInfo, Subscription};
+use ros2_client::MessageInfo;
 
 use crate::estimation::{BatchRejection, Collector, EstimatorError, Intake, SensorHealth};
 use crate::incoming::raw_batch;
@@ -30,6 +30,7 @@ use super::qos::{self, Endpoint};
 use super::receiving::{Receiving, each_on};
 use super::senders::Rejected;
 use super::sensor_watch::{SensorLog, SensorStatus, SensorWatch};
+use super::transport::Subscription;
 
 /// Batches of one column of a fleet in the history of its topic: what two sensors send in 80 ms, in batches of 10 ms.
 const DEPTH_OF_A_COLUMN: usize = 16;

@@ -35,7 +35,7 @@
 // - fresh_domain.rs: An unused DDS domain on loopback, for a demonstration or a test
 // - given_up.rs: Messages that are given up because they are too long
 // - guid_prefix.rs: The part of a GUID that names the participant
-// - inputs.rs: The inputs over DDS: impact events, parameters, the clock, and service requests
+// - inputs.rs: The inputs of the node: impact events, parameters, the clock, and service requests
 // - library_log.rs: The warnings and errors of RustDDS and ros2-client, which write to the `log` crate, in the log of this
 //   program
 // - lifecycle.rs: The state of a managed node, and what it means for inputs and outputs
@@ -83,10 +83,14 @@
 // - standing_action.rs: What has to be done with a column, as its outputs say it: for alarms and metrics
 // - subscribed.rs: What a client of the twin subscribes to, and its waits
 // - task.rs: Named threads that run futures until they are stopped
+// - transport.rs: The endpoints of a node, whichever transport carries their messages: DDS by ros2-client, or Zenoh
 // - twin_node.rs: The node of one column or many: all topics and services, in separate threads
 // - type_descriptions.rs: `~/get_type_description`: what the types of the node look like, as every node of rclcpp and rclpy
 //   answers it
 // - utc.rs: A time for people
+// - zenoh/: Zenoh as the transport of a node, as `rmw_zenoh` speaks it: its keys with type hashes, its liveliness tokens for the
+//   graph, its attachments, and CDR
+// - zenoh_absent.rs: Zenoh in a program without the feature `zenoh`: says so if it is asked for. Its endpoints cannot exist
 
 mod address_space;
 #[cfg_attr(not(feature = "alarm"), path = "alarms_absent.rs")]
@@ -151,9 +155,12 @@ mod signals;
 mod standing_action;
 mod subscribed;
 mod task;
+mod transport;
 mod twin_node;
 mod type_descriptions;
 mod utc;
+#[cfg_attr(not(feature = "zenoh"), path = "zenoh_absent.rs")]
+mod zenoh;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
@@ -161,7 +168,7 @@ pub use client::{
 };
 pub use client_error::ClientError;
 pub use detected::follow_sensors;
-pub use environment::{DiscoveryRange, Environment, EnvironmentError};
+pub use environment::{DiscoveryRange, Environment, EnvironmentError, Transport, ZenohVariables};
 pub use face::Face;
 pub use fresh_domain::FreshDomain;
 pub use lines::{
@@ -171,7 +178,7 @@ pub use live_columns::{Health, LiveColumns, StartError};
 pub use matches::Matches;
 pub use measure::{MeasureOptions, Measured, send_measurements};
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
-pub use node::{Node, NodeError};
+pub use node::{Node, NodeError, check_transport};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
 pub use row_client::{RowImpactOptions, send_row_impact};
@@ -179,7 +186,9 @@ pub use row_client::{RowImpactOptions, send_row_impact};
 pub use run::try_alarms;
 pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
 pub use signals::StopSignals;
+pub use transport::{Publisher, Server, Subscription, TransportError};
 pub use twin_node::{StartOptions, TwinNode};
+pub use zenoh::{ZenohPublisher, ZenohServer, ZenohSubscription};
 
 /// Default name of the node.
 pub const NODE_NAME: &str = "column_twin";

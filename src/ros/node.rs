@@ -4,19 +4,20 @@ use std::collections::BTreeSet;
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
+use futures::StreamExt;
+use futures::future::Either;
 use ros2_client::qos::QosProfile;
 use ros2_client::{
-    Context, MessageTypeName, Name, NodeName, NodeOptions, Publisher, Server, ServiceMapping,
-    ServiceTypeName, Subscription,
+    Context, MessageTypeName, Name, NodeName, NodeOptions, ServiceMapping, ServiceTypeName,
 };
-use rustdds::DomainParticipantBuilder;
+use rustdds::{DomainParticipantBuilder, GUID, RTPSEntity};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::parameters::TopicEnd;
 
-use super::duplicates::Duplicates;
-use super::environment::{DiscoveryRange, Environment};
+use super::duplicates::{Duplicates, Listen, statuses};
+use super::environment::{DiscoveryRange, Environment, Transport};
 use super::live_columns::LiveColumns;
 use super::matches::{Discovered, Matches};
 use super::names::{NameError, NameKind, Names};
@@ -24,6 +25,8 @@ use super::qos::{self, Endpoint, Qos, package_and_type};
 use super::qos_overrides::QosOverrides;
 use super::raw::Raw;
 use super::security::{Peers, Protection, SecurityError, protection};
+use super::transport::{Publisher, Server, Subscription};
+use super::zenoh::{ZenohNode, ZenohSession, check_zenoh};
 
 /// Errors of creating a node or its endpoints.
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +57,9 @@ pub enum NodeError {
     /// Foxglove cannot be served.
     #[error("{0}")]
     Foxglove(String),
+    /// Zenoh cannot be used.
+    #[error("{0}")]
+    Zenoh(String),
     /// The node or an endpoint cannot be created.
     #[error("cannot create {what}: {reason}")]
     Endpoint {
@@ -74,13 +80,21 @@ pub enum NodeError {
 
 /// A node without any tasks.
 pub struct Node {
-    // Dropped in this order: the node unregisters through the context's participant.
-    node: ros2_client::Node,
-    context: Context,
+    link: Link,
     names: Names,
     matches: Arc<Matches>,
     protection: Arc<Protection>,
     overrides: QosOverrides,
+}
+
+/// The node on its transport.
+enum Link {
+    Dds {
+        // Dropped in this order: the node unregisters through the context's participant.
+        node: ros2_client::Node,
+        context: Context,
+    },
+    Zenoh(ZenohNode),
 }
 
 impl Node {
@@ -89,11 +103,22 @@ impl Node {
     /// # Errors
     /// The participant or the node cannot be created, or security is enforced and its enclave cannot be used.
     pub fn new(environment: &Environment, names: Names) -> Result<Self, NodeError> {
-        let protection = protection(&environment.security, environment.domain_id)?;
-        protection.announce();
+        let matches = Arc::default();
+        let (network, protection) = match environment.transport {
+            Transport::Dds => {
+                let protection = protection(&environment.security, environment.domain_id)?;
+                protection.announce();
+                (Network::Dds(context(environment, &protection)?), protection)
+            }
+            Transport::Zenoh => {
+                check_transport(environment)?;
+                let session = ZenohSession::open(environment, &matches)?;
+                (Network::Zenoh(session), Protection::Off)
+            }
+        };
         let siblings = Siblings {
-            context: context(environment, &protection)?,
-            matches: Arc::default(),
+            network,
+            matches,
             protection: Arc::new(protection),
         };
         siblings.named(names)
@@ -139,14 +164,22 @@ impl Node {
         &self,
         on: F,
     ) -> impl Future<Output = ()> + use<F> {
-        let participant = self.context.domain_participant();
-        Arc::clone(&self.matches).follow(participant, on)
+        match &self.link {
+            Link::Dds { context, .. } => {
+                let participant = context.domain_participant();
+                Either::Left(Arc::clone(&self.matches).follow(participant, on))
+            }
+            Link::Zenoh(node) => Either::Right(node.events(on)),
+        }
     }
 
     /// For further nodes with the participant of this one.
     pub(super) fn siblings(&self) -> Siblings {
         Siblings {
-            context: self.context.clone(),
+            network: match &self.link {
+                Link::Dds { context, .. } => Network::Dds(context.clone()),
+                Link::Zenoh(node) => Network::Zenoh(node.session()),
+            },
             matches: Arc::clone(&self.matches),
             protection: Arc::clone(&self.protection),
         }
@@ -162,20 +195,37 @@ impl Node {
         columns: Arc<LiveColumns>,
         mut on: F,
     ) -> Result<impl Future<Output = ()> + use<F>, NodeError> {
-        let participant = self.context.domain_participant();
-        let (name, status) = self.topic(&qos::TWIN_STATUS)?;
+        let endpoint = &qos::TWIN_STATUS;
+        let status = self.resolved(endpoint)?;
+        let end = TopicEnd::Publisher;
+        let qos = self.overrides.apply(&status, end, &endpoint.qos);
+        let (own, listen): (GUID, Listen) = match &self.link {
+            Link::Dds { node, context } => {
+                let participant = context.domain_participant();
+                let topic = topic(node, &status, endpoint.type_name, &qos.profile())?;
+                let listen = move || statuses(&participant, &topic, &qos);
+                (context.domain_participant().guid(), Box::new(listen))
+            }
+            Link::Zenoh(node) => {
+                let (own, node, name) = (node.guid(), node.clone(), status.clone());
+                let profile = qos.profile();
+                let listen = move || {
+                    let heard = node.overheard(&name, endpoint.type_name, &profile)?;
+                    Ok(heard.boxed())
+                };
+                (own, Box::new(listen))
+            }
+        };
         let duplicates = Duplicates {
-            participant,
+            own,
             node: self.names.fully_qualified(),
             status,
-            qos: self
-                .overrides
-                .apply(&name, TopicEnd::Publisher, &qos::TWIN_STATUS.qos),
+            listen,
             columns,
         };
         let (mut on_writer, compare) = duplicates.watch();
         let follow = self.events(move |discovered| {
-            if let Discovered::Writer(writer) = &discovered {
+            if let Discovered::Writer(writer) = discovered {
                 on_writer(writer);
             }
             on(discovered);
@@ -190,61 +240,65 @@ impl Node {
     pub(super) fn other_topics(&self, endpoint: &Endpoint, known: &str) -> Vec<String> {
         let (package, type_name) = endpoint.package_and_type();
         let dds_type = format!("{package}::msg::dds_::{type_name}_");
-        let discovered = self.context.discovered_topics().into_iter();
-        let names: BTreeSet<String> = discovered
-            .filter(|topic| topic.type_name == dds_type)
-            .map(|topic| {
-                topic
-                    .name
-                    .strip_prefix("rt")
-                    .unwrap_or(&topic.name)
-                    .to_owned()
-            })
-            .filter(|name| name != known)
-            .collect();
-        names.into_iter().collect()
+        let names: BTreeSet<String> = match &self.link {
+            Link::Dds { context, .. } => {
+                let discovered = context.discovered_topics().into_iter();
+                let topics = discovered.filter(|topic| topic.type_name == dds_type);
+                let bare =
+                    |name: String| name.strip_prefix("rt").map_or(name.clone(), str::to_owned);
+                topics.map(|topic| bare(topic.name)).collect()
+            }
+            Link::Zenoh(node) => node.topics_of(&dds_type).collect(),
+        };
+        names.into_iter().filter(|name| name != known).collect()
     }
 
     /// A publisher of an endpoint of the table.
     ///
     /// # Errors
-    /// The name is invalid, or RustDDS cannot create the endpoint.
+    /// The name is invalid, or the endpoint cannot be created.
     pub fn publisher<M: Serialize>(
         &mut self,
         endpoint: &Endpoint,
     ) -> Result<Publisher<M>, NodeError> {
-        let (name, topic) = self.topic(endpoint)?;
-        let qos = self
-            .overrides
-            .apply(&name, TopicEnd::Publisher, &endpoint.qos);
-        let publisher = self
-            .node
-            .create_publisher(&topic, Some(qos.profile()))
-            .map_err(|error| not_created(&name, &error))?;
-        self.matches.name(publisher.guid(), &name);
-        Ok(publisher)
+        let name = self.resolved(endpoint)?;
+        let end = TopicEnd::Publisher;
+        let qos = self.overrides.apply(&name, end, &endpoint.qos).profile();
+        self.publisher_of(&name, endpoint.type_name, None, qos)
     }
 
-    /// A publisher of encoded messages on a topic given by its full name.
+    /// A publisher of encoded messages on a topic given by its full name. `hash` is the hash of the type where it is recorded.
     ///
     /// # Errors
-    /// The name is invalid, or RustDDS cannot create the endpoint.
+    /// The name is invalid, or the endpoint cannot be created.
     pub fn raw_publisher(
         &mut self,
         full_name: &str,
         type_name: &str,
+        hash: Option<&str>,
         qos: QosProfile,
     ) -> Result<Publisher<Raw>, NodeError> {
-        let name = Name::parse(full_name).map_err(|error| not_created(full_name, &error))?;
-        let (package, bare) = package_and_type(type_name);
-        let topic = self
-            .node
-            .create_topic(&name, MessageTypeName::new(package, bare), &qos)
-            .map_err(|error| not_created(full_name, &error))?;
-        let publisher = self
-            .node
-            .create_publisher(&topic, Some(qos))
-            .map_err(|error| not_created(full_name, &error))?;
+        self.publisher_of(full_name, type_name, hash, qos)
+    }
+
+    fn publisher_of<M: Serialize>(
+        &mut self,
+        full_name: &str,
+        type_name: &str,
+        hash: Option<&str>,
+        qos: QosProfile,
+    ) -> Result<Publisher<M>, NodeError> {
+        let publisher = match &mut self.link {
+            Link::Dds { node, .. } => {
+                let topic = topic(node, full_name, type_name, &qos)?;
+                let publisher = node.create_publisher(&topic, Some(qos));
+                publisher.map(Publisher::Dds).map_err(|it| it.to_string())
+            }
+            Link::Zenoh(node) => node
+                .publisher(full_name, type_name, hash, &qos)
+                .map(Publisher::Zenoh),
+        };
+        let publisher = publisher.map_err(|error| not_created(full_name, &error))?;
         self.matches.name(publisher.guid(), full_name);
         Ok(publisher)
     }
@@ -252,27 +306,19 @@ impl Node {
     /// A subscription of an endpoint of the table.
     ///
     /// # Errors
-    /// The name is invalid, or RustDDS cannot create the endpoint.
+    /// The name is invalid, or the endpoint cannot be created.
     pub fn subscription<M: DeserializeOwned + 'static>(
         &mut self,
         endpoint: &Endpoint,
     ) -> Result<Subscription<M>, NodeError> {
-        let (name, topic) = self.topic(endpoint)?;
-        let qos = self
-            .overrides
-            .apply(&name, TopicEnd::Subscription, &endpoint.qos);
-        let subscription = self
-            .node
-            .create_subscription(&topic, Some(qos.profile()))
-            .map_err(|error| not_created(&name, &error))?;
-        self.matches.name(subscription.guid(), &name);
-        Ok(subscription)
+        let name = self.resolved(endpoint)?;
+        self.subscribed(&name, endpoint.type_name, &endpoint.qos)
     }
 
     /// A subscription of a topic that parameters name, with this type.
     ///
     /// # Errors
-    /// The name is invalid, or RustDDS cannot create the endpoint.
+    /// The name is invalid, or the endpoint cannot be created.
     pub fn subscription_of<M: DeserializeOwned + 'static>(
         &mut self,
         topic: &str,
@@ -280,25 +326,37 @@ impl Node {
         qos: &Qos,
     ) -> Result<Subscription<M>, NodeError> {
         let full = self.names.resolve(NameKind::Topic, topic)?;
-        let qos = self.overrides.apply(&full, TopicEnd::Subscription, qos);
-        let name = Name::parse(&full).map_err(|error| not_created(&full, &error))?;
-        let (package, bare) = package_and_type(type_name);
-        let topic = self
-            .node
-            .create_topic(&name, MessageTypeName::new(package, bare), &qos.profile())
-            .map_err(|error| not_created(&full, &error))?;
-        let subscription = self
-            .node
-            .create_subscription(&topic, Some(qos.profile()))
-            .map_err(|error| not_created(&full, &error))?;
-        self.matches.name(subscription.guid(), &full);
+        self.subscribed(&full, type_name, qos)
+    }
+
+    fn subscribed<M: DeserializeOwned + 'static>(
+        &mut self,
+        full_name: &str,
+        type_name: &str,
+        qos: &Qos,
+    ) -> Result<Subscription<M>, NodeError> {
+        let end = TopicEnd::Subscription;
+        let qos = self.overrides.apply(full_name, end, qos).profile();
+        let subscription = match &mut self.link {
+            Link::Dds { node, .. } => {
+                let topic = topic(node, full_name, type_name, &qos)?;
+                let subscription = node.create_subscription(&topic, Some(qos));
+                let subscription = subscription.map_err(|it| it.to_string());
+                subscription.map(Subscription::Dds)
+            }
+            Link::Zenoh(node) => node
+                .subscription(full_name, type_name, &qos)
+                .map(Subscription::Zenoh),
+        };
+        let subscription = subscription.map_err(|error| not_created(full_name, &error))?;
+        self.matches.name(subscription.guid(), full_name);
         Ok(subscription)
     }
 
     /// A server of a service of the table.
     ///
     /// # Errors
-    /// The name is invalid, or RustDDS cannot create the endpoint.
+    /// The name is invalid, or the endpoint cannot be created.
     pub fn server<Request, Response>(
         &mut self,
         endpoint: &Endpoint,
@@ -307,24 +365,31 @@ impl Node {
         Request: ros2_client::Message + Clone + 'static,
         Response: ros2_client::Message + 'static,
     {
-        let (full, name) = self.resolved(endpoint)?;
-        let (package, type_name) = endpoint.package_and_type();
-        self.node
-            .create_server(
-                // The mapping of Fast DDS; clients on Cyclone DDS, such as the bridge to Zenoh, are answered in theirs.
-                ServiceMapping::Enhanced,
-                &name,
-                &ServiceTypeName::new(package, type_name),
-                endpoint.qos.profile(),
-                endpoint.qos.profile(),
-            )
-            .map_err(|error| not_created(&full, &error))
+        let full = self.resolved(endpoint)?;
+        let qos = endpoint.qos.profile();
+        let server = match &mut self.link {
+            Link::Dds { node, .. } => node
+                .create_server(
+                    // The mapping of Fast DDS; clients on Cyclone DDS, such as the bridge to Zenoh, are answered in theirs.
+                    ServiceMapping::Enhanced,
+                    &parsed(&full)?,
+                    &service_type(endpoint),
+                    qos.clone(),
+                    qos,
+                )
+                .map(Server::Dds)
+                .map_err(|it| it.to_string()),
+            Link::Zenoh(node) => node
+                .server(&full, endpoint.type_name, &qos)
+                .map(Server::Zenoh),
+        };
+        server.map_err(|error| not_created(&full, &error))
     }
 
-    /// A client of a service of the table.
+    /// A client of a service of the table, over DDS.
     ///
     /// # Errors
-    /// The name is invalid, or RustDDS cannot create the endpoint.
+    /// The name is invalid, or the endpoint cannot be created.
     pub fn client<Request, Response>(
         &mut self,
         endpoint: &Endpoint,
@@ -333,44 +398,78 @@ impl Node {
         Request: ros2_client::Message + Clone + 'static,
         Response: ros2_client::Message + 'static,
     {
-        let (full, name) = self.resolved(endpoint)?;
-        let (package, type_name) = endpoint.package_and_type();
-        self.node
-            .create_client(
-                ServiceMapping::Enhanced,
-                &name,
-                &ServiceTypeName::new(package, type_name),
-                endpoint.qos.profile(),
-                endpoint.qos.profile(),
-            )
-            .map_err(|error| not_created(&full, &error))
+        let full = self.resolved(endpoint)?;
+        let Link::Dds { node, .. } = &mut self.link else {
+            return Err(not_created(
+                &full,
+                &"clients of services exist over DDS only",
+            ));
+        };
+        node.create_client(
+            ServiceMapping::Enhanced,
+            &parsed(&full)?,
+            &service_type(endpoint),
+            endpoint.qos.profile(),
+            endpoint.qos.profile(),
+        )
+        .map_err(|error| not_created(&full, &error))
     }
 
-    fn topic(&self, endpoint: &Endpoint) -> Result<(String, rustdds::Topic), NodeError> {
-        let (full, name) = self.resolved(endpoint)?;
-        let (package, type_name) = endpoint.package_and_type();
-        let topic = self
-            .node
-            .create_topic(
-                &name,
-                MessageTypeName::new(package, type_name),
-                &endpoint.qos.profile(),
-            )
-            .map_err(|error| not_created(&full, &error))?;
-        Ok((full, topic))
+    /// Full name after remapping.
+    fn resolved(&self, endpoint: &Endpoint) -> Result<String, NodeError> {
+        Ok(self.names.resolve(endpoint.kind(), endpoint.name)?)
     }
+}
 
-    /// Full name after remapping, as text and as ros2-client wants it.
-    fn resolved(&self, endpoint: &Endpoint) -> Result<(String, Name), NodeError> {
-        let full = self.names.resolve(endpoint.kind(), endpoint.name)?;
-        let name = Name::parse(&full).map_err(|error| not_created(&full, &error))?;
-        Ok((full, name))
+/// A full name as ros2-client wants it.
+fn parsed(full_name: &str) -> Result<Name, NodeError> {
+    Name::parse(full_name).map_err(|error| not_created(full_name, &error))
+}
+
+fn service_type(endpoint: &Endpoint) -> ServiceTypeName {
+    let (package, type_name) = endpoint.package_and_type();
+    ServiceTypeName::new(package, type_name)
+}
+
+/// A topic of DDS.
+fn topic(
+    node: &ros2_client::Node,
+    full_name: &str,
+    type_name: &str,
+    qos: &QosProfile,
+) -> Result<rustdds::Topic, NodeError> {
+    let (package, bare) = package_and_type(type_name);
+    let type_name = MessageTypeName::new(package, bare);
+    node.create_topic(&parsed(full_name)?, type_name, qos)
+        .map_err(|error| not_created(full_name, &error))
+}
+
+/// Checks whether this program can use the transport that the environment asks for, without using it.
+///
+/// # Errors
+/// The program was built without it, its configuration cannot be read, or security is asked for that does not protect it.
+pub fn check_transport(environment: &Environment) -> Result<(), NodeError> {
+    match (environment.transport, environment.security.is_enabled) {
+        (Transport::Dds, _) => Ok(()),
+        (Transport::Zenoh, false) => check_zenoh(environment),
+        // Running unprotected would hide it.
+        (Transport::Zenoh, true) => Err(NodeError::Zenoh(
+            "ROS_SECURITY_ENABLE asks for DDS security, which does not protect Zenoh; unset it, and configure TLS and access control in \
+             the file of ZENOH_SESSION_CONFIG_URI, or use --transport dds"
+                .to_owned(),
+        )),
     }
+}
+
+/// What the nodes of a process share of their transport.
+enum Network {
+    Dds(Context),
+    Zenoh(ZenohSession),
 }
 
 /// Makes nodes that share a participant.
 pub(super) struct Siblings {
-    context: Context,
+    network: Network,
     matches: Arc<Matches>,
     protection: Arc<Protection>,
 }
@@ -385,31 +484,34 @@ impl Siblings {
     }
 
     fn named(&self, names: Names) -> Result<Node, NodeError> {
-        let not_created = |reason: String| NodeError::Endpoint {
-            what: names.fully_qualified(),
-            reason,
+        let link = match &self.network {
+            Network::Dds(context) => node_of(context, &names).map(|node| Link::Dds {
+                node,
+                context: context.clone(),
+            }),
+            Network::Zenoh(session) => session.node(&names).map(Link::Zenoh),
         };
-        let name = NodeName::new(names.namespace(), names.node())
-            .map_err(|error| not_created(error.to_string()))?;
-        // This crate has its own log messages and parameter services: those of ros2-client support neither descriptions
-        // nor ranges nor sets that are valid only as a whole. A node has one publisher of `/parameter_events`.
-        let options = NodeOptions::new()
-            .enable_rosout(false)
-            .start_parameter_services(false)
-            .publish_parameter_events(false);
-        let node = self
-            .context
-            .new_node(name, options)
-            .map_err(|error| not_created(error.to_string()))?;
         Ok(Node {
-            node,
-            context: self.context.clone(),
+            link: link.map_err(|reason| not_created(&names.fully_qualified(), &reason))?,
             names,
             matches: Arc::clone(&self.matches),
             protection: Arc::clone(&self.protection),
             overrides: QosOverrides::default(),
         })
     }
+}
+
+/// A node of DDS.
+fn node_of(context: &Context, names: &Names) -> Result<ros2_client::Node, String> {
+    let name = NodeName::new(names.namespace(), names.node()).map_err(|error| error.to_string())?;
+    // This crate has its own log messages and parameter services: those of ros2-client support neither descriptions
+    // nor ranges nor sets that are valid only as a whole. A node has one publisher of `/parameter_events`.
+    let options = NodeOptions::new()
+        .enable_rosout(false)
+        .start_parameter_services(false)
+        .publish_parameter_events(false);
+    let node = context.new_node(name, options);
+    node.map_err(|error| error.to_string())
 }
 
 fn not_created(what: &str, reason: &impl ToString) -> NodeError {

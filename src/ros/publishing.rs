@@ -6,8 +6,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use ros2_client::Publisher;
-
 use crate::live::OutputSource;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
@@ -34,6 +32,7 @@ use super::qos;
 use super::raw::Raw;
 use super::security::{Peers, Protection};
 use super::sending::{Sending, encoded};
+use super::transport::Publisher;
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use futures::{StreamExt, pin_mut};
-use ros2_client::{Gid, MessageInfo, Subscription};
+use ros2_client::{Gid, MessageInfo};
 
 use crate::messages::cdr;
 use crate::outgoing::RecordingTap;
@@ -17,6 +17,7 @@ use super::live_columns::LiveColumns;
 use super::missed::Missed;
 use super::qos::Endpoint;
 use super::senders::{Rejected, Senders};
+use super::transport::Subscription;
 
 /// Most characters of an identifier that a log names before it was checked.
 const MAX_NAMED_CHARS: usize = 64;

@@ -19,6 +19,7 @@ use super::qos;
 use super::signals::StopSignals;
 use super::subscribed::{SHOWN_QUEUE, Search, next, pass, wait_until};
 use super::task::Task;
+use super::transport::Subscription;
 
 /// A vehicle that hits several columns.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +52,7 @@ pub fn send_row_impact(
     let publisher = node.publisher(&qos::ROW_IMPACT_EVENT)?;
     let forecasts = Some(node.subscription::<ImpactReport>(&qos::IMPACT_FORECAST)?);
     let mut endpoints = vec![publisher.guid()];
-    endpoints.extend(forecasts.as_ref().map(ros2_client::Subscription::guid));
+    endpoints.extend(forecasts.as_ref().map(Subscription::guid));
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let events = node.participant_events();
     let task = Task::start("column_twin/see", move || async move {

@@ -22,10 +22,10 @@ use super::NODE_NAME;
 use super::address_space::{TooLittleAddressSpace, check_address_space};
 use super::arguments::RosArguments;
 use super::dds_threads::DdsThreads;
-use super::environment::{DiscoveryRange, Environment};
+use super::environment::{DiscoveryRange, Environment, Transport};
 use super::live_columns::{LiveColumns, StartError};
 use super::names::{NameError, Names};
-use super::node::NodeError;
+use super::node::{NodeError, check_transport};
 use super::qos::check_types;
 use super::qos_overrides::{OverrideError, check_overrides};
 use super::rosout::start_logging;
@@ -198,7 +198,10 @@ fn run_loaded(
     });
     // Before anything starts or is written.
     check_address_space()?;
-    protection(&environment.security, environment.domain_id)?;
+    check_transport(environment)?;
+    if environment.transport == Transport::Dds {
+        protection(&environment.security, environment.domain_id)?;
+    }
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
     for warning in &environment.warnings {
@@ -235,9 +238,10 @@ fn run_loaded(
         ..StartOptions::default()
     };
     let node = TwinNode::start_with(environment, names, live, outputs, log, tap, start)?;
-    let reach = match environment.discovery_range {
-        DiscoveryRange::Localhost => "this machine only",
-        DiscoveryRange::Subnet => "every network of this machine",
+    let reach = match (environment.transport, environment.discovery_range) {
+        (Transport::Zenoh, _) => "over Zenoh",
+        (Transport::Dds, DiscoveryRange::Localhost) => "on this machine only",
+        (Transport::Dds, DiscoveryRange::Subnet) => "on every network of this machine",
     };
     let what = match columns.face().is_fleet() {
         false => String::new(),
@@ -252,7 +256,7 @@ fn run_loaded(
         false => "",
     };
     tracing::info!(
-        "{} is ready in domain {}, on {reach}{what}{state}",
+        "{} is ready in domain {}, {reach}{what}{state}",
         node.names(),
         environment.domain_id
     );

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use ros2_client::Publisher;
-
 use crate::endpoints::Endpoint;
 use crate::messages::cdr::CdrError;
 use crate::messages::column_twin_msgs::TwinStatus;
@@ -14,6 +12,7 @@ use super::live_columns::{Health, LiveColumns};
 use super::metrics::FoxgloveCounts;
 use super::qos;
 use super::raw::Raw;
+use super::transport::Publisher;
 
 /// The topics that show the columns at rest as well, again and again. The others tell what follows from an impact.
 const SHOWN_AT_REST: [&str; 4] = [

@@ -4,7 +4,6 @@ use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
 use futures::{StreamExt, join, pin_mut};
-use ros2_client::Subscription;
 use rustdds::GUID;
 
 use crate::messages::column_twin_msgs::{
@@ -18,6 +17,7 @@ use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::qos::{self, Endpoint};
 use super::signals::StopSignals;
+use super::transport::Subscription;
 
 /// Maximum number of messages that wait to be shown; further ones are dropped.
 pub(super) const SHOWN_QUEUE: usize = 1024;

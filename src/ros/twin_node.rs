@@ -17,7 +17,6 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use futures::future::Either;
-use ros2_client::Publisher;
 
 use crate::fleet::LINGER;
 use crate::live::{OutputSource, RealTime, Waker, request_for_publisher};
@@ -55,6 +54,7 @@ use super::rosout::{LogEnd, RosoutQueue};
 use super::senders::{Identities, Senders};
 use super::sending::Sending;
 use super::task::{Task, spawn};
+use super::transport::Publisher;
 
 /// How a node starts.
 pub struct StartOptions {

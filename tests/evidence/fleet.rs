@@ -20,9 +20,8 @@ use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
 use column_twin::ros::qos::{Endpoint, Qos};
-use column_twin::ros::{LiveColumns, Names, Node, TwinNode, qos};
+use column_twin::ros::{LiveColumns, Names, Node, Publisher, TwinNode, qos};
 use column_twin::twin::Command;
-use ros2_client::Publisher;
 use serde::de::DeserializeOwned;
 use tempfile::TempDir;
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use column_twin::endpoints::Qos;
 use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::ros::Subscription;
 use column_twin::ros::qos::{self, Endpoint};
-use ros2_client::Subscription;
 use serde::de::DeserializeOwned;
 
 use super::domain::{Domain, PATIENCE};

@@ -7,8 +7,7 @@ use std::process::Command as Process;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
-use column_twin::ros::{Node, qos};
-use ros2_client::Publisher;
+use column_twin::ros::{Node, Publisher, qos};
 
 use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};

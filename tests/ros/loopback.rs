@@ -10,9 +10,8 @@ use column_twin::messages::column_twin_msgs::{ColumnState, ImpactEvent, ImpactRe
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::Value;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{ImpactOptions, ImpactOutcome, ImpactRequest, Node, send_impact};
+use column_twin::ros::{ImpactOptions, ImpactOutcome, ImpactRequest, Node, Publisher, send_impact};
 use futures::future::{AbortHandle, Abortable};
-use ros2_client::Publisher;
 use rustdds::GUID;
 use serde::Serialize;
 

@@ -5,10 +5,9 @@ use std::time::{Duration, Instant};
 use column_twin::endpoints::Qos;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin_msgs::{ImpactReport, TwinStatus};
-use column_twin::ros::Node;
 use column_twin::ros::qos::{self, Endpoint};
+use column_twin::ros::{Node, Publisher};
 use futures::future::{AbortHandle, Abortable};
-use ros2_client::Publisher;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -6,6 +6,7 @@
 
 use byteorder::{BigEndian, LittleEndian};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::interface::Message;
 
@@ -84,23 +85,25 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, CdrError> {
 /// # Errors
 /// As [`encode`].
 pub fn encode_as<M: Message, Foreign: Serialize>(message: &Foreign) -> Result<Vec<u8>, CdrError> {
-    let mut bytes = Vec::new();
-    write::<M, Foreign>(&mut bytes, message)?;
-    Ok(bytes)
+    encode_named(message, || M::INTERFACE.ros_name())
 }
 
-fn write<M: Message, Content: Serialize>(
-    bytes: &mut Vec<u8>,
+/// The bytes of a message whose type only its sender knows; `name` is what an error calls it.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_named<Content: Serialize>(
     message: &Content,
-) -> Result<(), CdrError> {
-    bytes.clear();
-    bytes.extend_from_slice(&LITTLE_ENDIAN);
-    cdr_encoding::to_writer::<_, LittleEndian, _>(bytes, message).map_err(|source| {
-        CdrError::Write {
-            message: M::INTERFACE.ros_name(),
+    name: impl FnOnce() -> String,
+) -> Result<Vec<u8>, CdrError> {
+    let mut bytes = LITTLE_ENDIAN.to_vec();
+    match cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, message) {
+        Ok(()) => Ok(bytes),
+        Err(source) => Err(CdrError::Write {
+            message: name(),
             source,
-        }
-    })
+        }),
+    }
 }
 
 /// Reads a message from `bytes`, which begin with the encapsulation header; either byte order.
@@ -111,7 +114,17 @@ fn write<M: Message, Content: Serialize>(
 /// # Errors
 /// The bytes are too few, too many (beyond padding), or not a message of this type.
 pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, CdrError> {
-    let name = || M::INTERFACE.ros_name();
+    decode_named(bytes, || M::INTERFACE.ros_name())
+}
+
+/// Reads a message whose type only its receiver knows, as [`decode`]; `name` is what an error calls it.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_named<M: DeserializeOwned>(
+    bytes: &[u8],
+    name: impl Fn() -> String,
+) -> Result<M, CdrError> {
     let Some((header, content)) = bytes.split_first_chunk::<HEADER_LENGTH>() else {
         return Err(CdrError::NoHeader {
             message: name(),

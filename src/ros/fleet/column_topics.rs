@@ -10,7 +10,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use ros2_client::Publisher;
 use rustdds::GUID;
 
 use crate::fleet::{Demand, DemandChange, MAX_OPEN_COLUMNS};
@@ -23,6 +22,7 @@ use crate::ros::matches::Discovered;
 use crate::ros::node::{Node, NodeError, Siblings};
 use crate::ros::raw::Raw;
 use crate::ros::task::spawn;
+use crate::ros::transport::Publisher;
 
 /// The name of the node to which the topics of a column belong, in the namespace of the column. It has no services, so it is not
 /// that of the node of a single twin.
@@ -153,7 +153,7 @@ impl Shared {
         let has_changed = match discovered {
             Discovered::Writer(_) => false,
             Discovered::Reader(reader) => self
-                .column_of(&reader.topic_name)
+                .column_of(reader.topic_name)
                 .is_some_and(|column| self.demand().joined(reader.guid, column)),
             Discovered::ReaderLost(guid) => self.demand().left(|it| it == guid, now),
             Discovered::ParticipantLost(prefix) => {

@@ -6,8 +6,6 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-use ros2_client::Publisher;
-
 use crate::endpoints::Endpoint;
 use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::messages::builtin_interfaces::Time;
@@ -27,6 +25,7 @@ use crate::ros::notice_log::log;
 use crate::ros::qos;
 use crate::ros::raw::Raw;
 use crate::ros::sending::{Sending, encoded};
+use crate::ros::transport::Publisher;
 use crate::twin::{Output, Status};
 
 use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};

@@ -14,7 +14,6 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ros2_client::Publisher;
 use ros2_client::qos::{Durability, History, Liveliness, QosProfile, Reliability, WhenFull};
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
@@ -30,6 +29,7 @@ use super::qos;
 use super::raw::Raw;
 use super::signals::StopSignals;
 use super::task::Task;
+use super::transport::Publisher;
 use crate::endpoints::{self, ENDPOINTS};
 use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
@@ -274,7 +274,12 @@ fn channels(
         .into_iter()
         .map(|(_, topic)| {
             let resolved = node.names().resolve(NameKind::Topic, &topic.name)?;
-            let publisher = node.raw_publisher(&resolved, &topic.type_name, profile(topic))?;
+            let publisher = node.raw_publisher(
+                &resolved,
+                &topic.type_name,
+                topic.metadata.get("topic_type_hash").map(String::as_str),
+                profile(topic),
+            )?;
             Ok(Channel {
                 recorded: Arc::clone(&topic.name),
                 resolved,
