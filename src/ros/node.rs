@@ -88,6 +88,7 @@ pub struct Node {
 }
 
 /// The node on its transport.
+#[allow(clippy::large_enum_variant)] // a node has one
 enum Link {
     Dds {
         // Dropped in this order: the node unregisters through the context's participant.

@@ -24,6 +24,7 @@ impl TransportError {
 }
 
 /// Publishes messages on a topic.
+#[allow(clippy::large_enum_variant)] // few exist, and none moves once it does
 pub enum Publisher<M: Serialize> {
     /// Over DDS.
     Dds(ros2_client::Publisher<M>),
@@ -54,6 +55,7 @@ impl<M: Serialize> Publisher<M> {
 }
 
 /// Receives the messages of a topic.
+#[allow(clippy::large_enum_variant)] // few exist, and none moves once it does
 pub enum Subscription<M> {
     /// Over DDS.
     Dds(ros2_client::Subscription<M>),
@@ -95,6 +97,7 @@ impl<M: DeserializeOwned + 'static> Subscription<M> {
 }
 
 /// Answers the requests of a service.
+#[allow(clippy::large_enum_variant)] // few exist, and none moves once it does
 pub enum Server<Request: Message, Response: Message> {
     /// Over DDS.
     Dds(ros2_client::Server<Request, Response>),
