@@ -33,6 +33,12 @@ pub const VELOCITY_OPEN_BEYOND: f64 = 3.5;
 /// The same of the momentum.
 pub const MOMENTUM_OPEN_BEYOND: f64 = 8.0;
 
+/// Probability of a collapse from which on an estimate tells it \[A\].
+pub const COLLAPSE_TOLD_FROM: f64 = 0.9;
+
+/// The same from which on a collapse is open \[A\]: it cannot be excluded, and is not told yet.
+const COLLAPSE_OPEN_FROM: f64 = 0.01;
+
 /// Probability outside of an interval, on each side.
 const TAIL: f64 = 0.05;
 
@@ -181,6 +187,17 @@ pub struct ImpactEstimate {
 }
 
 impl ImpactEstimate {
+    /// Whether it tells that the column collapses or is fractured: the probability is [`COLLAPSE_TOLD_FROM`] or more.
+    #[must_use]
+    pub fn tells_collapse(&self) -> bool {
+        self.collapsed >= COLLAPSE_TOLD_FROM
+    }
+
+    /// Whether more data may soon show a collapse, or exclude it.
+    pub(crate) fn leaves_collapse_open(&self) -> bool {
+        (COLLAPSE_OPEN_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
+    }
+
     /// Quantities of the vehicle that the data do not tell, by their names: `mass`, `velocity`, `momentum`. Their intervals are wider
     /// than about half of those before anything is measured.
     #[must_use]

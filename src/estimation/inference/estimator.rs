@@ -25,6 +25,9 @@ pub const UPDATE_INSTANTS: [f64; 13] = [
     0.005, 0.010, 0.015, 0.020, 0.030, 0.050, 0.075, 0.100, 0.150, 0.200, 0.250, 0.300, 0.350,
 ];
 
+/// Time between two estimates while a collapse is open \[s\]: half of the 20 ms within which one has to be told.
+pub(crate) const COLLAPSE_PERIOD: f64 = 0.010;
+
 /// Prepared responses of a hypothesis whose front has a free stiffness, or whose mass is free.
 const WIDE_BANK: usize = 300;
 
