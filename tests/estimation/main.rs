@@ -6,6 +6,7 @@ mod detection;
 mod estimates;
 mod live;
 mod made_impacts;
+mod ranks;
 mod readings;
 mod signals;
 mod sway;

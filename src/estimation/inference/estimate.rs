@@ -101,17 +101,10 @@ impl CredibleInterval {
     /// The fewer they are, the less they show how far apart the values are that were not computed: each of them stands for a
     /// distribution about it that is wider by the variance of their mean.
     pub(crate) fn of_spread(mut values: Vec<Spread>, effective: f64) -> Self {
-        values.retain(|it| it.mean.is_finite() && it.weight > 0.0);
-        let sum = |of: &dyn Fn(&Spread) -> f64| values.iter().fold(0.0, |sum, it| sum + of(it));
-        let total = sum(&|it| it.weight);
-        let mean = sum(&|it| it.weight * it.mean) / total;
-        let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
-        let others = effective - 1.0;
-        let of_few = if others > 0.0 { variance / others } else { 0.0 };
-        let each = values.iter().flat_map(|it| {
-            let deviation = (it.deviation * it.deviation + of_few).sqrt();
-            QUANTILES.map(|z| (it.mean + deviation * z, it.weight))
-        });
+        widen(&mut values, effective);
+        let each = values
+            .iter()
+            .flat_map(|it| QUANTILES.map(|z| (it.mean + it.deviation * z, it.weight)));
         Self::of(each)
     }
 
@@ -140,6 +133,32 @@ impl CredibleInterval {
             / total;
         Self { mean, low, high }
     }
+}
+
+/// Lets each value stand for a distribution about it that is wider by the variance of the mean of all of them, of which so many are
+/// effective. Values that are not finite, or have no weight, are dropped.
+fn widen(values: &mut Vec<Spread>, effective: f64) {
+    values.retain(|it| it.mean.is_finite() && it.weight > 0.0);
+    let sum = |of: &dyn Fn(&Spread) -> f64| values.iter().fold(0.0, |sum, it| sum + of(it));
+    let total = sum(&|it| it.weight);
+    let mean = sum(&|it| it.weight * it.mean) / total;
+    let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
+    let others = effective - 1.0;
+    let of_few = if others > 0.0 { variance / others } else { 0.0 };
+    for value in values {
+        value.deviation = (value.deviation * value.deviation + of_few).sqrt();
+    }
+}
+
+/// The share of the distribution of [`CredibleInterval::of_spread`] that is below a number; NaN without any value.
+pub(crate) fn share_below(mut values: Vec<Spread>, effective: f64, number: f64) -> f64 {
+    widen(&mut values, effective);
+    let total = values.iter().fold(0.0, |sum, it| sum + it.weight);
+    let each = values.iter().map(|it| {
+        let z = (number - it.mean) / it.deviation;
+        it.weight * 0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
+    });
+    each.fold(0.0, |sum, it| sum + it) / total
 }
 
 /// What struck the column and how it ends, by the data up to an instant.

@@ -117,9 +117,9 @@ pub struct Estimator {
     parameters: Parameters,
     pub(super) population: Population,
     pub(super) sensors: Vec<Sensor>,
-    yield_strain: f64,
+    pub(super) yield_strain: f64,
     /// Period of the column's first transverse mode \[s\].
-    period: f64,
+    pub(super) period: f64,
     /// Mass that the model has there \[kg\].
     pub(super) impact_point_mass: f64,
     undamaged: UndamagedCapacities,
