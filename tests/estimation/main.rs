@@ -4,6 +4,7 @@ mod beam_signals;
 mod collapses;
 mod detection;
 mod estimates;
+mod lies;
 mod live;
 mod made_impacts;
 mod ranks;
