@@ -210,6 +210,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
         "capacity_ratio": interval(&estimate.capacity_ratio),
         "yielded": estimate.yielded,
         "collapsed": estimate.collapsed,
+        "collapse_told": estimate.tells_collapse(),
         "action": named(&mut estimate.action.iter().map(action)),
         "vehicle_probabilities": named(&mut estimate.vehicle_probabilities.iter().cloned()),
         "effective_sample_size": estimate.effective_sample_size,
@@ -248,6 +249,21 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             text,
             "The column was struck once more at {further:.3} s. The estimate rests on the readings before that; the second impact \
              is not estimated.\n"
+        );
+    }
+    if last.tells_collapse() {
+        let _ = write!(
+            text,
+            "The column collapses or is fractured with a probability of {:.0} %.",
+            100.0 * last.collapsed
+        );
+        // From the first estimate on after which none has taken it back.
+        let before = impact.estimates.iter().rposition(|it| !it.tells_collapse());
+        let first = &impact.estimates[before.map_or(0, |it| it + 1)];
+        let since = 1e3 * (first.data_until - detection.contact.time);
+        let _ = writeln!(
+            text,
+            " The readings have told it since {since:.0} ms after contact.\n"
         );
     }
     let not_known = |interval: &CredibleInterval, open_beyond: Option<f64>| {

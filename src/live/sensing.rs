@@ -184,6 +184,8 @@ struct Detected {
     has_begun: bool,
     /// Its impact has to wait, which was counted.
     has_waited: bool,
+    /// The impact whose last estimate has told a collapse, as it was said.
+    collapse_told: Option<Arc<str>>,
 }
 
 impl Detected {
@@ -389,12 +391,48 @@ impl Loop {
 
     fn deliver(&mut self, column: u32, record: EstimateRecord) {
         let (event_id, update) = (Arc::clone(&record.event_id), record.update);
+        self.tell_collapse(column, &record);
         if let Err(rejection) = (self.deliver.0)(column, record) {
             self.counters.lost.fetch_add(1, Ordering::Relaxed);
             let text =
                 format!("estimate {update} of {event_id} did not reach the twin: {rejection}");
             self.say(column, NoticeLevel::Error, text);
         }
+    }
+
+    /// Says when an estimate is the first one to tell a collapse, and when one takes that back.
+    fn tell_collapse(&mut self, column: u32, record: &EstimateRecord) {
+        let Some(detected) = self.columns.get_mut(&column) else {
+            return;
+        };
+        let EstimateRecord {
+            event_id, estimate, ..
+        } = record;
+        let was_told = detected.collapse_told.as_ref() == Some(event_id);
+        let is_told = estimate.tells_collapse();
+        if was_told == is_told {
+            return;
+        }
+        detected.collapse_told = is_told.then(|| Arc::clone(event_id));
+        let after = 1e3 * (estimate.data_until - estimate.contact_time.mean);
+        let percent = 100.0 * estimate.collapsed;
+        let (level, text) = match is_told {
+            true => (
+                NoticeLevel::Error,
+                format!(
+                    "the column collapses or is fractured with a probability of {percent:.0} %, by the readings until {after:.0} ms after \
+                     the contact of {event_id}: keep everybody away from it"
+                ),
+            ),
+            false => (
+                NoticeLevel::Warning,
+                format!(
+                    "the readings until {after:.0} ms after the contact of {event_id} no longer tell a collapse: its probability is \
+                     {percent:.0} %"
+                ),
+            ),
+        };
+        self.say(column, level, text);
     }
 
     /// Looks at columns that have changed.

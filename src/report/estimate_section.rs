@@ -70,6 +70,9 @@ pub(super) fn verdict(estimates: &[TimedEstimate<'_>]) -> Markup {
                 "; more severe with " (percent(worse))
             }
             p { strong { (instruction(*action)) } }
+            @if estimate.tells_collapse() {
+                p { strong { "The column collapses or is fractured." } }
+            }
             p {
                 "From the readings of the sensors: the column has yielded with a probability of " (percent(estimate.yielded))
                 ", and collapses or is fractured with " (percent(estimate.collapsed)) "."

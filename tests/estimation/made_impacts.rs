@@ -38,7 +38,7 @@ struct Case {
     estimates: Vec<ImpactEstimate>,
 }
 
-fn parameters([below, above]: [f64; 2]) -> Parameters {
+pub fn parameters([below, above]: [f64; 2]) -> Parameters {
     let overrides = [
         format!("geometry.length_below:={below:?}"),
         format!("geometry.length_above:={above:?}"),
@@ -49,7 +49,7 @@ fn parameters([below, above]: [f64; 2]) -> Parameters {
 }
 
 /// The column as it is.
-fn real_column(known: &ColumnProperties, normal: &mut Normal) -> ColumnProperties {
+pub fn real_column(known: &ColumnProperties, normal: &mut Normal) -> ColumnProperties {
     let [strength, stiffness, mass] = DEVIATIONS.map(|it| 1.0 + it * normal.next());
     ColumnProperties {
         resistance_moment: strength * known.resistance_moment,

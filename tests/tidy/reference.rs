@@ -295,6 +295,11 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "effective sample size below which an estimate is not `reliable`",
             ),
             (
+                "src/estimation/inference/estimate.rs",
+                "COLLAPSE_TOLD_FROM",
+                "probability of a collapse from which on an estimate tells it",
+            ),
+            (
                 "src/twin/damage_correction.rs",
                 "CORRECTION_FACTORS",
                 "range of the factor of `~/correct_damage`; outside, the correction is rejected",

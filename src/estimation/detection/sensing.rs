@@ -12,7 +12,7 @@ use crate::estimation::detection::detector::{Detection, Detector};
 use crate::estimation::detection::second_blow::SecondBlow;
 use crate::estimation::detection::sway::Sway;
 use crate::estimation::inference::estimate_record::EstimateRecord;
-use crate::estimation::inference::estimator::{Estimator, EstimatorError};
+use crate::estimation::inference::estimator::{COLLAPSE_PERIOD, Estimator, EstimatorError};
 use crate::estimation::inference::event_evidence::{EventEvidence, MAX_EVENTS};
 use crate::estimation::inference::hypothesis::hypotheses;
 use crate::estimation::inference::library::{Library, corrected_sensors, estimator_of};
@@ -24,7 +24,8 @@ use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
 use crate::time::Nanos;
 
-/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`].
+/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`]. While a collapse can neither be
+/// told nor be excluded, it is due every [`COLLAPSE_PERIOD`].
 const INSTANTS: [f64; 6] = [0.005, 0.010, 0.015, 0.020, 0.030, 0.050];
 
 /// Time between two estimates \[s\]: 20 Hz.
@@ -141,6 +142,8 @@ struct CurrentImpact {
     /// Number of the next estimate, and data of the last one \[s\].
     update: u32,
     until: f64,
+    /// The last estimate leaves a collapse open.
+    may_collapse: bool,
     /// No more data come.
     has_ended: bool,
     /// The next estimate is the final one.
@@ -496,6 +499,7 @@ impl Sensing {
             awaited: self.ends.iter().map(is_alive).collect(),
             update: 0,
             until: 0.0,
+            may_collapse: false,
             has_ended: false,
             is_complete: false,
             drawn_before: 0,
@@ -512,7 +516,8 @@ impl Sensing {
             return Work::Idle;
         };
         let available = impact.available(&self.ends);
-        let is_due = !impact.is_complete && (impact.has_ended || is_due(impact.until, available));
+        let is_due = !impact.is_complete
+            && (impact.has_ended || is_due(impact.until, impact.may_collapse, available));
         let estimator = Arc::make_mut(&mut self.estimator);
         match &mut impact.task {
             Task::Between(refinement) if is_due || (impact.is_complete && refinement.is_over()) => {
@@ -546,7 +551,7 @@ impl Sensing {
                 None => Work::Idle,
             },
             Task::Update(underway) => {
-                if self::is_due(underway.until, available) {
+                if self::is_due(underway.until, impact.may_collapse, available) {
                     underway.update.end_soon();
                 }
                 underway.update.step(estimator);
@@ -565,6 +570,7 @@ impl Sensing {
                     self.settle();
                 } else {
                     impact.until = record.estimate.data_until;
+                    impact.may_collapse = record.estimate.leaves_collapse_open();
                     impact.update += 1;
                     impact.is_complete = impact.has_ended || impact.until >= HORIZON;
                     let most = match impact.is_complete {
@@ -648,12 +654,18 @@ impl CurrentImpact {
     }
 }
 
-/// Whether an estimate with the data until `available` is worth it after one with those until `last` \[s\].
-fn is_due(last: f64, available: f64) -> bool {
+/// Whether an estimate with the data until `available` is worth it after one with those until `last` \[s\], which has left a collapse open
+/// or not.
+fn is_due(last: f64, may_collapse: bool, available: f64) -> bool {
     // Half a nanosecond for the round-off of times.
     let reached = available + 0.5 / NANOS;
     let next = INSTANTS.into_iter().find(|instant| *instant > last);
     let next = next.unwrap_or_else(|| PERIOD * ((last + 0.5 / NANOS) / PERIOD).floor() + PERIOD);
+    let next = if may_collapse {
+        next.min(last + COLLAPSE_PERIOD)
+    } else {
+        next
+    };
     last < HORIZON && reached >= next.min(HORIZON)
 }
 

@@ -55,3 +55,12 @@ impl Drawn {
         log
     }
 }
+
+/// The factor of the covariance of independent unknowns with these standard deviations.
+pub(super) fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
+    let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
+    for (k, row) in factor.iter_mut().enumerate() {
+        row[k] = deviation[k];
+    }
+    factor
+}

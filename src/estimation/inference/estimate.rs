@@ -33,6 +33,12 @@ pub const VELOCITY_OPEN_BEYOND: f64 = 3.5;
 /// The same of the momentum.
 pub const MOMENTUM_OPEN_BEYOND: f64 = 8.0;
 
+/// Probability of a collapse from which on an estimate tells it \[A\].
+pub const COLLAPSE_TOLD_FROM: f64 = 0.9;
+
+/// The same from which on a collapse is open \[A\]: it cannot be excluded, and is not told yet.
+const COLLAPSE_OPEN_FROM: f64 = 0.01;
+
 /// Probability outside of an interval, on each side.
 const TAIL: f64 = 0.05;
 
@@ -95,17 +101,10 @@ impl CredibleInterval {
     /// The fewer they are, the less they show how far apart the values are that were not computed: each of them stands for a
     /// distribution about it that is wider by the variance of their mean.
     pub(crate) fn of_spread(mut values: Vec<Spread>, effective: f64) -> Self {
-        values.retain(|it| it.mean.is_finite() && it.weight > 0.0);
-        let sum = |of: &dyn Fn(&Spread) -> f64| values.iter().fold(0.0, |sum, it| sum + of(it));
-        let total = sum(&|it| it.weight);
-        let mean = sum(&|it| it.weight * it.mean) / total;
-        let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
-        let others = effective - 1.0;
-        let of_few = if others > 0.0 { variance / others } else { 0.0 };
-        let each = values.iter().flat_map(|it| {
-            let deviation = (it.deviation * it.deviation + of_few).sqrt();
-            QUANTILES.map(|z| (it.mean + deviation * z, it.weight))
-        });
+        widen(&mut values, effective);
+        let each = values
+            .iter()
+            .flat_map(|it| QUANTILES.map(|z| (it.mean + it.deviation * z, it.weight)));
         Self::of(each)
     }
 
@@ -134,6 +133,32 @@ impl CredibleInterval {
             / total;
         Self { mean, low, high }
     }
+}
+
+/// Lets each value stand for a distribution about it that is wider by the variance of the mean of all of them, of which so many are
+/// effective. Values that are not finite, or have no weight, are dropped.
+fn widen(values: &mut Vec<Spread>, effective: f64) {
+    values.retain(|it| it.mean.is_finite() && it.weight > 0.0);
+    let sum = |of: &dyn Fn(&Spread) -> f64| values.iter().fold(0.0, |sum, it| sum + of(it));
+    let total = sum(&|it| it.weight);
+    let mean = sum(&|it| it.weight * it.mean) / total;
+    let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
+    let others = effective - 1.0;
+    let of_few = if others > 0.0 { variance / others } else { 0.0 };
+    for value in values {
+        value.deviation = (value.deviation * value.deviation + of_few).sqrt();
+    }
+}
+
+/// The share of the distribution of [`CredibleInterval::of_spread`] that is below a number; NaN without any value.
+pub(crate) fn share_below(mut values: Vec<Spread>, effective: f64, number: f64) -> f64 {
+    widen(&mut values, effective);
+    let total = values.iter().fold(0.0, |sum, it| sum + it.weight);
+    let each = values.iter().map(|it| {
+        let z = (number - it.mean) / it.deviation;
+        it.weight * 0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
+    });
+    each.fold(0.0, |sum, it| sum + it) / total
 }
 
 /// What struck the column and how it ends, by the data up to an instant.
@@ -176,11 +201,22 @@ pub struct ImpactEstimate {
     #[serde(with = "exact_number")]
     pub effective_sample_size: f64,
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
-    /// read. They do not count, unless several are equally suspicious.
+    /// read. They do not count, unless several are equally suspicious or only their scale is in doubt.
     pub doubtful_sensors: Vec<String>,
 }
 
 impl ImpactEstimate {
+    /// Whether it tells that the column collapses or is fractured: the probability is [`COLLAPSE_TOLD_FROM`] or more.
+    #[must_use]
+    pub fn tells_collapse(&self) -> bool {
+        self.collapsed >= COLLAPSE_TOLD_FROM
+    }
+
+    /// Whether more data may soon show a collapse, or exclude it.
+    pub(crate) fn leaves_collapse_open(&self) -> bool {
+        (COLLAPSE_OPEN_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
+    }
+
     /// Quantities of the vehicle that the data do not tell, by their names: `mass`, `velocity`, `momentum`. Their intervals are wider
     /// than about half of those before anything is measured.
     #[must_use]

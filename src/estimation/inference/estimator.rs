@@ -25,6 +25,9 @@ pub const UPDATE_INSTANTS: [f64; 13] = [
     0.005, 0.010, 0.015, 0.020, 0.030, 0.050, 0.075, 0.100, 0.150, 0.200, 0.250, 0.300, 0.350,
 ];
 
+/// Time between two estimates while a collapse is open \[s\]: half of the 20 ms within which one has to be told.
+pub(crate) const COLLAPSE_PERIOD: f64 = 0.010;
+
 /// Prepared responses of a hypothesis whose front has a free stiffness, or whose mass is free.
 const WIDE_BANK: usize = 300;
 
@@ -114,9 +117,9 @@ pub struct Estimator {
     parameters: Parameters,
     pub(super) population: Population,
     pub(super) sensors: Vec<Sensor>,
-    yield_strain: f64,
+    pub(super) yield_strain: f64,
     /// Period of the column's first transverse mode \[s\].
-    period: f64,
+    pub(super) period: f64,
     /// Mass that the model has there \[kg\].
     pub(super) impact_point_mass: f64,
     undamaged: UndamagedCapacities,
@@ -369,12 +372,13 @@ impl Estimator {
         self.population.weigh();
     }
 
-    /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
-    /// or because some did not count so far.
+    /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all or the
+    /// scale of one may be wrong, or because some were in doubt so far.
     pub(crate) fn has_doubts(&self) -> bool {
         self.doubtful.contains(&true)
             || self.population.temperature() > 1.0
             || !self.population.explains_all()
+            || self.population.has_suspicious_scale()
     }
 
     /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be

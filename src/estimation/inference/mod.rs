@@ -4,6 +4,7 @@
 //
 // - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
+// - conceivable.rs: Impacts as the estimator conceives them, and what its sensors read of them by its own model of all errors
 // - contradiction.rs: Sensors that contradict each other
 // - drawn.rs: A normal distribution from which members of one hypothesis were drawn
 // - estimate.rs: An estimate: what struck the column and how it ends, with its uncertainty
@@ -29,6 +30,7 @@
 
 pub(super) mod blocks;
 pub(super) mod comparison;
+pub(super) mod conceivable;
 pub(super) mod contradiction;
 pub(super) mod drawn;
 pub(super) mod estimate;

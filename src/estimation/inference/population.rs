@@ -10,9 +10,9 @@ use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
-    Contradictions, contradictions, explains_all, largest,
+    Contradictions, contradictions, explains_all, is_scale_suspicious, largest,
 };
-use crate::estimation::inference::drawn::Drawn;
+use crate::estimation::inference::drawn::{Drawn, independent};
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::{Front, Hypothesis, OF_ONE_FACTOR, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
@@ -170,6 +170,11 @@ impl Population {
             weighing: None,
             prepared: (0, 0, Random::new(seed)),
         }
+    }
+
+    /// The column at rest.
+    pub fn column(&self) -> &StandingColumn {
+        &self.column
     }
 
     /// The properties of the column.
@@ -584,6 +589,11 @@ impl Population {
         explains_all(&self.members, &self.observed, &self.sensors)
     }
 
+    /// See [`is_scale_suspicious`].
+    pub fn has_suspicious_scale(&self) -> bool {
+        is_scale_suspicious(&self.members, &self.weights(), &self.sensors, &self.ignored)
+    }
+
     /// See [`contradictions`]; all members have to be weighed with all data.
     pub fn contradictions(&self) -> Contradictions {
         contradictions(&self.members, &self.observed, &self.sensors)
@@ -665,13 +675,4 @@ fn follow(member: &mut Member, drawn: &[Drawn]) {
         .map(|it| libm::log(it.count) + it.log_density(&member.unknowns));
     member.log_drawn = log_sum(std::iter::once(member.log_drawn).chain(densities));
     member.known_drawn = drawn.len();
-}
-
-/// The factor of the covariance of independent unknowns with these standard deviations.
-fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
-    let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
-    for (k, row) in factor.iter_mut().enumerate() {
-        row[k] = deviation[k];
-    }
-    factor
 }

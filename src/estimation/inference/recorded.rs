@@ -4,7 +4,9 @@ use crate::estimation::detection::detector::{Detection, Detector};
 use crate::estimation::detection::second_blow::SecondBlow;
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
-use crate::estimation::inference::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+use crate::estimation::inference::estimator::{
+    COLLAPSE_PERIOD, Estimator, EstimatorError, UPDATE_INSTANTS,
+};
 use crate::estimation::inference::hypothesis::hypotheses;
 use crate::estimation::inference::prediction::HORIZON;
 use crate::estimation::intake::readings::Readings;
@@ -26,7 +28,8 @@ pub struct RecordedImpact {
     /// When the column was struck once more \[s\], if it was: the estimates use the readings before that, and the second impact is not
     /// estimated.
     pub further: Option<f64>,
-    /// One estimate for each instant of [`UPDATE_INSTANTS`] up to which there are data, and one for all data; at least one.
+    /// One estimate for each instant of [`UPDATE_INSTANTS`] up to which there are data, and one for all data; at least one. While a
+    /// collapse can neither be told nor be excluded, there is one at least every 10 ms.
     pub estimates: Vec<ImpactEstimate>,
     /// For each sensor, what it has read against what the last estimate predicts.
     pub comparisons: Vec<SensorComparison>,
@@ -110,18 +113,20 @@ fn follow(
     }
     let further = second_blow(estimator.sensors(), readings, contact);
     let last = further.or(readings.times.last().copied());
-    let last = last.map_or(0.0, |last| last - contact);
-    let mut instants: Vec<f64> = UPDATE_INSTANTS
-        .into_iter()
-        .filter(|instant| *instant < last)
-        .collect();
-    instants.push(last.min(HORIZON));
-    let mut estimates = Vec::with_capacity(instants.len());
-    for instant in &instants {
-        progress(estimates.len() as f64 / instants.len() as f64);
-        estimator.observe(contact + instant);
+    let last = last.map_or(0.0, |last| last - contact).min(HORIZON);
+    let mut estimates = Vec::new();
+    let (mut until, mut is_open) = (0.0, false);
+    loop {
+        progress((until / last.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0));
+        until = next_instant(until, is_open, last);
+        estimator.observe(contact + until);
         estimator.settle(ROUNDS);
-        estimates.push(estimator.estimate(contact + instant));
+        let estimate = estimator.estimate(contact + until);
+        is_open = estimate.leaves_collapse_open();
+        estimates.push(estimate);
+        if until >= last {
+            break;
+        }
     }
     RecordedImpact {
         comparisons: estimator.comparisons(),
@@ -129,6 +134,18 @@ fn follow(
         further,
         estimates,
     }
+}
+
+/// The instant after contact of the estimate after one at `until`, which left a collapse open or not; `last` is that of the last data
+/// \[s\].
+fn next_instant(until: f64, is_open: bool, last: f64) -> f64 {
+    let next = UPDATE_INSTANTS.into_iter().find(|it| *it > until);
+    let soon = if is_open {
+        until + COLLAPSE_PERIOD
+    } else {
+        last
+    };
+    next.map_or(soon, |next| next.min(soon)).min(last)
 }
 
 fn second_blow(sensors: &[Sensor], readings: &Readings, contact: f64) -> Option<f64> {

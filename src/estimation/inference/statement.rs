@@ -4,7 +4,7 @@ use crate::assessment::Action;
 use crate::column::{Outcome, Report};
 use crate::estimation::inference::blocks::{CLIPPED, Highest};
 use crate::estimation::inference::estimate::{
-    CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, VELOCITY_OPEN_BEYOND,
+    CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, VELOCITY_OPEN_BEYOND, share_below,
 };
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front, Hypothesis};
@@ -19,7 +19,7 @@ const AT_IMPACT: f64 = 0.05;
 const PEAK_ERROR: f64 = 0.03;
 
 /// The same of a residual displacement, also relative to the peak \[A\].
-const RESIDUAL_ERROR: f64 = 0.04;
+pub(super) const RESIDUAL_ERROR: f64 = 0.04;
 
 /// The same of mass, speed and momentum, relative to them \[A\].
 const IMPACT_ERROR: f64 = 0.03;
@@ -161,57 +161,87 @@ impl Estimator {
         [libm::log(peak), (deviation / peak).min(1.0)]
     }
 
-    /// The same with action and residual capacity of so many responses, which are chosen by their weights.
-    pub(crate) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
-        let weights = self.weights();
-        let assessed = self.assess(&weights, count);
-        let members = || {
-            let all = self.population.members.iter().zip(weights.iter().copied());
-            all.filter(|(_, weight)| *weight > 0.0)
+    /// What a member with this weight says of these powers of mass and speed, multiplied: logarithms. Their distributions are skew, and
+    /// the mean is that of the logarithm. A front that is crushed leaves the momentum open, and the speed with it, up to this logarithm
+    /// of the largest momentum that is probable before anything is measured.
+    pub(super) fn spread_of_vehicle(
+        &self,
+        member: &Member,
+        weight: f64,
+        [of_mass, of_velocity]: [f64; 2],
+        largest: f64,
+    ) -> impl Iterator<Item = Spread> {
+        let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
+        let (open, is_moving) = open_momentum(&member.prediction.report, member, largest);
+        // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
+        let shows = if is_moving { of_mass } else { of_velocity };
+        let [low, high] = if shows > 0.0 { open } else { [0.0; 2] };
+        let parts = if high > low { RANGE_PARTS } else { 1 };
+        let width = (high - low) / f64::from(parts);
+        let model = self.impact_error(member, of_mass > 0.0 && of_velocity > 0.0);
+        // Each part is a normal distribution of the variance of a uniform one.
+        let deviation = libm::hypot(model, width / 12.0_f64.sqrt());
+        let (hidden, hard) = self.hidden(member);
+        let hidden = if of_mass > 0.0 { hidden } else { 0.0 };
+        let own = (0..parts).map(move |part| Spread {
+            mean: known + low + (f64::from(part) + 0.5) * width,
+            deviation,
+            weight: weight * (1.0 - hidden) / f64::from(parts),
+        });
+        // What may be behind a light front is as heavy as before anything is measured.
+        let [front_share, scatter] = FRONT_SHARE;
+        let behind = Spread {
+            mean: known + libm::log(hard / front_share),
+            deviation: libm::hypot(model, scatter),
+            weight: weight * hidden,
         };
-        let effective = effective(&weights);
-        // Their distributions are skew: the mean is that of the logarithm. A front that is crushed leaves the momentum open, and
-        // the speed with it.
-        let largest = libm::log(prior(&self.population.hypotheses, [1.0, 1.0]).high);
-        let positive = |of_mass: f64, of_velocity: f64| {
-            let each = members().flat_map(|(member, weight)| {
-                let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
-                let (open, is_moving) = open_momentum(&member.prediction.report, member, largest);
-                // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
-                let shows = if is_moving { of_mass } else { of_velocity };
-                let [low, high] = if shows > 0.0 { open } else { [0.0; 2] };
-                let parts = if high > low { RANGE_PARTS } else { 1 };
-                let width = (high - low) / f64::from(parts);
-                let model = self.impact_error(member, of_mass > 0.0 && of_velocity > 0.0);
-                // Each part is a normal distribution of the variance of a uniform one.
-                let deviation = libm::hypot(model, width / 12.0_f64.sqrt());
-                let (hidden, hard) = self.hidden(member);
-                let hidden = if of_mass > 0.0 { hidden } else { 0.0 };
-                let own = (0..parts).map(move |part| Spread {
-                    mean: known + low + (f64::from(part) + 0.5) * width,
-                    deviation,
-                    weight: weight * (1.0 - hidden) / f64::from(parts),
-                });
-                // What may be behind a light front is as heavy as before anything is measured.
-                let [front_share, scatter] = FRONT_SHARE;
-                let behind = Spread {
-                    mean: known + libm::log(hard / front_share),
-                    deviation: libm::hypot(model, scatter),
-                    weight: weight * hidden,
-                };
-                own.chain(std::iter::once(behind))
-            });
-            CredibleInterval::of_spread(each.collect(), effective).map(libm::exp)
-        };
-        // The factor of the response belongs to what the impact adds.
+        own.chain(std::iter::once(behind))
+    }
+
+    /// The logarithm of the largest momentum that is probable before anything is measured.
+    pub(super) fn largest_momentum(&self) -> f64 {
+        libm::log(prior(&self.population.hypotheses, [1.0, 1.0]).high)
+    }
+
+    /// The members with their weights, as far as these count.
+    fn weighted<'a>(
+        &'a self,
+        weights: &'a [f64],
+    ) -> impl Iterator<Item = (&'a Member, f64)> + Clone {
+        let all = self.population.members.iter().zip(weights.iter().copied());
+        all.filter(|(_, weight)| *weight > 0.0)
+    }
+
+    /// See [`Estimator::spread_of_vehicle`].
+    fn spread_of_vehicles(&self, weights: &[f64], powers: [f64; 2]) -> Vec<Spread> {
+        let largest = self.largest_momentum();
+        let members = self.weighted(weights);
+        let each = members
+            .flat_map(|(member, weight)| self.spread_of_vehicle(member, weight, powers, largest));
+        each.collect()
+    }
+
+    /// What the members say of the logarithm of the peak that the impact adds.
+    fn spread_of_peaks(&self, weights: &[f64]) -> Vec<Spread> {
+        let measured = self.measured_peak();
+        let each = self.weighted(weights).map(|(member, weight)| {
+            let [mean, deviation] = self.peak_by(member, measured);
+            Spread {
+                mean,
+                deviation,
+                weight,
+            }
+        });
+        each.collect()
+    }
+
+    /// What they say of the residual displacement. The factor of the response belongs to what the impact adds.
+    fn spread_of_residuals(&self, weights: &[f64]) -> Vec<Spread> {
         let before = self.rest_v1;
-        let residual = |member: &Member| {
-            let rest = member.prediction.rest.as_ref();
-            rest.map_or(f64::NAN, |rest| rest.displacement.v1)
-        };
-        let residuals = members().map(|(member, weight)| {
+        let each = self.weighted(weights).map(|(member, weight)| {
             let [scale, deviation] = member.scale;
-            let added = residual(member) - before;
+            let rest = member.prediction.rest.as_ref();
+            let added = rest.map_or(f64::NAN, |rest| rest.displacement.v1) - before;
             let peak = member.prediction.report.max_v1 - before;
             Spread {
                 mean: scale * added + before,
@@ -219,7 +249,37 @@ impl Estimator {
                 weight,
             }
         });
-        let residual_v1 = CredibleInterval::of_spread(residuals.collect(), effective);
+        each.collect()
+    }
+
+    /// The shares of the distributions of momentum \[N s\], peak and residual `v1` \[m\] by the data so far that are below these values.
+    /// Over impacts that the estimator itself may conceive, each is uniformly distributed between 0 and 1 if the inference is exact.
+    #[must_use]
+    pub fn shares_below(&self, momentum: f64, peak_v1: f64, residual_v1: f64) -> [f64; 3] {
+        let weights = self.weights();
+        let effective = effective(&weights);
+        let vehicles = self.spread_of_vehicles(&weights, [1.0, 1.0]);
+        let peak = libm::log((peak_v1 - self.rest_v1).max(LEAST_PEAK));
+        [
+            share_below(vehicles, effective, libm::log(momentum)),
+            share_below(self.spread_of_peaks(&weights), effective, peak),
+            share_below(self.spread_of_residuals(&weights), effective, residual_v1),
+        ]
+    }
+
+    /// The same with action and residual capacity of so many responses, which are chosen by their weights.
+    pub(crate) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
+        let weights = self.weights();
+        let assessed = self.assess(&weights, count);
+        let members = || self.weighted(&weights);
+        let effective = effective(&weights);
+        let positive = |powers: [f64; 2]| {
+            let each = self.spread_of_vehicles(&weights, powers);
+            CredibleInterval::of_spread(each, effective).map(libm::exp)
+        };
+        let before = self.rest_v1;
+        let residual_v1 =
+            CredibleInterval::of_spread(self.spread_of_residuals(&weights), effective);
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
             members()
                 .filter(|(member, _)| is(member))
@@ -242,26 +302,15 @@ impl Estimator {
         ImpactEstimate {
             data_until,
             contact_time: CredibleInterval::normal(contact, deviation),
-            mass: self.unless_open(positive(1.0, 0.0), MASS_OPEN_BEYOND, [1.0, 0.0]),
-            velocity: self.unless_open(positive(0.0, 1.0), VELOCITY_OPEN_BEYOND, [0.0, 1.0]),
-            momentum: positive(1.0, 1.0),
+            mass: self.unless_open(positive([1.0, 0.0]), MASS_OPEN_BEYOND, [1.0, 0.0]),
+            velocity: self.unless_open(positive([0.0, 1.0]), VELOCITY_OPEN_BEYOND, [0.0, 1.0]),
+            momentum: positive([1.0, 1.0]),
             mass_velocity_correlation: correlation(
                 members()
                     .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
             ),
-            peak_v1: {
-                let measured = self.measured_peak();
-                let each = members().map(|(member, weight)| {
-                    let [mean, deviation] = self.peak_by(member, measured);
-                    Spread {
-                        mean,
-                        deviation,
-                        weight,
-                    }
-                });
-                let log = CredibleInterval::of_spread(each.collect(), effective);
-                log.map(|log| libm::exp(log) + before)
-            },
+            peak_v1: CredibleInterval::of_spread(self.spread_of_peaks(&weights), effective)
+                .map(|log| libm::exp(log) + before),
             residual_v1,
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
             collapsed: share(&|member| collapses(member.prediction.report.outcome)),

@@ -1,0 +1,233 @@
+//! Impacts as the estimator conceives them, and what its sensors read of them by its own model of all errors.
+//!
+//! Over many of them the truths have to be distributed within the estimates as the estimates say: what an inference gets wrong by itself
+//! shows here, apart from what the model gets wrong (simulation-based calibration, Talts et al. 2018).
+
+use crate::column::{Impact, Outcome};
+use crate::estimation::inference::blocks::{Block, BlockMean, Blocks};
+use crate::estimation::inference::drawn::{Drawn, independent};
+use crate::estimation::inference::estimator::Estimator;
+use crate::estimation::inference::hypothesis::Hypothesis;
+use crate::estimation::inference::member::Member;
+use crate::estimation::inference::model_error::ModelError;
+use crate::estimation::inference::population::with_yield_factor;
+use crate::estimation::inference::prediction::{HORIZON, Prediction, TimeGrid};
+use crate::estimation::inference::statement::RESIDUAL_ERROR;
+use crate::estimation::intake::readings::Readings;
+use crate::numerics::Random;
+use crate::sensors::{Quantity, Sensor};
+
+/// Time between two samples of all sensors \[s\].
+const PERIOD: f64 = 1e-4;
+
+/// The readings begin so long before contact \[s\].
+const LEAD: f64 = 5e-3;
+
+/// Means over this time tell the peak \[s\].
+const PEAK_CELL: f64 = 0.5e-3;
+
+/// An impact with its truth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConceivedImpact {
+    /// What has struck, by the model.
+    pub impact: Impact,
+    /// How it ends.
+    pub outcome: Outcome,
+    /// Momentum of the vehicle \[N s\]: of the model's vehicle, with what the model leaves open of it.
+    pub momentum: f64,
+    /// Peak displacement of the impact point \[m\]; it has no meaning where the column gives way.
+    pub peak_v1: f64,
+    /// Displacement that remains \[m\]; NaN where the column gives way.
+    pub residual_v1: f64,
+    /// What the sensors read, with contact at time 0.
+    pub readings: Readings,
+}
+
+impl Estimator {
+    /// An impact on the undamaged column, drawn by this seed from what is known before anything is measured, with the errors of model and
+    /// sensors that the estimator assumes; `None` where the drawn unknowns make no response. A displacement sensor has to be at the
+    /// impact point.
+    #[must_use]
+    pub fn conceive(&self, seed: u64) -> Option<ConceivedImpact> {
+        let mut random = Random::new(seed);
+        let population = &self.population;
+        let (index, hypothesis) = drawn_hypothesis(&population.hypotheses, &mut random);
+        let Hypothesis {
+            mean,
+            deviation,
+            unknowns,
+            ..
+        } = *hypothesis;
+        let prior = Drawn::new((index, unknowns), 1, mean, independent(&deviation));
+        let (unknowns, impact) = loop {
+            let unknowns = prior.sample(&mut random);
+            let is_possible = hypothesis.log_density(&unknowns) > f64::NEG_INFINITY;
+            if let Some(impact) = hypothesis.impact(&unknowns).filter(|_| is_possible) {
+                break (unknowns, impact);
+            }
+        };
+        let properties = with_yield_factor(population.properties(), libm::exp(unknowns[3]));
+        let grid = TimeGrid::new();
+        let column = population.column();
+        let prediction = Prediction::compute(column, &properties, &impact, self.sensors(), &grid)?;
+        let member = Member::new(index, unknowns, prediction, 0.0, 0);
+        let factors: Vec<f64> = self
+            .sensors()
+            .iter()
+            .map(|it| 1.0 + ModelError::of(it.quantity).scale * random.normal())
+            .collect();
+        let [exact, readings] = self.readings_of(&member.prediction, &grid, &factors, &mut random);
+        let report = &member.prediction.report;
+        let at_impact = self.sensors().iter().position(|it| {
+            it.quantity == Quantity::Displacement && it.height == properties.length_below
+        })?;
+        let v1: Vec<f64> = exact.rows().map(|(_, values)| values[at_impact]).collect();
+        let cell = (PEAK_CELL / PERIOD).round() as usize;
+        let means = v1
+            .chunks_exact(cell)
+            .map(|it| it.iter().sum::<f64>() / cell as f64);
+        let peak_v1 = means.fold(0.0, f64::max);
+        let rest = member.prediction.rest.as_ref();
+        let rest = rest.map_or(f64::NAN, |rest| rest.displacement.v1);
+        Some(ConceivedImpact {
+            momentum: self.drawn_momentum(&member, &mut random),
+            peak_v1,
+            residual_v1: factors[at_impact] * rest
+                + RESIDUAL_ERROR * report.max_v1 * random.normal(),
+            outcome: report.outcome,
+            impact,
+            readings,
+        })
+    }
+
+    /// The momentum, among those that the response of this member leaves open.
+    fn drawn_momentum(&self, member: &Member, random: &mut Random) -> f64 {
+        let largest = self.largest_momentum();
+        let mut at = random.uniform();
+        let open = self.spread_of_vehicle(member, 1.0, [1.0, 1.0], largest);
+        let mut drawn = None;
+        for it in open.filter(|it| it.weight > 0.0) {
+            drawn = Some(it);
+            at -= it.weight;
+            if at < 0.0 {
+                break;
+            }
+        }
+        let known = member.unknowns[0] + member.unknowns[1];
+        libm::exp(drawn.map_or(known, |it| it.mean + it.deviation * random.normal()))
+    }
+
+    /// The readings of all sensors without and with their noise; `factors` are those between column and model.
+    fn readings_of(
+        &self,
+        prediction: &Prediction,
+        grid: &TimeGrid,
+        factors: &[f64],
+        random: &mut Random,
+    ) -> [Readings; 2] {
+        let samples = ((LEAD + HORIZON) / PERIOD).round() as usize;
+        let times: Vec<f64> = (0..samples)
+            .map(|row| (row as f64 + 0.5) * PERIOD - LEAD)
+            .collect();
+        let columns: Vec<Vec<f64>> = self
+            .sensors()
+            .iter()
+            .zip(factors)
+            .enumerate()
+            .map(|(index, (sensor, factor))| {
+                let at = |time: f64| prediction.integral(index, grid.place(time));
+                let half = 0.5 * PERIOD;
+                let exact: Vec<f64> = times
+                    .iter()
+                    .map(|time| factor * (at(time + half) - at(time - half)) / PERIOD)
+                    .collect();
+                self.with_model_error(sensor, &times, exact, random)
+            })
+            .collect();
+        let table = |value: &mut dyn FnMut(&Sensor, f64) -> f64| {
+            let sensors = self.sensors();
+            let mut values = Vec::with_capacity(samples * sensors.len());
+            for row in 0..samples {
+                for (sensor, column) in sensors.iter().zip(&columns) {
+                    values.push(sensor.clipped(value(sensor, column[row])));
+                }
+            }
+            Readings {
+                sensors: sensors.len(),
+                times: times.clone(),
+                values,
+            }
+        };
+        let exact = table(&mut |_, value| value);
+        let noisy = table(&mut |sensor, value| value + sensor.noise * random.normal());
+        [exact, noisy]
+    }
+
+    /// Readings with an error of the model that is one number in each block.
+    fn with_model_error(
+        &self,
+        sensor: &Sensor,
+        times: &[f64],
+        mut exact: Vec<f64>,
+        random: &mut Random,
+    ) -> Vec<f64> {
+        let mut blocks = self.blocks_of(sensor);
+        for (row, (&time, &value)) in times.iter().zip(&exact).enumerate() {
+            // Without any noise it would be stuck at rest.
+            let flicker = if row % 2 == 0 { 1e-9 } else { -1e-9 };
+            blocks.push(0, time, value + flicker * sensor.noise);
+        }
+        let error = ModelError::of(sensor.quantity);
+        let mut before: Option<((Block, BlockMean), f64)> = None;
+        for (index, block) in blocks.layout().iter().enumerate() {
+            let Some(mean) = blocks.mean(0, index) else {
+                before = None;
+                continue;
+            };
+            let now = (
+                *block,
+                BlockMean {
+                    variance: 0.0,
+                    ..mean
+                },
+            );
+            let (carried, variance) = error.given(before.as_ref().map(|it| &it.0), &now);
+            let last = before.map_or(0.0, |(_, last)| last);
+            let own = carried * last + variance.max(0.0).sqrt() * random.normal();
+            let inside = block.start..block.start + block.length;
+            for (value, _) in exact
+                .iter_mut()
+                .zip(times)
+                .filter(|(_, time)| inside.contains(*time))
+            {
+                *value += own;
+            }
+            before = Some((now, own));
+        }
+        exact
+    }
+
+    /// Blocks for the readings of one sensor whose zero is known, with contact at time 0.
+    fn blocks_of(&self, sensor: &Sensor) -> Blocks {
+        let sensors = std::slice::from_ref(sensor);
+        Blocks::new(
+            0.0,
+            HORIZON,
+            self.yield_strain,
+            self.period,
+            sensors,
+            &[(0.0, 0.0)],
+        )
+    }
+}
+
+/// One of the hypotheses, by their probabilities.
+fn drawn_hypothesis<'a>(all: &'a [Hypothesis], random: &mut Random) -> (usize, &'a Hypothesis) {
+    let mut at = random.uniform();
+    let found = all.iter().position(|it| {
+        at -= it.probability;
+        at < 0.0
+    });
+    let index = found.unwrap_or(all.len() - 1);
+    (index, &all[index])
+}
