@@ -43,20 +43,10 @@ const EXCLUSION: f64 = 25.0;
 /// Leaving out sensors has to divide the misfit of the others by this number, unless they are explained then.
 const RELIEF: f64 = 4.0;
 
-/// Largest standard deviation of the factor between column and model of a quantity whose factor tells something about its sensor.
-const TELLING_SCALE: f64 = 0.1;
-
-/// Standard deviations of the factor that a sensor shows, if the others are right, from which on its scale is in doubt.
-const SCALE_DOUBT: f64 = 2.5;
-
-/// The same of the factor by all sensors together, from which on a closer look is necessary: it is drawn towards that of the sensor.
-const SCALE_SUSPICION: f64 = 1.25;
-
 /// What a closer look at the readings has found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Contradictions {
-    /// Sensors that contradict the others, by the course of their readings or by their scale, and those of them that do not count any
-    /// more: where only the scale is in doubt, they do.
+    /// Sensors that contradict the others, and those of them that do not count any more.
     pub doubtful: Vec<bool>,
     pub ignored: Vec<bool>,
     /// Mean square of the errors of the sensor that is explained worst by the response that explains all of them best, in terms
@@ -150,11 +140,7 @@ pub(crate) fn contradictions(
             together
         }
     };
-    let [mut doubtful, ignored] = found;
-    let counted: Vec<usize> = all.into_iter().filter(|it| !ignored[*it]).collect();
-    for &sensor in &counted {
-        doubtful[sensor] |= is_scale_doubtful(members, &fits, sensors, &counted, sensor);
-    }
+    let [doubtful, ignored] = found;
     Contradictions {
         doubtful,
         ignored,
@@ -163,68 +149,6 @@ pub(crate) fn contradictions(
             false => 1.0,
         },
     }
-}
-
-/// Whether the factor between the column's readings and the model's that a sensor shows is improbable, if what the other sensors say of the
-/// responses is right: its gain, its height or its fibre is not as declared, it is clipped or takes part in another motion.
-fn is_scale_doubtful(
-    members: &[Member],
-    fits: &[Vec<Fit>],
-    sensors: &[Sensor],
-    active: &[usize],
-    sensor: usize,
-) -> bool {
-    let scale = ModelError::of(sensors[sensor].quantity).scale;
-    let tells = |it: &usize| ModelError::of(sensors[*it].quantity).scale <= TELLING_SCALE;
-    let has_others = active.iter().filter(|it| **it != sensor).any(tells);
-    if scale > TELLING_SCALE || !has_others {
-        return false;
-    }
-    let logs = members.iter().zip(fits).map(|(member, fits)| {
-        let others = active.iter().filter(|it| **it != sensor);
-        let likelihood = others.fold(0.0, |sum, it| sum + fits[*it].log_likelihood);
-        member.log_prior + member.log_events + likelihood - member.log_drawn
-    });
-    let logs: Vec<f64> = logs.collect();
-    let best = largest(logs.iter().copied());
-    let (mut total, mut squares, mut mean, mut spread, mut own) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (member, log) in members.iter().zip(logs) {
-        let [_, cross, predicted] = member.sums(sensor);
-        let weight = libm::exp(log - best);
-        if weight > 0.0 && predicted > 0.0 {
-            let off = cross / predicted;
-            total += weight;
-            squares += weight * weight;
-            mean += weight * off;
-            spread += weight * off * off;
-            own += weight / predicted;
-        }
-    }
-    let (mean, effective) = (mean / total, total * total / squares);
-    // The fewer responses count, the less they show how far apart those are that were not computed.
-    let of_few = 1.0 + 1.0 / (effective - 1.0).max(0.1);
-    let variance = scale * scale + own / total + of_few * (spread / total - mean * mean).max(0.0);
-    mean.abs() > SCALE_DOUBT * variance.sqrt()
-}
-
-/// Whether the weighted responses need a factor of one of these sensors that is so far from 1 that its scale may be in doubt.
-pub(crate) fn is_scale_suspicious(
-    members: &[Member],
-    weights: &[f64],
-    sensors: &[Sensor],
-    ignored: &[bool],
-) -> bool {
-    let mut each = sensors.iter().zip(ignored).enumerate();
-    each.any(|(index, (sensor, ignored))| {
-        let scale = ModelError::of(sensor.quantity).scale;
-        let expected = |member: &Member| {
-            let [_, cross, predicted] = member.sums(index);
-            cross / (predicted + 1.0 / (scale * scale))
-        };
-        let counted = members.iter().zip(weights).filter(|it| *it.1 > 0.0);
-        let mean = counted.fold(0.0, |sum, (member, weight)| sum + weight * expected(member));
-        !ignored && scale <= TELLING_SCALE && mean.abs() > SCALE_SUSPICION * scale
-    })
 }
 
 /// Mean square of the errors of the sensor that is explained worst, among these, by the plausible response that explains it best.

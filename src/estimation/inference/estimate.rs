@@ -201,7 +201,7 @@ pub struct ImpactEstimate {
     #[serde(with = "exact_number")]
     pub effective_sample_size: f64,
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
-    /// read. They do not count, unless several are equally suspicious or only their scale is in doubt.
+    /// read. They do not count, unless several are equally suspicious.
     pub doubtful_sensors: Vec<String>,
 }
 

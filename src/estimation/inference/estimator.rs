@@ -372,13 +372,12 @@ impl Estimator {
         self.population.weigh();
     }
 
-    /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all or the
-    /// scale of one may be wrong, or because some were in doubt so far.
+    /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
+    /// or because some did not count so far.
     pub(crate) fn has_doubts(&self) -> bool {
         self.doubtful.contains(&true)
             || self.population.temperature() > 1.0
             || !self.population.explains_all()
-            || self.population.has_suspicious_scale()
     }
 
     /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be

@@ -10,7 +10,7 @@ use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
-    Contradictions, contradictions, explains_all, is_scale_suspicious, largest,
+    Contradictions, contradictions, explains_all, largest,
 };
 use crate::estimation::inference::drawn::{Drawn, independent};
 use crate::estimation::inference::event_evidence::EventEvidence;
@@ -587,11 +587,6 @@ impl Population {
     /// Whether a likely member explains what every sensor reads, so that none contradicts the others.
     pub fn explains_all(&self) -> bool {
         explains_all(&self.members, &self.observed, &self.sensors)
-    }
-
-    /// See [`is_scale_suspicious`].
-    pub fn has_suspicious_scale(&self) -> bool {
-        is_scale_suspicious(&self.members, &self.weights(), &self.sensors, &self.ignored)
     }
 
     /// See [`contradictions`]; all members have to be weighed with all data.
