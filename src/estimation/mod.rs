@@ -24,8 +24,8 @@ pub use detection::sensing::{Sensing, Work};
 pub use inference::comparison::{ComparedMean, SensorComparison};
 pub use inference::conceivable::ConceivedImpact;
 pub use inference::estimate::{
-    COLLAPSE_TOLD_FROM, CredibleInterval, FEWEST_RESPONSES, ImpactEstimate, MASS_OPEN_BEYOND, MOMENTUM_OPEN_BEYOND,
-    VELOCITY_OPEN_BEYOND,
+    COLLAPSE_TOLD_FROM, CredibleInterval, FEWEST_RESPONSES, ImpactEstimate, MASS_OPEN_BEYOND,
+    MOMENTUM_OPEN_BEYOND, VELOCITY_OPEN_BEYOND,
 };
 pub use inference::estimate_record::EstimateRecord;
 pub use inference::estimator::{Estimator, EstimatorError, UNKNOWN_VEHICLE, UPDATE_INSTANTS};

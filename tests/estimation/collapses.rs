@@ -206,14 +206,12 @@ fn a_collapse_is_told_within_20_ms_of_becoming_inevitable_and_a_near_miss_is_non
                 );
                 println!("{case}");
                 count += 1;
+                let is_late = |since: f64| {
+                    first.is_none_or(|first| first > since + within) || !last.tells_collapse()
+                };
                 match since {
-                    Some(since) => {
-                        if first.is_none_or(|first| first > since + within)
-                            || !last.tells_collapse()
-                        {
-                            late.push(case);
-                        }
-                    }
+                    Some(since) if is_late(since) => late.push(case),
+                    Some(_) => {}
                     None if first.is_some() => wrong.push(case),
                     None => {}
                 }
