@@ -57,6 +57,10 @@ const COMMANDS: &[(&str, How)] = &[
         Cannot(COMPILES),
     ),
     (
+        "column-twin run --transport zenoh",
+        Elsewhere("tests/interop/zenoh_peer.py", "\"--transport\", \"zenoh\""),
+    ),
+    (
         "column-twin run --ros-args -p foxglove.mode:=serve",
         Elsewhere("tests/foxglove.rs", "foxglove.mode:=serve"),
     ),
@@ -163,6 +167,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("ros2 launch", Cannot(NEEDS_WORKSPACE)),
     ("ros2 lifecycle", Cannot(NEEDS_ROS)),
     ("ros2 run tf2_ros", Cannot(NEEDS_ROS)),
+    ("ros2 run rmw_zenoh_cpp", Cannot(NEEDS_ROS)),
     ("ros2 bag", Cannot(NEEDS_ROS)),
     ("ros2 topic", Cannot(NEEDS_ROS)),
     ("ros2 service", Cannot(NEEDS_ROS)),

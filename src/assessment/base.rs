@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::column::{
     BaseFailure, BaseForces, BasePlate, BaseReport, BaseResistance, Outcome, Report, Support,
 };
-use crate::parameters::{Parameters, assumed_plate, plate_in_words};
+use crate::parameters::{Parameters, assumed_plate, plate_in_words, resistance_of_base};
 
 use super::criterion::Criterion;
 
@@ -106,8 +106,7 @@ impl ConnectedBase {
         }
         let plate =
             given.unwrap_or_else(|| assumed_plate(&section, parameters.steel().yield_strength));
-        let resistance = parameters
-            .resistance_of_base(&plate)
+        let resistance = resistance_of_base(&plate, parameters.settings())
             .map_err(|_| "no base plate is known for this section; give base.connection")?;
         Ok(Self {
             plate,

@@ -489,7 +489,7 @@ fn cause(input: &AssessmentInput, deciding: &Criterion) -> &'static str {
             Some(BaseFailure::AnchorsInShear) => {
                 "the anchors of the base are sheared off during the hit"
             }
-            Some(_) => "the anchors of the base are torn off during the hit",
+            Some(_) => "the anchors of the base fracture in tension during the hit",
             None => "the column fractures during the hit and carries nothing",
         },
         ALWAYS_DECIDES => "the column collapses during the hit and carries nothing",

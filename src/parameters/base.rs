@@ -1,7 +1,6 @@
 //! The connection of the column's base, as given and as assumed.
 
-use super::Parameters;
-use super::settings::{BaseConnection, BaseSettings};
+use super::settings::{BaseConnection, BaseSettings, Settings};
 use crate::column::{
     Anchors, BaseFactors, BasePlate, BasePlateError, BaseResistance, RolledSection,
 };
@@ -78,20 +77,6 @@ pub(super) fn given_plate(
     })
 }
 
-impl Parameters {
-    /// What a base plate bears, without partial factors. A column without a limit of its rotations has none of its base either.
-    ///
-    /// # Errors
-    /// As [`BasePlate::resistance`].
-    pub fn resistance_of_base(&self, plate: &BasePlate) -> Result<BaseResistance, BasePlateError> {
-        let resistance = plate.resistance(&BaseFactors::CHARACTERISTIC)?;
-        Ok(match self.settings.assessment.ultimate_rotation > 0.0 {
-            true => resistance,
-            false => resistance.without_limits(),
-        })
-    }
-}
-
 /// The base plate that is assumed under a built-in column whose base nobody has described, an assumption of this project by
 /// the practice of engineers: four anchors 8.8 outside of the flanges, M20 under a section of less than 205 mm, M24 under one
 /// of less than 270 mm, M30 under a deeper one, 30 mm from the flange (40 mm for M30) and twice that from the edge of a plate
@@ -147,6 +132,21 @@ pub fn plate_in_words(plate: &BasePlate) -> String {
         anchors.distance * 1e3,
         name(&CONCRETES, plate.concrete_strength),
     )
+}
+
+/// What a base plate bears, without partial factors. A column without a limit of its rotations has none of its base either.
+///
+/// # Errors
+/// As [`BasePlate::resistance`].
+pub fn resistance_of_base(
+    plate: &BasePlate,
+    settings: &Settings,
+) -> Result<BaseResistance, BasePlateError> {
+    let resistance = plate.resistance(&BaseFactors::CHARACTERISTIC)?;
+    Ok(match settings.assessment.ultimate_rotation > 0.0 {
+        true => resistance,
+        false => resistance.without_limits(),
+    })
 }
 
 #[cfg(test)]

@@ -113,7 +113,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use assumed::AssumedInput;
-pub use base::{assumed_plate, plate_in_words};
+pub use base::{assumed_plate, plate_in_words, resistance_of_base};
 pub use beam::component_in_words;
 pub use catalogue::{CatalogueSection, catalogue};
 pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
@@ -615,7 +615,7 @@ impl Parameters {
         // Loading has checked the plate.
         let plate = self
             .base_plate()
-            .and_then(|plate| self.resistance_of_base(&plate).ok());
+            .and_then(|plate| resistance_of_base(&plate, &self.settings).ok());
         plate.map_or(column, |plate| column.on_plate(plate))
     }
 

@@ -84,13 +84,14 @@
 // - subscribed.rs: What a client of the twin subscribes to, and its waits
 // - task.rs: Named threads that run futures until they are stopped
 // - transport.rs: The endpoints of a node, whichever transport carries their messages: DDS by ros2-client, or Zenoh
+// - transport_error.rs: What a transport could not do, in the words of its library
 // - twin_node.rs: The node of one column or many: all topics and services, in separate threads
 // - type_descriptions.rs: `~/get_type_description`: what the types of the node look like, as every node of rclcpp and rclpy
 //   answers it
 // - utc.rs: A time for people
-// - zenoh/: Zenoh as the transport of a node, as `rmw_zenoh` speaks it: its keys with type hashes, its liveliness tokens for the
-//   graph, its attachments, and CDR
-// - zenoh_absent.rs: Zenoh in a program without the feature `zenoh`: says so if it is asked for. Its endpoints cannot exist
+// - zenoh/: Zenoh as the transport of a node, as `rmw_zenoh` speaks it: its keys with type hashes, its liveliness tokens for
+//   the graph, its attachments, and CDR
+// - zenoh_absent.rs: Zenoh in a program without the feature `zenoh`: says so if it is asked for
 
 mod address_space;
 #[cfg_attr(not(feature = "alarm"), path = "alarms_absent.rs")]
@@ -156,6 +157,7 @@ mod standing_action;
 mod subscribed;
 mod task;
 mod transport;
+mod transport_error;
 mod twin_node;
 mod type_descriptions;
 mod utc;
@@ -186,7 +188,8 @@ pub use row_client::{RowImpactOptions, send_row_impact};
 pub use run::try_alarms;
 pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
 pub use signals::StopSignals;
-pub use transport::{Publisher, Server, Subscription, TransportError};
+pub use transport::{Publisher, Server, Subscription};
+pub use transport_error::TransportError;
 pub use twin_node::{StartOptions, TwinNode};
 pub use zenoh::{ZenohPublisher, ZenohServer, ZenohSubscription};
 

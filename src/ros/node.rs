@@ -113,7 +113,8 @@ impl Node {
             }
             Transport::Zenoh => {
                 check_transport(environment)?;
-                let session = ZenohSession::open(environment, &matches)?;
+                let session =
+                    ZenohSession::open(environment, &matches).map_err(NodeError::Zenoh)?;
                 (Network::Zenoh(session), Protection::Off)
             }
         };
@@ -452,7 +453,7 @@ fn topic(
 pub fn check_transport(environment: &Environment) -> Result<(), NodeError> {
     match (environment.transport, environment.security.is_enabled) {
         (Transport::Dds, _) => Ok(()),
-        (Transport::Zenoh, false) => check_zenoh(environment),
+        (Transport::Zenoh, false) => check_zenoh(environment).map_err(NodeError::Zenoh),
         // Running unprotected would hide it.
         (Transport::Zenoh, true) => Err(NodeError::Zenoh(
             "ROS_SECURITY_ENABLE asks for DDS security, which does not protect Zenoh; unset it, and configure TLS and access control in \

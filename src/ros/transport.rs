@@ -1,7 +1,5 @@
 //! The endpoints of a node, whichever transport carries their messages: DDS by ros2-client, or Zenoh.
 
-use std::fmt;
-
 use futures::future::Either;
 use futures::stream::{LocalBoxStream, Stream, StreamExt};
 use ros2_client::{Message, MessageInfo, RmwRequestId};
@@ -9,19 +7,8 @@ use rustdds::GUID;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::transport_error::TransportError;
 use super::zenoh::{ZenohPublisher, ZenohServer, ZenohSubscription};
-
-/// Why a message cannot be sent, or what was received cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct TransportError(String);
-
-impl TransportError {
-    /// With the words of the library.
-    pub(super) fn new(reason: impl fmt::Display) -> Self {
-        Self(reason.to_string())
-    }
-}
 
 /// Publishes messages on a topic.
 #[allow(clippy::large_enum_variant)] // few exist, and none moves once it does

@@ -12,16 +12,15 @@ use rustdds::GUID;
 use super::environment::Environment;
 use super::matches::{Discovered, Matches};
 use super::names::Names;
-use super::node::NodeError;
-use super::transport::TransportError;
+use super::transport_error::TransportError;
 
 /// Fails: there is no Zenoh.
-pub(super) fn check_zenoh(_: &Environment) -> Result<(), NodeError> {
-    Err(NodeError::Zenoh(
+pub(super) fn check_zenoh(_: &Environment) -> Result<(), String> {
+    Err(
         "this program was built without Zenoh; build it with the feature `zenoh` (cargo build --release --features zenoh), or use \
          --transport dds"
             .to_owned(),
-    ))
+    )
 }
 
 /// No session.
@@ -29,7 +28,7 @@ pub(super) fn check_zenoh(_: &Environment) -> Result<(), NodeError> {
 pub(super) struct ZenohSession(Infallible);
 
 impl ZenohSession {
-    pub fn open(environment: &Environment, _: &Arc<Matches>) -> Result<Self, NodeError> {
+    pub fn open(environment: &Environment, _: &Arc<Matches>) -> Result<Self, String> {
         check_zenoh(environment)?;
         unreachable!("the check fails")
     }

@@ -14,8 +14,8 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - beam.rs: The fibre beam in front of the two bars in a Rerun stream: its axis at its peak and at rest, and the fibres that have
-//   yielded
+// - beam.rs: The fibre beam in front of the two bars in a Rerun stream: its axis at its peak and at rest, and the fibres that
+//   have yielded
 // - blueprint.rs: The layout of the viewer, for a laptop screen: column, panel and log on the left, curves in the middle, yield
 //   surfaces on the right
 // - branch.rs: A part of the tree of entities of a Rerun stream: that of one column

@@ -66,7 +66,8 @@ pub fn message_of(event: &ImpactCommand) -> ImpactEvent {
     }
 }
 
-/// The bytes on `/parameter_events` after a change from `before` of parameters that are numbers, with their names behind this prefix;
+/// The bytes on `/parameter_events` after a change from `before` of parameters that are numbers or lists of texts, with their
+/// names behind this prefix;
 /// `None` if they have their values still.
 pub fn parameter_event(
     changed: &ParametersChanged,
@@ -74,13 +75,19 @@ pub fn parameter_event(
     prefix: &str,
 ) -> Option<Arc<[u8]>> {
     let parameter = |name: &String| {
-        let Some(Value::Double(number)) = changed.parameters.get(name) else {
-            panic!("{name} is no number");
-        };
-        let value = ParameterValue {
-            kind: 3,
-            double_value: number,
-            ..ParameterValue::default()
+        let value = match changed.parameters.get(name) {
+            Some(Value::Double(number)) => ParameterValue {
+                kind: 3,
+                double_value: number,
+                ..ParameterValue::default()
+            },
+            // Of the inputs that are assumed, one that is given is none any more.
+            Some(Value::StringArray(texts)) => ParameterValue {
+                kind: 9,
+                string_array_value: texts,
+                ..ParameterValue::default()
+            },
+            other => panic!("{name} is {other:?}"),
         };
         let name = format!("{prefix}{name}");
         Parameter { name, value }

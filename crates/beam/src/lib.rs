@@ -22,9 +22,11 @@
 // - movement.rs: How the column moves during a hit, for those who draw it
 // - newton.rs: Newton's method with a line search for a step in time or an increment of equilibrium
 // - opinion.rs: The second opinion: an impact on a column, computed as a beam
+// - outcome.rs: What the beam says of a hit, in numbers
 // - pair.rs: Two independent parts of a computation; the caller decides whether they run in parallel
 // - parts.rs: What a beam is made of: elements, their shear, and the springs of its supports
 // - rate.rs: The growth of the yield strength with the strain rate of the outer fibre, which passes a low-pass filter
+// - remains.rs: What a hit leaves of the column at rest, from where it is in the undamaged column
 // - response.rs: One impact, from the touch to the peak displacement, and what remains after it
 // - section.rs: The cross-section as fibres: their strains, stresses and plastic strains
 // - statics.rs: Equilibrium: under the load before an impact, after it, and while the top is pushed down
@@ -53,9 +55,11 @@ mod modes;
 mod movement;
 mod newton;
 mod opinion;
+mod outcome;
 mod pair;
 mod parts;
 mod rate;
+mod remains;
 mod response;
 mod section;
 mod statics;
@@ -70,9 +74,8 @@ pub use damage::{Damage, DamageError};
 pub use history::{History, Instrument, history};
 pub use modes::{Mode, modes};
 pub use movement::{Movement, YieldedFibre};
-pub use opinion::{
-    BeamModel, BeamOpinion, BeamOutcome, Hit, Outcome, PLASTIC_ZONE, Undamaged, is_in_plane,
-};
+pub use opinion::{BeamModel, BeamOpinion, Hit, Undamaged, is_in_plane};
+pub use outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
 pub use pair::{InTurn, Pair};
 pub use section::Shape;
 pub use statics::CollapseTest;

@@ -1,17 +1,18 @@
 //! The second opinion: an impact on a column, computed as a beam.
 
 use column_mechanics::{Impact, Support};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use super::beam::{Beam, State};
 use super::column::{BeamColumn, BeamError, BowAxes};
 use super::contact::touches;
-use super::damage::{Damage, rotation};
-use super::element::Triad;
+use super::damage::Damage;
 use super::mesh::{self, nearest};
 use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
+use super::outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
 use super::pair::{InTurn, Pair};
+use super::remains::{Remains, largest_distance, largest_kink};
 use super::response::{Course, MAX_STEPS, Run};
 use super::statics::{load_in_steps, push_down, push_sideways, settle, settle_elastically};
 
@@ -31,11 +32,6 @@ const COARSER: f64 = 2.0;
 /// Share of the velocity at right angles to the plane of the web that is round-off of a direction in that plane.
 const ROUND_OFF_OF_DIRECTION: f64 = 1e-9;
 
-/// Length of a plastic zone over the depth of the section, over which the rotation of one hinge is measured, an assumption: in tests on
-/// columns that are fixed at their end, yielding and local buckles reach about one and a half depths from there, and a hinge within
-/// the height has such a part on both sides.
-pub const PLASTIC_ZONE: f64 = 3.0;
-
 /// Whether a vehicle that travels in this direction \[rad\] stays in the plane of the web.
 #[must_use]
 pub fn is_in_plane(direction: f64) -> bool {
@@ -49,104 +45,6 @@ pub struct Hit {
     pub impact: Impact,
     /// Direction of travel \[rad\]: 0 bends the column about its strong axis; positive turns towards positive z.
     pub direction: f64,
-}
-
-/// How a response ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// No fibre has yielded, now or in an earlier impact.
-    Elastic,
-    /// The column stands, bent by this impact or by an earlier one.
-    Plastic,
-    /// The column gives way under its load, during the hit or afterwards, about either axis.
-    Collapse,
-}
-
-/// What the beam says.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct BeamOutcome {
-    /// Peak displacement of the impact point along the direction of the hit, from where it was before \[m\].
-    pub max_displacement_m: f64,
-    /// Peak displacement at right angles to it, as a magnitude \[m\].
-    pub max_sideways_m: f64,
-    /// What remains along the direction \[m\]; NaN after a collapse.
-    #[serde(deserialize_with = "nan_where_null")]
-    pub residual_displacement_m: f64,
-    /// What remains at right angles, as a magnitude \[m\]; NaN after a collapse.
-    #[serde(deserialize_with = "nan_where_null")]
-    pub residual_sideways_m: f64,
-    /// Where earlier impacts had left the impact point, along the direction and at right angles to it, from where it is in the
-    /// undamaged column under its load \[m\].
-    #[serde(default)]
-    pub displaced_before_m: [f64; 2],
-    /// What all impacts have left: the largest distance of the axis from that of the undamaged column under its load, in any
-    /// direction \[m\]; NaN after a collapse. Between the supports; of a column with a free top, up to the impact point.
-    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
-    pub residual_bow_m: f64,
-    /// At which height above the base \[m\]; NaN after a collapse.
-    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
-    pub residual_bow_height_m: f64,
-    /// Largest angle between two cross-sections at most [`PLASTIC_ZONE`] depths of the section apart that all impacts have left, from
-    /// the undamaged column under its load \[rad\]; NaN after a collapse. The shear of the web turns no cross-section.
-    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
-    pub residual_kink_rad: f64,
-    /// Angle by which all impacts have left the web sheared below and above the impact point \[rad\]; NaN after a collapse.
-    #[serde(default = "neither_known", deserialize_with = "nans_where_null")]
-    pub residual_shear_angle_rad: [f64; 2],
-    /// When the peak displacement is reached \[s\].
-    pub max_displacement_time_s: f64,
-    /// How it ended.
-    pub outcome: Outcome,
-    /// Whether a section without the residual stresses of rolling would have yielded, too: they make a fibre yield long before, without
-    /// leaving anything to be seen.
-    #[serde(default = "is_so")]
-    pub yielded_beyond_residual_stress: bool,
-    /// Largest axial force that the undamaged column bears, bowed about the strong axis and about the weak axis \[N\]; 0 about an
-    /// axis about which the column has to be held to bear its load.
-    pub undamaged_capacity_n: [f64; 2],
-    /// The same of the damaged column \[N\]; 0 after a collapse.
-    pub residual_capacity_n: [f64; 2],
-    /// Largest base shear along the direction, as a mean over 1 ms \[N\].
-    pub base_shear_n: f64,
-    /// Largest moment of the base that bends the column along the direction, as a mean over 1 ms \[N m\].
-    #[serde(default = "not_known", deserialize_with = "nan_where_null")]
-    pub base_moment_n_m: f64,
-    /// Estimated relative error of the peak displacement, from a run with fewer elements and longer steps; NaN where it is not known.
-    #[serde(deserialize_with = "nan_where_null")]
-    pub error_estimate: f64,
-    /// Elements along the column.
-    pub elements: usize,
-    /// Steps of the response.
-    pub steps: u64,
-    /// Evaluations of its equations, which cost nearly all of the time.
-    pub evaluations: u64,
-    /// Change of the whole energy over the energy of the vehicle: what the solution of the equations has lost.
-    pub energy_error: f64,
-}
-
-/// A state file of an earlier build does not have it.
-fn not_known() -> f64 {
-    f64::NAN
-}
-
-fn neither_known() -> [f64; 2] {
-    [f64::NAN; 2]
-}
-
-fn is_so() -> bool {
-    true
-}
-
-/// JSON has no NaN, which is written as null.
-fn nans_where_null<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {
-    let found = <[Option<f64>; 2]>::deserialize(from)?;
-    Ok(found.map(|it| it.unwrap_or(f64::NAN)))
-}
-
-/// JSON has no NaN, which is written as null.
-fn nan_where_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// All that the beam computes of a hit.
@@ -187,19 +85,6 @@ struct Passed {
     before: [f64; 2],
     residual: Option<Remains>,
     elements: usize,
-}
-
-/// The column at rest after a response.
-struct Remains {
-    /// Of the impact point, from where it was before.
-    displacement: [f64; 2],
-    /// Distance from the undamaged axis and its height.
-    bow: [f64; 2],
-    kink: f64,
-    /// Of the web below and above the impact point, from the undamaged column.
-    shear: [f64; 2],
-    yielded_beyond_residual_stress: bool,
-    damage: Damage,
 }
 
 /// A column at rest under its load.
@@ -746,44 +631,4 @@ impl BeamModel {
 fn sided(bows: [f64; 2], damage: &Damage) -> [f64; 2] {
     let [y, z] = damage.sides();
     [y * bows[0], z * bows[1]]
-}
-
-/// The largest distance of nodes from where they are in the undamaged column, and the height of that node above the base \[m\].
-fn largest_distance(moved: &[[f64; 3]], undamaged: &[[f64; 3]], heights: &[f64]) -> [f64; 2] {
-    let mut largest = [0.0; 2];
-    for ((now, before), height) in moved.iter().zip(undamaged).zip(heights) {
-        let distance = libm::hypot(now[1] - before[1], now[2] - before[2]);
-        if distance > largest[0] {
-            largest = [distance, *height];
-        }
-    }
-    largest
-}
-
-/// The largest angle between cross-sections at most `zone` \[m\] apart, from where they are in the undamaged column \[rad\].
-fn largest_kink(triads: &[Triad], undamaged: &[Triad], heights: &[f64], zone: f64) -> f64 {
-    let turned = |node: usize| {
-        let ([_, y, z], [_, of_y, of_z]) = (rotation(&triads[node]), rotation(&undamaged[node]));
-        [y - of_y, z - of_z]
-    };
-    // Of the far end of a zone that begins at `from` and reaches into the element before `node`, or after it.
-    let at_end = |from: usize, node: usize, before: usize| {
-        let share = (zone - (heights[before] - heights[from]).abs())
-            / (heights[node] - heights[before]).abs();
-        let (near, far) = (turned(before), turned(node));
-        [0, 1].map(|axis| near[axis] + share.min(1.0) * (far[axis] - near[axis]))
-    };
-    let mut largest = 0.0_f64;
-    for from in 0..heights.len() {
-        let [y, z] = turned(from);
-        let up = from + 1..heights.len();
-        let reached = |before: usize| (heights[before] - heights[from]).abs() < zone;
-        let above = up.map(|node| (node, node - 1));
-        let below = (0..from).rev().map(|node| (node, node + 1));
-        for (node, before) in above.chain(below).filter(|(_, before)| reached(*before)) {
-            let [of_y, of_z] = at_end(from, node, before);
-            largest = largest.max(libm::hypot(of_y - y, of_z - z));
-        }
-    }
-    largest
 }

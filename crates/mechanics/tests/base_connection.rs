@@ -276,9 +276,9 @@ fn a_pinned_base_slips_and_is_torn_off() {
             anchor_shear: 1e7,
             ..plate()
         };
-        let torn = respond(&pinned(weak), &front(800e3, 10.0), 2.0).expect("a response");
-        assert_eq!(torn.outcome, Outcome::Fractured);
-        assert_eq!(torn.base.fractured, Some(BaseFailure::AnchorsInTension));
-        assert!(torn.base.least_compressed.normal_force > weak.uplift());
+        let lifted = respond(&pinned(weak), &front(800e3, 10.0), 2.0).expect("a response");
+        assert_eq!(lifted.outcome, Outcome::Fractured);
+        assert_eq!(lifted.base.fractured, Some(BaseFailure::AnchorsInTension));
+        assert!(lifted.base.least_compressed.normal_force > weak.uplift());
     }
 }

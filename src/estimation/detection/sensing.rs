@@ -24,8 +24,8 @@ use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
 use crate::time::Nanos;
 
-/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`]. While a collapse can neither be
-/// told nor be excluded, it is due every [`COLLAPSE_PERIOD`].
+/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`]. While a collapse is likely
+/// and not told yet, it is due every [`COLLAPSE_PERIOD`].
 const INSTANTS: [f64; 6] = [0.005, 0.010, 0.015, 0.020, 0.030, 0.050];
 
 /// Time between two estimates \[s\]: 20 Hz.
@@ -142,8 +142,8 @@ struct CurrentImpact {
     /// Number of the next estimate, and data of the last one \[s\].
     update: u32,
     until: f64,
-    /// The last estimate leaves a collapse open.
-    may_collapse: bool,
+    /// The last estimate finds a collapse likely, and does not tell it yet.
+    expects_collapse: bool,
     /// No more data come.
     has_ended: bool,
     /// The next estimate is the final one.
@@ -499,7 +499,7 @@ impl Sensing {
             awaited: self.ends.iter().map(is_alive).collect(),
             update: 0,
             until: 0.0,
-            may_collapse: false,
+            expects_collapse: false,
             has_ended: false,
             is_complete: false,
             drawn_before: 0,
@@ -517,7 +517,7 @@ impl Sensing {
         };
         let available = impact.available(&self.ends);
         let is_due = !impact.is_complete
-            && (impact.has_ended || is_due(impact.until, impact.may_collapse, available));
+            && (impact.has_ended || is_due(impact.until, impact.expects_collapse, available));
         let estimator = Arc::make_mut(&mut self.estimator);
         match &mut impact.task {
             Task::Between(refinement) if is_due || (impact.is_complete && refinement.is_over()) => {
@@ -551,7 +551,7 @@ impl Sensing {
                 None => Work::Idle,
             },
             Task::Update(underway) => {
-                if self::is_due(underway.until, impact.may_collapse, available) {
+                if self::is_due(underway.until, impact.expects_collapse, available) {
                     underway.update.end_soon();
                 }
                 underway.update.step(estimator);
@@ -570,7 +570,7 @@ impl Sensing {
                     self.settle();
                 } else {
                     impact.until = record.estimate.data_until;
-                    impact.may_collapse = record.estimate.leaves_collapse_open();
+                    impact.expects_collapse = record.estimate.expects_collapse();
                     impact.update += 1;
                     impact.is_complete = impact.has_ended || impact.until >= HORIZON;
                     let most = match impact.is_complete {
@@ -654,14 +654,14 @@ impl CurrentImpact {
     }
 }
 
-/// Whether an estimate with the data until `available` is worth it after one with those until `last` \[s\], which has left a collapse open
-/// or not.
-fn is_due(last: f64, may_collapse: bool, available: f64) -> bool {
+/// Whether an estimate with the data until `available` is worth it after one with those until `last` \[s\], which has found a collapse
+/// likely or not.
+fn is_due(last: f64, expects_collapse: bool, available: f64) -> bool {
     // Half a nanosecond for the round-off of times.
     let reached = available + 0.5 / NANOS;
     let next = INSTANTS.into_iter().find(|instant| *instant > last);
     let next = next.unwrap_or_else(|| PERIOD * ((last + 0.5 / NANOS) / PERIOD).floor() + PERIOD);
-    let next = if may_collapse {
+    let next = if expects_collapse {
         next.min(last + COLLAPSE_PERIOD)
     } else {
         next

@@ -36,8 +36,9 @@ pub const MOMENTUM_OPEN_BEYOND: f64 = 8.0;
 /// Probability of a collapse from which on an estimate tells it \[A\].
 pub const COLLAPSE_TOLD_FROM: f64 = 0.9;
 
-/// The same from which on a collapse is open \[A\]: it cannot be excluded, and is not told yet.
-const COLLAPSE_OPEN_FROM: f64 = 0.01;
+/// The same from which on a collapse is likely \[A\] and the next estimate follows soon: not for less, because each estimate narrows down
+/// the responses that the next one can weigh.
+const COLLAPSE_LIKELY_FROM: f64 = 0.5;
 
 /// Probability outside of an interval, on each side.
 const TAIL: f64 = 0.05;
@@ -212,9 +213,9 @@ impl ImpactEstimate {
         self.collapsed >= COLLAPSE_TOLD_FROM
     }
 
-    /// Whether more data may soon show a collapse, or exclude it.
-    pub(crate) fn leaves_collapse_open(&self) -> bool {
-        (COLLAPSE_OPEN_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
+    /// Whether a collapse is likely, but not told yet.
+    pub(crate) fn expects_collapse(&self) -> bool {
+        (COLLAPSE_LIKELY_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
     }
 
     /// Quantities of the vehicle that the data do not tell, by their names: `mass`, `velocity`, `momentum`. Their intervals are wider

@@ -24,7 +24,7 @@ use zenoh_ext::{
 use crate::messages::cdr;
 use crate::ros::given_up::GivenUp;
 use crate::ros::guid_prefix::GuidPrefix;
-use crate::ros::transport::TransportError;
+use crate::ros::transport_error::TransportError;
 
 use super::graph::Graph;
 use super::keys::TypedName;

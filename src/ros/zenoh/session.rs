@@ -19,7 +19,6 @@ use zenoh::{Session, Wait};
 use crate::ros::environment::{Environment, ZenohVariables};
 use crate::ros::matches::{Discovered, Matches};
 use crate::ros::names::Names;
-use crate::ros::node::NodeError;
 
 use super::endpoints::{Place, ZenohPublisher, ZenohServer, ZenohSubscription};
 use super::graph::Graph;
@@ -48,9 +47,8 @@ const DEFAULTS: &[(&str, &str)] = &[
 ];
 
 /// Checks whether the configuration that the environment asks for can be read.
-pub(in crate::ros) fn check_zenoh(environment: &Environment) -> Result<(), NodeError> {
-    let checked = config(&environment.zenoh).map(drop);
-    checked.map_err(NodeError::Zenoh)
+pub(in crate::ros) fn check_zenoh(environment: &Environment) -> Result<(), String> {
+    config(&environment.zenoh).map(drop)
 }
 
 /// A session, which the nodes of a process share.
@@ -75,18 +73,18 @@ impl ZenohSession {
     ///
     /// # Errors
     /// The configuration cannot be read, or cannot be used.
-    pub fn open(environment: &Environment, matches: &Arc<Matches>) -> Result<Self, NodeError> {
+    pub fn open(environment: &Environment, matches: &Arc<Matches>) -> Result<Self, String> {
         let variables = &environment.zenoh;
-        let config = config(variables).map_err(NodeError::Zenoh)?;
+        let config = config(variables)?;
         let opened = Self::opened(config, environment, matches);
         opened.map_err(|error| {
             let from = match &variables.session_config {
                 Some(path) => format!("the configuration {path} (ZENOH_SESSION_CONFIG_URI)"),
                 None => "the default configuration".to_owned(),
             };
-            NodeError::Zenoh(format!(
+            format!(
                 "cannot open a Zenoh session with {from}: {error}; check its endpoints and certificates"
-            ))
+            )
         })
     }
 

@@ -29,7 +29,8 @@ impl Random {
 #[test]
 fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
     let more = std::env::var("COLUMN_TWIN_EXPLORE").map(|n| n.parse().unwrap());
-    explore(more.unwrap_or(40));
+    let [count, tested] = more.map_or([40, 6], |count| [count; 2]);
+    explore(count, tested);
 }
 
 /// A response that is not solved is a collapse only where the impact point has moved by more than 8 % of the length; otherwise it fails
@@ -37,11 +38,11 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
 #[test]
 #[ignore = "takes minutes; .ci/long runs it"]
 fn a_thousand_random_columns_conserve_energy_and_end_in_rest_or_collapse() {
-    explore(1000);
+    explore(1000, 1000);
 }
 
-/// Computes a hit on each of the first `count` random columns, and tests every collapse by displacement.
-fn explore(count: i32) {
+/// Computes a hit on each of the first `count` random columns, and tests collapses among the first `tested` by displacement.
+fn explore(count: i32, tested: i32) {
     let (mut confirmed, mut hanging, mut doubtful) = (0, 0, Vec::new());
     let mut random = Random(2026);
     let (mut collapses, mut unstable, mut worst, mut failed) = (0, 0, 0.0_f64, Vec::new());
@@ -125,12 +126,17 @@ fn explore(count: i32) {
                 match found.outcome {
                     Outcome::Collapse => {
                         collapses += 1;
-                        let model = BeamModel::new(&it).unwrap();
-                        match model.test_collapse(&hit, None).unwrap() {
-                            Some(test) if test.hangs => hanging += 1,
-                            Some(test) if test.share_borne < 1.0 => confirmed += 1,
-                            test => doubtful
-                                .push(format!("{number} {name} {test:?} {found:?} {it:?} {hit:?}")),
+                        if number < tested {
+                            let model = BeamModel::new(&it).unwrap();
+                            match model.test_collapse(&hit, None).unwrap() {
+                                Some(test) if test.share_borne < 1.0 && !test.hangs => {
+                                    confirmed += 1;
+                                }
+                                Some(test) if test.hangs => hanging += 1,
+                                test => doubtful.push(format!(
+                                    "{number} {name} {test:?} {found:?} {it:?} {hit:?}"
+                                )),
+                            }
                         }
                     }
                     _ => assert!(damage.is_some(), "{number}"),
