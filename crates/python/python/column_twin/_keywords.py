@@ -244,7 +244,7 @@ class ParameterKeywords(TypedDict, total=False):
     assessment__criteria: Sequence[str]
     """criteria that decide the action; all others are shown only. `collapse` always decides"""
     assessment__assumed: Sequence[str]
-    """inputs of the column that nobody has given and whose defaults are assumed: the action is then a lower bound, and its range reaches `evacuate`. Unless this list is given, it holds those that are left out where section.name or section.area is given. Another value of one of them removes it from the list; to confirm the assumed value, give this list without it"""
+    """inputs of the column that nobody has given and whose defaults are assumed: the action is then a lower bound, and its range reaches `evacuate`. Unless this list is given, it holds those that are left out where column_id, section.name or section.area is given. Another value of one of them removes it from the list; to confirm the assumed value, give this list without it"""
     assessment__range_velocity: Number
     """relative range of the speed of the vehicle, to both sides, within which the action of a verdict is sought. 0.1: a speed that is read from skid marks or a camera [A]"""
     assessment__range_height: Number
