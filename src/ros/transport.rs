@@ -119,7 +119,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         match self {
             Self::Dds(it) => {
                 let sent = it.async_send_response(id, response).await;
-                sent.map_err(|error| TransportError(format!("{error:?}")))
+                sent.map_err(|error| TransportError::new(format!("{error:?}")))
             }
             Self::Zenoh(it) => it.send_response(id, &response),
         }
