@@ -167,7 +167,6 @@ const COMMANDS: &[(&str, How)] = &[
     ("ros2 launch", Cannot(NEEDS_WORKSPACE)),
     ("ros2 lifecycle", Cannot(NEEDS_ROS)),
     ("ros2 run tf2_ros", Cannot(NEEDS_ROS)),
-    ("ros2 run rmw_zenoh_cpp", Cannot(NEEDS_ROS)),
     ("ros2 bag", Cannot(NEEDS_ROS)),
     ("ros2 topic", Cannot(NEEDS_ROS)),
     ("ros2 service", Cannot(NEEDS_ROS)),
