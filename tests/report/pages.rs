@@ -143,8 +143,8 @@ fn the_report_of_an_oblique_hit_states_the_whole_vehicle() {
 fn the_bow_of_the_first_page_is_that_of_the_model_that_decides() {
     let folder = TempDir::new().unwrap();
     let options = format!(
-        "--config {} --velocity 4.2 -p section.name:=HEA160 -p steel.grade:=S235 -p support.base:=pinned -p support.top:=pinned \
-         -p geometry.length_below:=0.5 -p geometry.length_above:=2.5 -p top.load:=3e5",
+        "--config {} --vehicle forklift --velocity 4.2 -p section.name:=HEA240 -p support.base:=pinned -p support.top:=pinned \
+         -p geometry.length_below:=0.75 -p geometry.length_above:=5.25 -p top.load:=4.2e5",
         config("heb220_s355.yaml")
     );
     let (_, html) = simulated(folder.path(), "bow", &options);
