@@ -12,11 +12,11 @@ use foxglove_live::{
 use super::pace::Pace;
 use super::{
     POLL_PERIOD, RATE_STEP, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, Replayed,
-    chosen, now, progress, sleep_until,
+    chosen, now, opened, progress, sleep_until,
 };
 use crate::host_header::is_name_of_this_machine;
 use crate::parameters::Parameters;
-use crate::recording::{self, Reader, RecordedTopic, RecordingError};
+use crate::recording::{Reader, RecordedTopic, RecordingError};
 use crate::ros::signals::StopSignals;
 
 /// Most requests and most notices that wait for the replay.
@@ -38,10 +38,7 @@ pub fn replay_to_foxglove(
     controls: &mut dyn ReplayControls,
 ) -> Result<Replayed, ReplayError> {
     let signals = StopSignals::listen()?;
-    let reader = recording::open(&options.bag)?;
-    let span = reader.span().ok_or_else(|| ReplayError::Nothing {
-        bag: options.bag.clone(),
-    })?;
+    let (reader, span) = opened(options)?;
     let mut topics = vec![None; reader.topics().len()];
     let mut channels = Vec::new();
     for (index, topic) in chosen(&reader, options)? {

@@ -164,6 +164,15 @@ pub enum ReplayError {
     Foxglove(String),
 }
 
+/// The recording, and the times of its first and last message \[ns\].
+fn opened(options: &ReplayOptions) -> Result<(Reader, (i64, i64)), ReplayError> {
+    let reader = recording::open(&options.bag)?;
+    let span = reader.span().ok_or_else(|| ReplayError::Nothing {
+        bag: options.bag.clone(),
+    })?;
+    Ok((reader, span))
+}
+
 /// Replays a recording until its end, or until the user stops it.
 ///
 /// # Errors
@@ -175,10 +184,7 @@ pub fn replay(
     controls: &mut dyn ReplayControls,
 ) -> Result<Replayed, ReplayError> {
     let signals = StopSignals::listen()?;
-    let reader = recording::open(&options.bag)?;
-    let span = reader.span().ok_or_else(|| ReplayError::Nothing {
-        bag: options.bag.clone(),
-    })?;
+    let (reader, span) = opened(options)?;
     let names = Names::new(&environment.namespace, NODE_NAME, rules)?;
     let mut node = Node::new(environment, names)?;
     let channels = channels(&mut node, &reader, options)?;
