@@ -189,8 +189,8 @@ impl Column {
         if let Some(there) = self.struck_by(vehicle)? {
             return there.after(py, vehicle, mass, velocity, direction, by_beam);
         }
-        let impact = match self.towards(direction)? {
-            Some(there) => there.impact(py, vehicle, mass, velocity)?,
+        let impact = match direction {
+            Some(direction) => self.towards(direction)?.impact(py, vehicle, mass, velocity)?,
             None => self.impact(py, vehicle, mass, velocity)?,
         };
         let hit = self.whole_hit(vehicle, mass, velocity, direction)?;
@@ -203,6 +203,22 @@ impl Column {
                 false => Self::from(left),
             },
         ))
+    }
+
+    /// The column whose impacts have this direction of travel \[rad\], with its damage.
+    fn towards(&self, direction: f64) -> PyResult<Self> {
+        let changes = [("impact.direction", Value::from(direction))];
+        let turned = self.parameters().with_changes(changes);
+        let turned = turned.map_err(|faults| fault::parameters(&faults))?;
+        let study = match self.is_damaged() {
+            true => self.study.with_impact_of(&turned),
+            false => StudyColumn::undamaged(&turned),
+        };
+        Ok(Self {
+            study: Arc::new(study.map_err(|fault| fault::study(&fault))?),
+            values: Arc::default(),
+            ..self.clone()
+        })
     }
 
     /// Name, value, unit and meaning of every parameter.
@@ -369,22 +385,18 @@ impl Column {
     }
 
     /// One impact with its history: names and values of its columns, and the outcome as JSON, with what the fibre beam says where the
-    /// model of this name needs it. Without a direction \[rad\] the impact has that of the parameters.
-    #[pyo3(signature = (vehicle, mass, velocity, direction=None, model="bars"))]
+    /// model of this name needs it.
+    #[pyo3(signature = (vehicle, mass, velocity, model="bars"))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
         vehicle: Option<&str>,
         mass: Option<f64>,
         velocity: Option<f64>,
-        direction: Option<f64>,
         model: &str,
     ) -> PyResult<(Vec<String>, Vec<Bound<'py, PyByteArray>>, String)> {
-        if let Some(there) = self.towards(direction)? {
-            return there.simulate(py, vehicle, mass, velocity, None, model);
-        }
         if let Some(there) = self.struck_by(vehicle)? {
-            return there.simulate(py, vehicle, mass, velocity, None, model);
+            return there.simulate(py, vehicle, mass, velocity, model);
         }
         let model = model_named(model)?;
         let switched_off = model.check_on(self.parameters());
@@ -447,6 +459,7 @@ impl Column {
             return there.capacity_after(py, vehicle, mass, velocity);
         }
         let impact = self.impact(py, vehicle, mass, velocity)?;
+        let whole = velocity.unwrap_or(self.parameters().settings().impact.velocity);
         let this = self.clone();
         let (json, points) = abandonable(py, move || {
             let model = this.study.model();
@@ -458,7 +471,7 @@ impl Column {
             let remaining = remaining.map_err(|fault| fault::of_capacity(&fault))?;
             let input =
                 AssessmentInput::of_response(this.parameters(), model, &impact, &report, remaining);
-            let state = format!("after {} kg at {} m/s", impact.mass, impact.velocity);
+            let state = format!("after {} kg at {whole} m/s", impact.mass);
             let json = capacity_json(&state, &remaining, &input)?;
             Ok::<_, PyErr>((json, this.push_down(model, rest.as_ref())?))
         })??;
@@ -507,25 +520,6 @@ impl Column {
         let struck = struck.map_err(|fault| fault::study(&fault))?;
         Ok(struck.map(|study| Self {
             study,
-            values: Arc::default(),
-            ..self.clone()
-        }))
-    }
-
-    /// The column whose impacts have this direction of travel \[rad\], with its damage; `None` without one.
-    fn towards(&self, direction: Option<f64>) -> PyResult<Option<Self>> {
-        let Some(direction) = direction else {
-            return Ok(None);
-        };
-        let changes = [("impact.direction", Value::from(direction))];
-        let turned = self.parameters().with_changes(changes);
-        let turned = turned.map_err(|faults| fault::parameters(&faults))?;
-        let study = match self.is_damaged() {
-            true => self.study.with_impact_of(&turned),
-            false => StudyColumn::undamaged(&turned),
-        };
-        Ok(Some(Self {
-            study: Arc::new(study.map_err(|fault| fault::study(&fault))?),
             values: Arc::default(),
             ..self.clone()
         }))

@@ -122,7 +122,8 @@ pub fn evaluate<'py>(
         let evaluated = |index: u64| {
             let impact = all.impact(index).map_err(|()| BatchFault::Input(index))?;
             let evaluation = study.evaluate(&impact).map_err(|reason| {
-                let (mass, velocity) = (impact.mass, impact.velocity);
+                // The whole speed: of an oblique hit, the impact has the component in the plane of the two bars.
+                let (mass, velocity) = (impact.mass, all.arrays.velocity(index));
                 let text = format!("element {index} ({mass} kg at {velocity} m/s): {reason}");
                 BatchFault::Response(text)
             })?;

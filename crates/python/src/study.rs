@@ -131,18 +131,36 @@ struct Planned {
     further: Vec<MapAxis>,
     /// Names of the compared columns; one where nothing is compared.
     labels: Vec<String>,
+    /// The first one of the axes and of the compared values \[kg\].
+    smallest_mass: Option<f64>,
     threads: Option<NonZeroUsize>,
 }
 
+impl Planned {
+    /// Why nobody can have meant the smallest mass with the vehicle of the map.
+    fn implausible_mass(&self) -> Option<String> {
+        let smallest = self.smallest_mass?;
+        self.map.variants().iter().find_map(|variant| {
+            let name = &variant.parameters.settings().vehicle.name;
+            CatalogueVehicle::of_crushed(name)?.implausible_mass(smallest)
+        })
+    }
+}
+
 impl MapRequest {
-    /// The map of a column, which is damaged or not. It may have thousands of columns, which are made without the GIL.
+    /// The map of a column, which is damaged or not, with a warning of a mass that nobody can have meant. It may have thousands of
+    /// columns, which are made without the GIL.
     fn planned(
         self,
         py: Python<'_>,
         (column, is_damaged): (&Arc<StudyColumn>, bool),
     ) -> PyResult<Planned> {
         let column = Arc::clone(column);
-        abandonable(py, move || self.plan(&column, is_damaged))?
+        let planned = abandonable(py, move || self.plan(&column, is_damaged))??;
+        if let Some(text) = planned.implausible_mass() {
+            fault::warn(py, &format!("mass: the smallest one is the mass of {text}"))?;
+        }
+        Ok(planned)
     }
 
     fn plan(self, column: &StudyColumn, is_damaged: bool) -> PyResult<Planned> {
@@ -155,6 +173,9 @@ impl MapRequest {
             Some(axis) => (0..axis.len()).map(|it| Variant::label(axis, it)).collect(),
         };
         let varied: Vec<_> = compared.iter().chain(&further).cloned().collect();
+        let mut masses = varied.iter().chain(&axes);
+        let masses = masses.find(|it| it.quantity() == MapQuantity::Mass);
+        let smallest_mass = masses.and_then(|it| it.number(0));
         let vehicle = self.vehicle.as_deref();
         let map = match is_damaged {
             true => DamageMap::of_damaged(column, vehicle, &varied, axes),
@@ -165,21 +186,10 @@ impl MapRequest {
             map: Arc::new(map.map_err(|reason| rejected(&reason))?),
             further,
             labels,
+            smallest_mass,
             threads: self.threads,
         })
     }
-}
-
-/// Why nobody can have meant the smallest mass of a map with this vehicle.
-fn implausible(map: &DamageMap) -> Option<String> {
-    let axis = [map.rows(), map.columns()]
-        .into_iter()
-        .find(|axis| axis.quantity() == MapQuantity::Mass)?;
-    let smallest = axis.number(0)?;
-    map.variants().iter().find_map(|variant| {
-        let vehicle = CatalogueVehicle::of_crushed(&variant.parameters.settings().vehicle.name)?;
-        vehicle.implausible_mass(smallest)
-    })
 }
 
 /// Computes a map, or the part `shard` (a number, from 1, and the number of parts): its axes and labels, its cells as rows of
@@ -192,9 +202,6 @@ pub fn map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let planned = request.planned(py, column)?;
     let map = planned.map;
-    if let Some(text) = implausible(&map) {
-        fault::warn(py, &format!("mass: the smallest one is the mass of {text}"))?;
-    }
     let cells = shard.map_or(0..map.len(), |[number, parts]| map.shard(number, parts));
     let count = cells.end - cells.start;
     let batch = batch(py, planned.threads, count)?;

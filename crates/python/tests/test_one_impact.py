@@ -7,6 +7,7 @@ import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,8 +61,8 @@ def test_report_and_history_are_those_of_the_command_line(
 @pytest.mark.parametrize("degrees", [0.0, 10.0, 90.0])
 def test_the_beam_is_that_of_the_command_line(root: Path, steel: Column, program: Program, degrees: float) -> None:
     config = str(root / "config/heb220_s355.yaml")
-    hit = ("--vehicle", "mid_car", "--velocity", "9", "--direction", str(degrees))
-    ran = program("simulate", "--config", config, *hit, "--json")
+    arguments = ("--vehicle", "mid_car", "--velocity", "9", "--direction", str(degrees))
+    ran = program("simulate", "--config", config, *arguments, "--json")
     assert ran.returncode == 0, ran.stderr
     expected = json.loads(ran.stdout)
     result = steel.simulate("mid_car", velocity=9.0, direction=np.radians(degrees), model="both")
@@ -74,8 +75,14 @@ def test_the_beam_is_that_of_the_command_line(root: Path, steel: Column, program
     bars = steel.simulate("mid_car", velocity=9.0, direction=np.radians(degrees))
     assert bars.beam is None and bars.max_v1 == result.max_v1
     turned = steel.with_changes(impact__direction=np.radians(degrees))
-    left = [steel.after(bars), turned.after(vehicle="mid_car", velocity=9.0)]
-    assert left[0].capacity().force == left[1].capacity().force
+    hit: Any = {"vehicle": "mid_car", "velocity": 9.0}
+    oblique = {**hit, "direction": np.radians(degrees)}
+    left = [steel.after(bars), turned.after(**hit), steel.after(**oblique)]
+    assert left[0].capacity().force == left[1].capacity().force == left[2].capacity().force
+    assert repr(steel.evaluate(**oblique)) == repr(turned.evaluate(**hit))
+    assert steel.evaluate_batch(**oblique).tobytes() == turned.evaluate_batch(**hit).tobytes()
+    after = steel.capacity(**oblique)
+    assert after.force == turned.capacity(**hit).force and after.report["state"].endswith("at 9 m/s")
 
 
 def test_the_beam_alone_has_its_own_verdict(steel: Column) -> None:

@@ -39,6 +39,11 @@ def test_a_lorry_of_ten_kilograms_is_told(steel: Column) -> None:
         steel.evaluate_batch("mid_car", mass=[1700.0, 1.7, 2.0], velocity=5.0)
     with pytest.warns(ParameterWarning, match="mass: the smallest one is the mass of a lorry_8t of 6 kg"):
         steel.map(mass=Range(6, 12, points=2), velocity=[1.0, 2.0], vehicle="lorry_8t")
+    # Boundaries and compared masses told nothing.
+    with pytest.warns(ParameterWarning, match="mass: the smallest one is the mass of a lorry_8t of 6 kg"):
+        steel.refined_map(mass=Range(6, 12, points=2), velocity=[1.0, 2.0], vehicle="lorry_8t")
+    with pytest.warns(ParameterWarning, match="mass: the smallest one is the mass of a lorry_8t of 6 kg"):
+        steel.map(height=[0.5, 1.0], velocity=[1.0, 2.0], compare={"mass": [6.0, 8000.0]}, vehicle="lorry_8t")
     with pytest.warns(ParameterWarning, match="impact.mass is the mass of a van of 3 kg"):
         Column(vehicle__name="van", impact__mass=3.0)
     with warnings.catch_warnings():

@@ -434,6 +434,7 @@ class Column(Mapping[str, Value]):
         vehicle: str | None = None,
         mass: float | None = None,
         velocity: float | None = None,
+        direction: float | None = None,
     ) -> Column:
         """The column after an impact, at rest without the vehicle, which can be hit again.
 
@@ -447,9 +448,10 @@ class Column(Mapping[str, Value]):
         Args:
             impact: a result of `simulate` on this column. Damage in the fibre beam alone, such as from a vehicle that travels across
                 the plane of the two bars, is kept where the result contains it (`model="both"` or `model="beam"`).
-            vehicle: without a result, the vehicle as in `simulate`, which travels in the direction of the parameter `impact.direction`.
+            vehicle: without a result, the vehicle as in `simulate`.
             mass: as in `simulate` [kg].
             velocity: as in `simulate` [m/s].
+            direction: direction of travel [rad], as in `simulate`.
 
         Raises:
             ParameterError: an impact that is not accepted, or a result of another column.
@@ -463,15 +465,15 @@ class Column(Mapping[str, Value]):
                 raise TypeError(
                     f"after: expected a result of simulate, found {type(impact).__name__}; a vehicle is given by a keyword: vehicle=..."
                 )
-            if vehicle is not None or mass is not None or velocity is not None:
-                raise ParameterError("after: expected a result, or vehicle, mass and velocity; found both")
+            if any(it is not None for it in (vehicle, mass, velocity, direction)):
+                raise ParameterError("after: expected a result, or vehicle, mass, velocity and direction; found both")
             if impact._struck != self._native.to_json():
                 raise ParameterError("after: expected a result of this column, found one of another; compute it for this column")
-            vehicle, mass, velocity = impact._impact
-        direction = None if impact is None else impact._direction
+            vehicle, mass, velocity, direction = impact._impact
         beam = None if impact is None else impact.report.get("beam")
         by_beam = isinstance(beam, dict) and beam["outcome"] != "elastic"
-        left = self._native.after(_name(vehicle, mass=mass, velocity=velocity), mass, velocity, direction, by_beam)
+        vehicle = _name(vehicle, mass=mass, velocity=velocity, direction=direction)
+        left = self._native.after(vehicle, mass, velocity, _direction(direction), by_beam)
         if left is None:
             raise SimulationError("the column does not stand after this impact: it has collapsed or is fractured")
         return self._of(left)
@@ -519,8 +521,7 @@ class Column(Mapping[str, Value]):
             ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
         vehicle = _name(vehicle, mass=mass, velocity=velocity, direction=direction)
-        direction = _direction(direction)
-        names, columns, report = self._native.simulate(vehicle, mass, velocity, direction, str(model))
+        names, columns, report = self._towards(direction).simulate(vehicle, mass, velocity, str(model))
         history = {name: _read_only(it) for name, it in zip(names, columns)}
         fields = json.loads(report)
         if velocity is None:
@@ -529,21 +530,26 @@ class Column(Mapping[str, Value]):
         of = "" if mass is None else f" of {mass:g} kg"
         turned = "" if direction is None else f", {np.degrees(direction):g} degrees"
         result = Result(f"{self._title()}, {who}{of} at {velocity:g} m/s{turned}", history, fields)
-        result._impact, result._struck = (vehicle, mass, velocity), self._native.to_json()
-        result._direction = direction
+        result._impact, result._struck = (vehicle, mass, velocity, direction), self._native.to_json()
         return result
 
     def evaluate(
-        self, vehicle: str | None = None, *, mass: float | None = None, velocity: float | None = None
+        self,
+        vehicle: str | None = None,
+        *,
+        mass: float | None = None,
+        velocity: float | None = None,
+        direction: float | None = None,
     ) -> Evaluation:
         """One impact by the two bars without its history: action, displacements, contact force and capacity.
 
         >>> column.evaluate("van", velocity=8.0).action
 
         Args:
-            vehicle: as in `simulate`; it travels in the direction of the parameter `impact.direction`.
+            vehicle: as in `simulate`.
             mass: as in `simulate` [kg].
             velocity: as in `simulate` [m/s].
+            direction: direction of travel [rad], as in `simulate`.
 
         Raises:
             ParameterError: an impact that is not accepted.
@@ -552,7 +558,8 @@ class Column(Mapping[str, Value]):
         Warns:
             ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
-        found = self._native.evaluate(_name(vehicle, mass=mass, velocity=velocity), mass, velocity)
+        vehicle = _name(vehicle, mass=mass, velocity=velocity, direction=direction)
+        found = self._towards(direction).evaluate(vehicle, mass, velocity)
         return Evaluation._of(float(self._native.get("impact.velocity") if velocity is None else velocity), *found)
 
     def evaluate_batch(
@@ -561,6 +568,7 @@ class Column(Mapping[str, Value]):
         *,
         mass: npt.ArrayLike | None = None,
         velocity: npt.ArrayLike | None = None,
+        direction: float | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.void]:
         """Many impacts by the two bars, on all processors. Each row equals the result of `evaluate` bit for bit.
@@ -575,6 +583,7 @@ class Column(Mapping[str, Value]):
             mass: total masses of the vehicle [kg], a number or an array; default: as in `simulate`.
             velocity: speeds of the vehicle [m/s], a number or an array; default: the parameter `impact.velocity`. Mass and velocity are
                 broadcast against each other.
+            direction: direction of travel of all impacts [rad], as in `simulate`.
             threads: number of threads; default: as many as there are processors. The result does not depend on it.
 
         Returns:
@@ -589,7 +598,7 @@ class Column(Mapping[str, Value]):
             ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes, with the index of the first such element.
             UserWarning: more threads than are useful; the text states how many are used.
         """
-        vehicle = _name(vehicle)
+        vehicle = _name(vehicle, direction=direction)
         if velocity is None:
             velocity = float(self._native.get("impact.velocity"))
         speeds = numbers("velocity", velocity)
@@ -604,7 +613,7 @@ class Column(Mapping[str, Value]):
                     f"mass and velocity: expected shapes that can be broadcast against each other, found {masses.shape} and {speeds.shape}"
                 ) from reason
             shape, weights, speeds = both[0].shape, both[0].tobytes(), both[1]
-        rows = self._native.evaluate_batch(vehicle, weights, speeds.tobytes(), _threads(threads))
+        rows = self._towards(direction).evaluate_batch(vehicle, weights, speeds.tobytes(), _threads(threads))
         table = table_of(rows).reshape(shape)
         # As in `Evaluation`, where the native part has the component in the plane of the two bars.
         table["velocity"] = speeds
@@ -963,7 +972,12 @@ class Column(Mapping[str, Value]):
         return Risk(scenario, json.loads(report))
 
     def capacity(
-        self, vehicle: str | None = None, *, mass: float | None = None, velocity: float | None = None
+        self,
+        vehicle: str | None = None,
+        *,
+        mass: float | None = None,
+        velocity: float | None = None,
+        direction: float | None = None,
     ) -> Capacity:
         """The axial capacity of the column in its present state, or, with arguments, after one impact on the undamaged column.
 
@@ -972,9 +986,10 @@ class Column(Mapping[str, Value]):
         >>> column.capacity("lorry_8t", velocity=7.0).reserve
 
         Args:
-            vehicle: as in `simulate`; it travels in the direction of the parameter `impact.direction`.
+            vehicle: as in `simulate`.
             mass: as in `simulate` [kg].
             velocity: as in `simulate` [m/s].
+            direction: direction of travel [rad], as in `simulate`.
 
         Raises:
             ParameterError: an impact that is not accepted, an impact on a damaged column, or a push-down that cannot be computed.
@@ -983,11 +998,17 @@ class Column(Mapping[str, Value]):
         Warns:
             ParameterWarning: a mass that this vehicle cannot have, such as one in tonnes.
         """
-        if vehicle is None and mass is None and velocity is None:
+        if all(it is None for it in (vehicle, mass, velocity, direction)):
             report, curve = self._native.capacity()
         else:
-            report, curve = self._native.capacity_after(_name(vehicle, mass=mass, velocity=velocity), mass, velocity)
+            vehicle = _name(vehicle, mass=mass, velocity=velocity, direction=direction)
+            report, curve = self._towards(direction).capacity_after(vehicle, mass, velocity)
         return Capacity(json.loads(report), PushDown(*map(_read_only, curve)))
+
+    def _towards(self, direction: float | None) -> native.Column:
+        """The native part whose impacts have this direction of travel [rad]."""
+        direction = _direction(direction)
+        return self._native if direction is None else self._native.towards(direction)
 
     def _title(self) -> str:
         """The section, or the name of the column where the section is user-defined."""

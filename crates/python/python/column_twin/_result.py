@@ -39,8 +39,7 @@ class Result:
         self.title = title
         self.history = dict(history)
         self.report = dict(report)
-        self._impact: tuple[str | None, float | None, float | None] = (None, None, None)
-        self._direction: float | None = None
+        self._impact: tuple[str | None, float | None, float | None, float | None] = (None, None, None, None)
         self._struck: str | None = None
         """The column, for `Column.after`."""
 
