@@ -44,7 +44,7 @@ pub fn topic(name: &str, type_name: &str, qos: OfferedQos) -> Result<TopicInfo, 
     };
     let interface = messages::find(type_name).ok_or_else(|| {
         schema_error(
-            "this program does not define this type; add it to src/messages/table.rs".to_owned(),
+            "this program does not define this type; add its definition to msg/deps".to_owned(),
         )
     })?;
     let schema = interface.schema_text(INTERFACES);

@@ -1,21 +1,21 @@
-//! The structs hold the fields and constants of their definitions, and the table holds every definition.
+//! The structs hold the fields of their definitions, and the table holds every definition.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 use column_twin::messages::column_twin_msgs::{
-    ColumnParameters, ColumnState, CorrectDamageRequest, HingeDescription, HingeForces,
-    ImpactEstimate, ImpactReport, ParameterEntry, SecondOpinion, TwinStatus,
+    ColumnParameters, ColumnState, CorrectDamageRequest, HingeForces, ImpactEvent, ImpactReport,
+    ParameterEntry, SecondOpinion, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::lifecycle_msgs::{State, Transition};
 use column_twin::messages::rcl_interfaces::Log;
 use column_twin::messages::service_msgs::ServiceEventInfo;
 use column_twin::messages::visualization_msgs::{Marker, MarkerArray};
-use column_twin::messages::{INTERFACES, Message, find, std_msgs, std_srvs};
+use column_twin::messages::{INTERFACES, Message, find, geometry_msgs, std_msgs, std_srvs};
 use re_ros_msg::MessageSchema;
-use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, Literal, Type};
+use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, Type};
 use serde_reflection::{ContainerFormat, Format, Tracer, TracerConfig};
 
 use super::{ForEachType, for_each_type};
@@ -101,78 +101,38 @@ fn every_struct_has_the_fields_of_its_definition_in_order() {
     );
 }
 
-/// The constants of a definition, as `(name, value)`.
-fn constants<M: Message>() -> Vec<(String, i64)> {
-    let constants = M::INTERFACE.specification().unwrap().constants;
-    let value = |literal: &Literal| match literal {
-        Literal::Int(value) => *value,
-        Literal::UInt(value) => i64::try_from(*value).unwrap(),
-        other => panic!("no definition has a constant like {other:?} so far"),
-    };
-    constants
-        .iter()
-        .map(|constant| (constant.name.clone(), value(&constant.value)))
-        .collect()
+/// As ROS 2 documents them, and as the documents of this program do.
+#[test]
+fn constants_have_the_values_of_their_definitions() {
+    assert_eq!([Log::DEBUG, Log::WARN, Log::FATAL], [10, 30, 50]);
+    assert_eq!([DiagnosticStatus::ERROR, DiagnosticStatus::STALE], [2, 3]);
+    assert_eq!([Marker::SPHERE, Marker::DELETEALL], [2, 3]);
+    assert_eq!(State::PRIMARY_STATE_ACTIVE, 3);
+    assert_eq!(Transition::TRANSITION_ON_ERROR_FAILURE, 61);
+    assert_eq!(ServiceEventInfo::RESPONSE_RECEIVED, 3);
+    assert_eq!(ColumnState::FRACTURED, TwinStatus::FRACTURED);
+    assert_eq!(TwinStatus::REJECTED_NOT_ACTIVE, 29);
+    assert_eq!(ImpactReport::END_NOT_HIT, 10);
+    assert_eq!(CorrectDamageRequest::ROTATION, 1);
 }
 
+/// NaN leaves to the parameters, or says that nothing is known; nobody turns without an orientation.
 #[test]
-fn every_constant_has_the_value_of_its_definition() {
-    macro_rules! same_constants {
-        ($($type:ident { $($name:ident),* $(,)? })*) => { $(
-            let found = vec![$((stringify!($name).to_owned(), i64::from($type::$name))),*];
-            assert_eq!(found, constants::<$type>(), stringify!($type));
-        )* };
-    }
-    same_constants! {
-        ColumnState { IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, FRACTURED }
-        ImpactEstimate {
-            DECISION_PENDING, DECISION_ACCEPTED, DECISION_MERGED, DECISION_DECLINED, DECISION_REJECTED,
-        }
-        CorrectDamageRequest { DISPLACEMENT, ROTATION }
-        HingeDescription { LOWER_END, UPPER_END, WHOLE_BAR }
-        HingeForces { HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, WEB_A, WEB_B, ELASTIC, PLASTIC, UNLOADED }
-        ImpactReport {
-            HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, WEB_A, WEB_B, FORECAST, RESULT, PREDICTION, WITHDRAWN, NO_FORECAST,
-            ELASTIC, PLASTIC, COLLAPSED, FRACTURED, OUTCOME_UNKNOWN,
-            END_AT_REST, END_DURATION_REACHED, END_COLLAPSED, END_FRACTURED, END_NOT_CONVERGED,
-            END_SUPERSEDED, END_RESET, END_STOPPED, END_REJECTED, END_NOT_COMPUTED, END_NOT_HIT,
-            ACTION_NONE, ACTION_INSPECT, ACTION_RESTRICT, ACTION_SHORE, ACTION_EVACUATE, ACTION_UNKNOWN,
-        }
-        SecondOpinion { NONE, PENDING, KNOWN }
-        TwinStatus {
-            HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, FRACTURED,
-            REJECTED_NONE, REJECTED_OTHER_COLUMN, REJECTED_EVENT_ID_INVALID, REJECTED_EVENT_ID_REPEATED, REJECTED_STAMP_TOO_OLD, REJECTED_STAMP_TOO_FAR_AHEAD, REJECTED_STAMP_OUT_OF_ORDER, REJECTED_TOO_MANY_IMPACTS_AHEAD, REJECTED_IMPACT_OUT_OF_RANGE, REJECTED_HEIGHT_NOT_POSSIBLE, REJECTED_COLUMN_COLLAPSED, REJECTED_TWIN_FAULTED, REJECTED_COLUMN_IMPOSSIBLE, REJECTED_PARAMETERS_INVALID, REJECTED_PARAMETERS_READ_ONLY, REJECTED_COLUMN_DAMAGED, REJECTED_NO_EQUILIBRIUM, REJECTED_NOT_COMPUTED, REJECTED_QUEUE_FULL, REJECTED_NO_ANSWER, REJECTED_STOPPING, REJECTED_VEHICLE_INVALID, REJECTED_COLUMN_FRACTURED, REJECTED_APPROACH_TOO_LONG, REJECTED_SENDER_NOT_ALLOWED, REJECTED_SENDER_TOO_FAST,
-            REJECTED_ESTIMATE_NOT_PENDING, REJECTED_NOT_AT_REST, REJECTED_MEASUREMENT_IMPLAUSIBLE, REJECTED_NOT_ACTIVE,
-            ACTION_NONE, ACTION_INSPECT, ACTION_RESTRICT, ACTION_SHORE, ACTION_EVACUATE, ACTION_UNKNOWN,
-        }
-        DiagnosticStatus { OK, WARN, ERROR, STALE }
-        ServiceEventInfo { REQUEST_SENT, REQUEST_RECEIVED, RESPONSE_SENT, RESPONSE_RECEIVED }
-        State {
-            PRIMARY_STATE_UNKNOWN, PRIMARY_STATE_UNCONFIGURED, PRIMARY_STATE_INACTIVE, PRIMARY_STATE_ACTIVE,
-            PRIMARY_STATE_FINALIZED, TRANSITION_STATE_CONFIGURING, TRANSITION_STATE_CLEANINGUP, TRANSITION_STATE_SHUTTINGDOWN,
-            TRANSITION_STATE_ACTIVATING, TRANSITION_STATE_DEACTIVATING, TRANSITION_STATE_ERRORPROCESSING,
-        }
-        Transition {
-            TRANSITION_CREATE, TRANSITION_CONFIGURE, TRANSITION_CLEANUP, TRANSITION_ACTIVATE,
-            TRANSITION_DEACTIVATE, TRANSITION_UNCONFIGURED_SHUTDOWN, TRANSITION_INACTIVE_SHUTDOWN, TRANSITION_ACTIVE_SHUTDOWN,
-            TRANSITION_DESTROY, TRANSITION_ON_CONFIGURE_SUCCESS, TRANSITION_ON_CONFIGURE_FAILURE, TRANSITION_ON_CONFIGURE_ERROR,
-            TRANSITION_ON_CLEANUP_SUCCESS, TRANSITION_ON_CLEANUP_FAILURE, TRANSITION_ON_CLEANUP_ERROR, TRANSITION_ON_ACTIVATE_SUCCESS,
-            TRANSITION_ON_ACTIVATE_FAILURE, TRANSITION_ON_ACTIVATE_ERROR, TRANSITION_ON_DEACTIVATE_SUCCESS, TRANSITION_ON_DEACTIVATE_FAILURE,
-            TRANSITION_ON_DEACTIVATE_ERROR, TRANSITION_ON_SHUTDOWN_SUCCESS, TRANSITION_ON_SHUTDOWN_FAILURE, TRANSITION_ON_SHUTDOWN_ERROR,
-            TRANSITION_ON_ERROR_SUCCESS, TRANSITION_ON_ERROR_FAILURE, TRANSITION_ON_ERROR_ERROR, TRANSITION_CALLBACK_SUCCESS,
-            TRANSITION_CALLBACK_FAILURE, TRANSITION_CALLBACK_ERROR,
-        }
-        Log { DEBUG, INFO, WARN, ERROR, FATAL }
-        Marker {
-            ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TEXT_VIEW_FACING,
-            MESH_RESOURCE, TRIANGLE_LIST, ARROW_STRIP, ADD, MODIFY, DELETE, DELETEALL,
-        }
-    }
-    let with_constants = INTERFACES
-        .iter()
-        .filter(|interface| !interface.specification().unwrap().constants.is_empty())
-        .count();
-    assert_eq!(with_constants, 14, "a type with constants is missing above");
+fn structs_start_as_their_definitions_say() {
+    let event = ImpactEvent::default();
+    assert!(event.gap.is_nan() && event.direction.is_nan() && event.mass == 0.0);
+    assert!(
+        ColumnParameters::default()
+            .entries()
+            .all(|(_, it)| it.is_unchanged())
+    );
+    let opinion = SecondOpinion::default();
+    assert!(opinion.residual_capacity[1].is_nan() && opinion.state == SecondOpinion::NONE);
+    assert_eq!(
+        [opinion.action, opinion.outcome],
+        [ImpactReport::ACTION_UNKNOWN; 2]
+    );
+    assert_eq!(geometry_msgs::Quaternion::default().w, 1.0);
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.

@@ -103,8 +103,7 @@ const MAX_CIRCLES: usize = 4;
 
 /// Circles that stay, with the reason.
 #[rustfmt::skip]
-const CIRCLES: [Circle; 4] = [
-    circle("src/messages", &["column_twin_msgs.rs", "column_twin_msgs_fleet.rs", "column_twin_msgs_services.rs"], "one ROS package is one module, which is only too long for one file"),
+const CIRCLES: [Circle; 3] = [
     circle("crates/recording/src", &["predecessor.rs", "reader.rs"], "a recording names the one before it, which is found by reading the recordings in its folder"),
     circle("crates/recording/src", &["index_check.rs", "records.rs"], "the index is checked against the records while they are read, and consists of records itself"),
     circle("src/report", &["document.rs", "recorded.rs", "recording_section.rs"], "a document begins with its origin, and a recording is the origin that makes a whole document"),

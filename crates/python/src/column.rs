@@ -190,7 +190,9 @@ impl Column {
             return there.after(py, vehicle, mass, velocity, direction, by_beam);
         }
         let impact = match direction {
-            Some(direction) => self.towards(direction)?.impact(py, vehicle, mass, velocity)?,
+            Some(direction) => self
+                .towards(direction)?
+                .impact(py, vehicle, mass, velocity)?,
             None => self.impact(py, vehicle, mass, velocity)?,
         };
         let hit = self.whole_hit(vehicle, mass, velocity, direction)?;
