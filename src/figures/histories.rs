@@ -100,8 +100,8 @@ pub(super) fn vertical_displacement(response: &ResponseHistory<'_>) -> Drawn<Str
 
 /// Figure 7: the normal forces of the bars, tension positive.
 pub(super) fn normal_forces(response: &ResponseHistory<'_>) -> Drawn<String> {
-    let bar_a = |sample: &Sample| sample.hinges[0].normal_force;
-    let bar_b = |sample: &Sample| sample.hinges[1].normal_force;
+    let bar_a = |sample: &Sample| sample.normal_forces()[0];
+    let bar_b = |sample: &Sample| sample.normal_forces()[1];
     let unit = Unit::force(response.largest(|sample| [bar_a(sample), bar_b(sample)]));
     let range = |bar: &dyn Fn(&Sample) -> f64| {
         let values = || response.samples.iter().map(bar);

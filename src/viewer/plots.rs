@@ -117,7 +117,7 @@ pub const ALL: [Plot; PLOTS] = [
         ],
         names: Corner2D::RightTop,
         last_width: 1.5,
-        values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
+        values: |it| it.normal_forces().to_vec(),
         of_vehicle: false,
     },
     Plot {

@@ -105,6 +105,15 @@ pub struct Sample {
     pub base: BaseForces,
 }
 
+impl Sample {
+    /// Normal force of each bar, of the one below the impact point first \[N\]; both hinges of a bar carry it.
+    #[must_use]
+    pub fn normal_forces(&self) -> [f64; 2] {
+        let [below, above, _, _] = self.hinges.map(|hinge| hinge.normal_force);
+        [below, above]
+    }
+}
+
 /// What the column bears upon its base.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BaseForces {
