@@ -18,7 +18,12 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - arrays.rs: What the arrays about hinges, webs and masses consist of
 // - from_column.rs: Conversions between the mechanics and messages
+// - parameter_entry.rs: One parameter of a message
+// - statuses.rs: What the statuses of a twin and of a column of a fleet say
+// - time.rs: Times of messages as nanoseconds
+// - words.rs: The words that people see for the numbers of phases and actions in messages
 
 mod arrays;
 pub(crate) mod from_column;
