@@ -30,7 +30,6 @@
 //   hit by the fibre beam, each as SVG and, rendered from the same SVG, as PNG
 // - fleet/: What a fleet of columns is made of without ROS: its status, gathered for few messages, its table for people, its
 //   plan for pictures, vehicles that hit several columns, and which columns have topics of their own
-// - hexadecimal.rs: Bytes as hexadecimal digits
 // - host_header.rs: The host that an HTTP request asks for
 // - incoming.rs: Converts received messages to commands, and measurements to batches
 // - keystore/: What the enclaves of twins, of monitors and of operators may do: keystores of the crate `sros2_keystore` for the
@@ -41,7 +40,6 @@
 // - numerics/: Numerical methods that know nothing of columns and give the same bits on every processor
 // - outgoing/: Converts the outputs of the twin to messages
 // - parameters/: Parameters: declaration, validation and documentation follow from one table
-// - printable.rs: Text from outside as it may appear in logs, errors, tables and on a terminal
 // - recording/: The crate `rosbag2_mcap` with the names, message definitions and parameters of this program
 // - report/: The report for people: one HTML file about one impact, all impacts of a recording, or an impact that was estimated
 //   from the readings of sensors, with everything inside it
@@ -74,7 +72,6 @@ mod exact_number;
 #[cfg(feature = "cli")]
 pub mod figures;
 pub mod fleet;
-mod hexadecimal;
 #[cfg(any(feature = "ros", feature = "viewer"))]
 mod host_header;
 #[cfg(any(feature = "ros", feature = "record"))]
@@ -87,7 +84,6 @@ pub mod messages;
 mod numerics;
 pub mod outgoing;
 pub mod parameters;
-pub mod printable;
 #[cfg(feature = "record")]
 pub mod recording;
 #[cfg(feature = "cli")]

@@ -8,8 +8,8 @@ use column_twin::parameters::{
     Problem, SENSOR_PARAMETERS, STEEL_GRADES, SensorAxis, SensorMessage, SensorSource, Settings,
     Source, Value, catalogue, markdown, parse_override, python_keywords, vehicle_names,
 };
-use column_twin::printable::is_printable;
 use column_twin::sensors::{Quantity, Sensor};
+use printable::is_printable;
 use proptest::prelude::*;
 
 fn in_repository(path: &str) -> PathBuf {

@@ -17,10 +17,10 @@ use column_twin::estimation::{
 };
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
-use column_twin::printable::Printable;
 use column_twin::report::{EstimateDocument, parameters_path};
 use column_twin::sensors::Sensor;
 use column_twin::whole_file;
+use printable::Printable;
 
 /// Arguments of `column-twin estimate`.
 #[derive(Debug, Args)]

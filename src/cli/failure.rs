@@ -2,7 +2,7 @@
 
 use std::io;
 
-use column_twin::printable::PrintableLines;
+use printable::PrintableLines;
 
 /// Exit codes of commands that do not succeed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

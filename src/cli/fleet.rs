@@ -7,8 +7,7 @@ use clap::Args;
 use super::failure::{Exit, Failure};
 use super::run::{end_of_run, environment, failure_of_run};
 use super::transport::TransportArgs;
-use column_twin::parameters::{Source, Value};
-use column_twin::ros::{RosArguments, RunOptions, run_fleet};
+use column_twin::ros::{GivenParameters, RosArguments, RunOptions, run_fleet};
 
 /// Arguments of `column-twin fleet`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -61,9 +60,10 @@ pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> 
     }
     let environment = arguments.transport.apply(environment(&ros)?);
     if !arguments.select.is_empty() {
-        let selected = Value::from(arguments.select.clone());
-        let selected = Source::Value("viewer.select".to_owned(), selected);
-        ros.parameters.push(selected);
+        // A list in JSON is one in YAML.
+        let selected = serde_json::to_string(&arguments.select).expect("texts");
+        let selected = format!("viewer.select:={selected}");
+        ros.parameters.push(GivenParameters::Override(selected));
     }
     let options = RunOptions {
         environment,

@@ -8,7 +8,7 @@ use super::failure::{Exit, Failure};
 use column_twin::parameters::{
     FleetColumn, FleetColumns, FleetSources, NodeName, Source, parse_override,
 };
-use column_twin::printable::Printable;
+use printable::Printable;
 
 /// The columns of a fleet, as `column-twin fleet` reads them.
 #[derive(Debug, Args)]

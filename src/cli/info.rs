@@ -9,12 +9,12 @@ use serde_json::{Value as Json, json};
 use super::failure::{Exit, Failure, printed};
 use column_twin::column::{End, Outcome};
 use column_twin::messages::words::mass_in_words;
-use column_twin::printable::PrintableWriter;
 use column_twin::recording::{
     self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, SealFinding, instant,
 };
 use column_twin::report::end_in_words;
 use column_twin::results::outcome_word;
+use printable::PrintableWriter;
 
 /// Arguments of `column-twin info`.
 #[derive(Debug, Args)]

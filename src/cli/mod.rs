@@ -111,7 +111,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 #[cfg(any(feature = "ros", feature = "record"))]
-use column_twin::printable::PrintableWriter;
+use printable::PrintableWriter;
 
 use capacity::CapacityArgs;
 #[cfg(feature = "ros")]
@@ -205,7 +205,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(faults) => {
             for fault in faults {
                 let fault = fault.to_string();
-                tell!("{}", column_twin::printable::PrintableLines(&fault));
+                tell!("{}", printable::PrintableLines(&fault));
             }
             return ExitCode::from(Exit::BadInput as u8);
         }

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::hexadecimal::Hexadecimal;
+use printable::Hexadecimal;
 
 /// The program that made a recording, and the names of its topics.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

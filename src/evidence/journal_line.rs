@@ -7,12 +7,12 @@ use sha2::{Digest, Sha256};
 
 use super::about::About;
 use crate::estimation::IntakeState;
-use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
 use crate::sensors::Sensor;
 use crate::time::Nanos;
 use crate::twin::{Journal, RejectionCode};
+use printable::Hexadecimal;
 
 /// Format name in every line.
 pub const JOURNAL_FORMAT: &str = "column_twin journal";

@@ -6,9 +6,9 @@ use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin_msgs::{ImpactEvent, RowImpactEvent};
 use crate::messages::std_msgs::Header;
 use crate::parameters::{crushed_name, split_crush};
-use crate::printable::Printable;
 use crate::time::{INVALID_STAMP_REASON, Nanos};
 use crate::twin::{ForecastEnd, NoticeLevel, Output, ReportOutput, Striking};
+use printable::Printable;
 
 /// Most columns of one event.
 pub const MAX_ROW_COLUMNS: usize = 100;

@@ -2,7 +2,7 @@
 
 use crate::messages::column_twin_msgs::{ColumnStatus, FleetStatus, TwinStatus};
 use crate::messages::words::{action_word, phase_word};
-use crate::printable::Printable;
+use printable::Printable;
 
 /// Size of a terminal in characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::value::{Kind, Value, readable};
 use super::vehicles::{nearest_vehicle_name, vehicle_name, vehicle_names};
-use crate::printable::is_printable;
+use printable::is_printable;
 
 impl Parameter {
     /// The value in the form in which it is kept: a whole number as `Double` where a double is expected, the name of a

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::yaml::Location;
-use crate::printable::{Printable, is_printable};
+use printable::{Printable, is_printable};
 
 /// One fault. `Display` is one line with place, name, value and what is admissible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -8,8 +8,9 @@ use bounded_file::read_text_at_most;
 
 use super::fault::{Fault, Origin, Problem, SourceFile};
 use super::given::{self, Assignment, Given};
-use super::node_name::{NodeName, with_slashes};
+use super::node_name::NodeName;
 use super::yaml::{self, Location, YamlContent, YamlKey, YamlNode};
+use ros_interface::names::with_slashes;
 
 /// Maximum size of a parameter file \[bytes\].
 pub const MAX_FILE_BYTES: u64 = 1 << 20;

@@ -14,10 +14,11 @@ use super::draft::Draft;
 use super::fault::{Fault, Origin, ParameterFaults, Problem, SourceFile};
 use super::file::{self, Section};
 use super::given::{self, Assignment, Content};
-use super::node_name::{NodeName, namespace_fault, with_slashes};
+use super::node_name::NodeName;
 use super::overrides::{Override, given_in_text};
 use super::yaml::Location;
 use super::{Parameter, Parameters, Source};
+use ros_interface::names::{namespace_fault, with_slashes};
 
 /// Maximum number of columns of one fleet.
 pub const MAX_COLUMNS: usize = 2_000;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::fleet::FleetColumn;
 use super::node_name::NodeName;
-use crate::printable::Printable;
+use printable::Printable;
 
 /// Columns that cannot be selected.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -125,7 +125,7 @@ pub use fleet::{
     is_of_the_fleet,
 };
 pub use fleet_selection::{SelectionError, select_columns};
-pub use node_name::{NodeName, full_name_fault, namespace_fault, part_fault};
+pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::hexadecimal::Hexadecimal;
+use printable::Hexadecimal;
 
 /// Bytes of the prefix of a GUID, which identifies a participant on the network.
 pub const GUID_PREFIX_BYTES: usize = 12;

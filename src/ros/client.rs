@@ -17,16 +17,16 @@ use crate::parameters::readable;
 
 use super::client_error::{ClientError, STATUS_WAIT};
 use super::dds_threads::DdsThreads;
-use super::environment::Environment;
 use super::fleet_view::FleetView;
 use super::lines::{Seen, WatchLines};
-use super::names::{Names, RemapRule};
 use super::node::Node;
 use super::qos;
-use super::signals::StopSignals;
 use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Search, Subscribed, later, next, wait_until};
 use super::task::Task;
 use super::transport::Subscription;
+use ros_node::environment::Environment;
+use ros_node::names::{Names, RemapRule};
+use ros_node::signals::StopSignals;
 
 /// The twins are found one after another. Only if no further one was found for this time is the only one the one that is there.
 const SETTLED: Duration = Duration::from_millis(300);

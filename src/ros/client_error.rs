@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use super::names::NameError;
 use super::node::NodeError;
-use crate::printable::Printable;
+use printable::Printable;
+use ros_node::names::NameError;
 
 /// Timeout for the status that a twin keeps for late joiners.
 pub(super) const STATUS_WAIT: Duration = Duration::from_secs(2);

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::clock_watch::ClockWatch;
-use super::given_up::GivenUp;
 use super::lifecycle::Lifecycle;
-use super::lost_peers::LostPeers;
 use super::senders::Senders;
+use ros_node::clock_watch::ClockWatch;
+use ros_node::given_up::GivenUp;
+use ros_node::lost_peers::LostPeers;
 
 /// Losses of the node itself since the start.
 #[derive(Debug, Default)]

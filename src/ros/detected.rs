@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use futures::join;
 
 use super::client_error::ClientError;
-use super::environment::Environment;
 use super::lines::Seen;
-use super::names::Names;
 use super::node::Node;
 use super::qos;
-use super::signals::StopSignals;
 use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Search, Subscribed, next};
 use super::task::Task;
+use ros_node::environment::Environment;
+use ros_node::names::Names;
+use ros_node::signals::StopSignals;
 
 /// Waits at most `timeout` for a twin, calls `ready`, and passes on its estimates, reports and statuses until `hear` returns
 /// `Break`. `hear` is called with `None` at least ten times per second, so that it can give up.

@@ -9,16 +9,16 @@ use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyVal
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
-use super::clock_watch::ClockWatch;
 use super::counters::NodeCounters;
 use super::lifecycle::Lifecycle;
 use super::lines::action_word;
 use super::live_columns::Health;
 use super::metrics::FoxgloveCounts;
-use super::security::SecurityHealth;
+use super::security_health::SecurityHealth;
 use super::senders::Senders;
 use super::sensor_watch::SensorStatus;
 use crate::messages::words::{range_in_words, verdict_in_words};
+use ros_node::clock_watch::ClockWatch;
 
 /// What the statuses of a node are made of.
 pub(super) struct Observed<'a> {
@@ -431,8 +431,8 @@ pub(super) fn entry(
 mod tests {
     use std::time::Duration;
 
-    use super::super::clock_watch::CLOCK_TIMEOUT;
     use super::*;
+    use ros_node::clock_watch::CLOCK_TIMEOUT;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
         let array = array(twin, health, counters);

@@ -12,9 +12,9 @@ use rustdds::no_key::SimpleDataReader;
 use rustdds::{CDRDeserializerAdapter, DomainParticipant, GUID, QosPolicies, Topic};
 
 use super::live_columns::LiveColumns;
-use super::matches::Found;
 use super::qos::Qos;
 use crate::messages::column_twin_msgs::TwinStatus;
+use ros_node::matches::Found;
 
 /// Statuses, each with the endpoint that sent it.
 pub(super) type Statuses = BoxStream<'static, (GUID, TwinStatus)>;

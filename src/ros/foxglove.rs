@@ -22,14 +22,14 @@ use crate::twin::{Accepted, Command, Rejection};
 use super::inputs::predicted;
 use super::lifecycle::Lifecycle;
 use super::live_columns::LiveColumns;
-use super::log_limit::SubjectLimit;
 use super::metrics::FoxgloveCounts;
-use super::names::Names;
 use super::node::NodeError;
 use super::parameter_services as parameters;
 use super::qos;
 use super::requests;
 use super::senders::Rejected;
+use ros_node::log_limit::SubjectLimit;
+use ros_node::names::Names;
 
 /// Most messages of a topic that are kept for clients which connect later.
 const MAX_HISTORY: usize = 100;

@@ -22,15 +22,13 @@ use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use crate::messages::words::mass_in_words;
-use crate::printable::Printable;
 use crate::twin::{Accepted, Command, Prediction, Rejection};
+use printable::Printable;
 
 use super::counters::NodeCounters;
 use super::fleet::RowImpacts;
-use super::guid_prefix::GuidPrefix;
 use super::live_columns::LiveColumns;
 use super::measurements::{MeasurementSubscriptions, SensedColumns};
-use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
@@ -39,6 +37,8 @@ use super::requests;
 use super::task::spawn;
 use super::transport::{Server, Subscription};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
+use ros_node::guid_prefix::GuidPrefix;
+use ros_node::missed::Missed;
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use crate::twin::{Rejection, RejectionCode};
 
 use super::lifecycle_states::{State, Transition};
-use super::log_limit::LogLimit;
 use super::qos::Endpoint;
 use super::senders::Rejected;
+use ros_node::log_limit::LogLimit;
 
 /// Most rejections per period in the log.
 const MAX_TOLD: u64 = 10;

@@ -20,10 +20,10 @@ use super::lifecycle::Lifecycle;
 use super::lifecycle_states::{State, TRANSITIONS, Transition};
 use super::node::{Node, NodeError};
 use super::qos;
-use super::raw::Raw;
 use super::receiving::Receiving;
 use super::sending::encoded;
 use super::transport::{Publisher, Server};
+use ros_node::raw::Raw;
 
 /// Time for the answer to `shutdown` to arrive before the process ends.
 const ANSWER_TIME: Duration = Duration::from_millis(200);

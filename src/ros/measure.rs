@@ -10,13 +10,13 @@ use crate::messages::std_msgs::Header;
 use crate::sensors::Sensor;
 
 use super::client_error::ClientError;
-use super::environment::Environment;
-use super::names::{Names, RemapRule};
 use super::node::Node;
 use super::qos;
-use super::signals::StopSignals;
 use super::subscribed::Search;
 use super::task::Task;
+use ros_node::environment::Environment;
+use ros_node::names::{Names, RemapRule};
+use ros_node::signals::StopSignals;
 
 /// Time before the first batch in which the twin finds this publisher. Each discovers the other independently, so the twin may be
 /// some milliseconds late, and more on a busy machine. What arrives before that is lost: best effort repeats nothing, and a reader

@@ -96,42 +96,29 @@
 mod address_space;
 #[cfg_attr(not(feature = "alarm"), path = "alarms_absent.rs")]
 mod alarms;
-mod arguments;
 mod client;
 mod client_error;
-mod clock_watch;
 mod counters;
 mod dds_threads;
 mod detected;
 mod diagnostics;
 mod duplicates;
-mod environment;
-mod exposition;
 mod face;
 mod fleet;
 mod fleet_view;
 #[cfg_attr(not(feature = "foxglove"), path = "foxglove_absent.rs")]
 mod foxglove;
-mod fresh_domain;
-mod given_up;
-mod guid_prefix;
 mod inputs;
-mod library_log;
 mod lifecycle;
 mod lifecycle_services;
 mod lifecycle_states;
 mod lines;
 mod live_columns;
-mod log_limit;
 mod loss_log;
-mod lost_peers;
-mod matches;
 mod measure;
 mod measurements;
 mod metrics;
 mod metrics_server;
-mod missed;
-mod names;
 mod node;
 mod node_viewer;
 mod notice_log;
@@ -140,19 +127,16 @@ mod parameter_services;
 mod publishing;
 pub mod qos;
 mod qos_overrides;
-mod raw;
 mod receiving;
 #[cfg(feature = "record")]
 pub mod replay;
 mod requests;
-mod rosout;
 mod row_client;
 mod run;
-pub mod security;
+mod security_health;
 mod senders;
 mod sending;
 mod sensor_watch;
-mod signals;
 mod standing_action;
 mod subscribed;
 mod task;
@@ -164,30 +148,33 @@ mod utc;
 #[cfg_attr(not(feature = "zenoh"), path = "zenoh_absent.rs")]
 mod zenoh;
 
-pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
     ImpactOptions, ImpactOutcome, ImpactRequest, Shown, follow_impact, send_impact, watch,
 };
 pub use client_error::ClientError;
 pub use detected::follow_sensors;
-pub use environment::{DiscoveryRange, Environment, EnvironmentError, Transport, ZenohVariables};
 pub use face::Face;
-pub use fresh_domain::FreshDomain;
 pub use lines::{
     Seen, action_word, actions_in_words, decision_word, in_unit, range_of, report_line,
 };
 pub use live_columns::{Health, LiveColumns, StartError};
-pub use matches::Matches;
 pub use measure::{MeasureOptions, Measured, send_measurements};
-pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
 pub use node::{Node, NodeError, check_transport};
-pub use raw::Raw;
-pub use rosout::{RosoutQueue, start_logging};
+pub use ros_node::arguments::{ArgumentError, GivenParameters, LogLevel, RosArguments};
+pub use ros_node::environment::{
+    DiscoveryRange, Environment, EnvironmentError, Transport, ZenohVariables,
+};
+pub use ros_node::fresh_domain::FreshDomain;
+pub use ros_node::matches::Matches;
+pub use ros_node::names::{NameError, NameKind, Names, RemapRule, RemapTarget};
+pub use ros_node::raw::Raw;
+pub use ros_node::rosout::{RosoutQueue, start_logging};
+pub use ros_node::security;
+pub use ros_node::signals::StopSignals;
 pub use row_client::{RowImpactOptions, send_row_impact};
 #[cfg(feature = "alarm")]
 pub use run::try_alarms;
 pub use run::{RunEnd, RunError, RunOptions, run, run_fleet};
-pub use signals::StopSignals;
 pub use transport::{Publisher, Server, Subscription};
 pub use transport_error::TransportError;
 pub use twin_node::{StartOptions, TwinNode};

@@ -17,16 +17,16 @@ use serde::de::DeserializeOwned;
 use crate::parameters::TopicEnd;
 
 use super::duplicates::{Duplicates, Listen, statuses};
-use super::environment::{DiscoveryRange, Environment, Transport};
 use super::live_columns::LiveColumns;
-use super::matches::{Discovered, Matches};
-use super::names::{NameError, NameKind, Names};
 use super::qos::{self, Endpoint, Qos, package_and_type};
 use super::qos_overrides::QosOverrides;
-use super::raw::Raw;
-use super::security::{Peers, Protection, SecurityError, protection};
 use super::transport::{Publisher, Server, Subscription};
 use super::zenoh::{ZenohNode, ZenohSession, check_zenoh};
+use ros_node::environment::{DiscoveryRange, Environment, Transport};
+use ros_node::matches::{Discovered, Matches};
+use ros_node::names::{NameError, NameKind, Names};
+use ros_node::raw::Raw;
+use ros_node::security::{Peers, Protection, SecurityError, protection};
 
 /// Errors of creating a node or its endpoints.
 #[derive(Debug, thiserror::Error)]

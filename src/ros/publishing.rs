@@ -17,22 +17,23 @@ use crate::outgoing::{Message, Outgoing, Topic};
 use crate::parameters::Parameters;
 use crate::twin::{Accepted, Output, ParametersChanged, TwinPhase};
 
-use super::clock_watch::SeldomWarning;
 use super::counters::NodeCounters;
 use super::diagnostics::{Observed, diagnostics, same_state, sensors_status, twin_status};
 use super::fleet::FleetPublishing;
 use super::loss_log::LossLog;
-use super::matches::Matches;
 use super::measurements::SensedColumns;
 use super::metrics::Known;
 use super::node::{Node, NodeError};
 use super::output_log::OutputLog;
 use super::parameter_services;
 use super::qos;
-use super::raw::Raw;
-use super::security::{Peers, Protection};
+use super::security_health::security_health;
 use super::sending::{Sending, encoded};
 use super::transport::Publisher;
+use ros_node::clock_watch::SeldomWarning;
+use ros_node::matches::Matches;
+use ros_node::raw::Raw;
+use ros_node::security::{Peers, Protection};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -490,7 +491,7 @@ impl Publishing {
                 health: &health,
                 topics: self.fleet.as_ref().map(FleetPublishing::topics_status),
                 recording: self.sending.recording_health(&health).as_ref(),
-                security: self.protection.health(&self.peers),
+                security: security_health(&self.protection, &self.peers),
                 #[cfg(feature = "alarm")]
                 alarms: self.sending.alarms.as_ref().map(|it| it.status()),
                 foxglove: self.sending.foxglove_counts(),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use ros2_client::qos::{Durability, History, Liveliness, QosProfile, Reliability, WhenFull};
 
-use super::names::{NameError, NameKind, Names};
+use ros_node::names::{NameError, NameKind, Names};
 
 pub use crate::endpoints::*;
 
@@ -78,7 +78,7 @@ pub(super) fn check_types(names: &Names) -> Result<(), NameError> {
 mod tests {
     use super::*;
     use crate::messages;
-    use crate::ros::names::{RemapRule, RemapTarget};
+    use ros_node::names::{RemapRule, RemapTarget};
 
     /// The node started, and its peers found one of the two types.
     #[test]

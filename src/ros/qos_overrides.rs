@@ -7,10 +7,10 @@ use crate::parameters::{
     TopicEnd, Value,
 };
 
-use super::names::{NameError, NameKind, Names};
 use super::qos::{
     Direction, ENDPOINTS, IMPACT_FORECAST, IMPACT_REPORT, Qos, SENSOR_DATA, TWIN_STATUS,
 };
+use ros_node::names::{NameError, NameKind, Names};
 
 /// The overrides of a node, by the full names of its topics.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -189,7 +189,7 @@ mod tests {
     use super::*;
     use crate::endpoints;
     use crate::parameters::parse_override;
-    use crate::ros::names::{RemapRule, RemapTarget};
+    use ros_node::names::{RemapRule, RemapTarget};
 
     fn loaded(arguments: &[&str]) -> Parameters {
         let overrides: Vec<_> = arguments.iter().map(|it| parse_override(it)).collect();

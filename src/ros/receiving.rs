@@ -14,10 +14,10 @@ use crate::twin::Rejection;
 use super::counters::NodeCounters;
 use super::face::Face;
 use super::live_columns::LiveColumns;
-use super::missed::Missed;
 use super::qos::Endpoint;
 use super::senders::{Rejected, Senders};
 use super::transport::Subscription;
+use ros_node::missed::Missed;
 
 /// Most characters of an identifier that a log names before it was checked.
 const MAX_NAMED_CHARS: usize = 64;

@@ -11,15 +11,15 @@ use crate::messages::column_twin_msgs::{ImpactEvent, ImpactReport, RowImpactEven
 
 use super::client::ImpactRequest;
 use super::client_error::ClientError;
-use super::environment::Environment;
 use super::lines::Seen;
-use super::names::{Names, RemapRule};
 use super::node::Node;
 use super::qos;
-use super::signals::StopSignals;
 use super::subscribed::{SHOWN_QUEUE, Search, next, pass, wait_until};
 use super::task::Task;
 use super::transport::Subscription;
+use ros_node::environment::Environment;
+use ros_node::names::{Names, RemapRule};
+use ros_node::signals::StopSignals;
 
 /// A vehicle that hits several columns.
 #[derive(Debug, Clone, PartialEq)]

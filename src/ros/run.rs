@@ -12,7 +12,7 @@ use crate::live::LiveOptions;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{
     Fault, FleetColumns, FleetSources, NodeName, ParameterFaults, Parameters, RecordMode, Settings,
-    Source,
+    Source, parse_override,
 };
 #[cfg(feature = "record")]
 use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
@@ -20,18 +20,18 @@ use crate::state_home;
 
 use super::NODE_NAME;
 use super::address_space::{TooLittleAddressSpace, check_address_space};
-use super::arguments::RosArguments;
 use super::dds_threads::DdsThreads;
-use super::environment::{DiscoveryRange, Environment, Transport};
 use super::live_columns::{LiveColumns, StartError};
-use super::names::{NameError, Names};
 use super::node::{NodeError, check_transport};
 use super::qos::check_types;
 use super::qos_overrides::{OverrideError, check_overrides};
-use super::rosout::start_logging;
-use super::security::{SecurityError, protection};
-use super::signals::StopSignals;
 use super::twin_node::{StartOptions, TwinNode};
+use ros_node::arguments::{GivenParameters, RosArguments};
+use ros_node::environment::{DiscoveryRange, Environment, Transport};
+use ros_node::names::{NameError, Names};
+use ros_node::rosout::start_logging;
+use ros_node::security::{SecurityError, protection};
+use ros_node::signals::StopSignals;
 
 /// Files that a fleet may have open: those of the shared endpoints and of all columns that may have topics of their own.
 const WANTED_FILES: u64 = 4096;
@@ -117,11 +117,24 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     run_loaded(options, |names| load(options, names))
 }
 
+/// The node's name for parameter files and overrides.
+fn for_parameters(names: &Names) -> NodeName {
+    NodeName::new(names.namespace(), names.node())
+}
+
+/// What an argument gives parameters by.
+fn source(given: &GivenParameters) -> Source {
+    match given {
+        GivenParameters::Override(text) => Source::Override(parse_override(text)),
+        GivenParameters::File(path) => Source::File(path.clone()),
+    }
+}
+
 /// A single twin, or a fleet if the parameter files name several columns.
 fn load(options: &RunOptions, names: &NodeName) -> Result<(Loaded, Vec<Fault>), ParameterFaults> {
     let files = options.parameter_files.iter().cloned().map(Source::File);
     let sources: Vec<_> = files
-        .chain(options.ros.parameters.iter().cloned())
+        .chain(options.ros.parameters.iter().map(source))
         .collect();
     let files = sources.iter().filter_map(|source| match source {
         Source::File(path) => Some(path.as_path()),
@@ -146,7 +159,7 @@ pub fn try_alarms(options: &RunOptions) -> Result<Option<Vec<column_alarm::Tried
         NODE_NAME,
         &options.ros.remap_rules,
     )?;
-    let (loaded, _) = load(options, &names.for_parameters())?;
+    let (loaded, _) = load(options, &for_parameters(&names))?;
     let settings = match &loaded {
         Loaded::One(parameters) => parameters.settings(),
         Loaded::Many(columns) => columns.node.settings(),
@@ -171,7 +184,7 @@ fn load_fleet(
     let sources = FleetSources {
         files: options.parameter_files.clone(),
         table: options.columns.clone(),
-        arguments: options.ros.parameters.clone(),
+        arguments: options.ros.parameters.iter().map(source).collect(),
     };
     let mut columns = FleetColumns::load(names, &sources)?;
     let warnings = std::mem::take(&mut columns.warnings);
@@ -188,7 +201,7 @@ fn run_loaded(
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     check_types(&names)?;
-    let (loaded, mut warnings) = load(&names.for_parameters())?;
+    let (loaded, mut warnings) = load(&for_parameters(&names))?;
     warnings.extend(match &loaded {
         Loaded::One(parameters) => check_overrides(parameters, [parameters.settings()], &names)?,
         Loaded::Many(fleet) => {

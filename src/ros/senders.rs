@@ -9,11 +9,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::guid_prefix::GuidPrefix;
-use super::log_limit::LogLimit;
-use super::security::Peers;
 use crate::parameters::{AllowedSender, SendersSettings};
 use crate::twin::{Rejection, RejectionCode};
+use ros_node::guid_prefix::GuidPrefix;
+use ros_node::log_limit::LogLimit;
+use ros_node::security::Peers;
 
 /// Most senders whose rates are known at a time. Of more, the one that has been silent for the longest is forgotten.
 const MAX_SENDERS: usize = 256;

@@ -11,8 +11,8 @@ use super::counters::NodeCounters;
 use super::live_columns::{Health, LiveColumns};
 use super::metrics::FoxgloveCounts;
 use super::qos;
-use super::raw::Raw;
 use super::transport::Publisher;
+use ros_node::raw::Raw;
 
 /// The topics that show the columns at rest as well, again and again. The others tell what follows from an impact.
 const SHOWN_AT_REST: [&str; 4] = [

@@ -7,7 +7,7 @@ use crate::estimation::{BatchRejection, SensorCondition, SensorCounts, SensorHea
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
 use crate::time::Nanos;
 
-use super::log_limit::LogLimit;
+use ros_node::log_limit::LogLimit;
 
 /// Most lines about sensors per [`LOG_PERIOD`]; what they would say is counted.
 const MAX_LINES: u64 = 20;

@@ -11,13 +11,13 @@ use crate::messages::column_twin_msgs::{
 };
 
 use super::client_error::ClientError;
-use super::environment::Environment;
 use super::lines::Seen;
-use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::qos::{self, Endpoint};
-use super::signals::StopSignals;
 use super::transport::Subscription;
+use ros_node::environment::Environment;
+use ros_node::missed::Missed;
+use ros_node::signals::StopSignals;
 
 /// Maximum number of messages that wait to be shown; further ones are dropped.
 pub(super) const SHOWN_QUEUE: usize = 1024;

@@ -27,10 +27,8 @@ use crate::outgoing::RecordingTap;
 use super::alarms::NodeAlarms;
 #[cfg(not(feature = "alarm"))]
 use super::alarms::none_wanted;
-use super::clock_watch::ClockWatch;
 use super::counters::NodeCounters;
 use super::dds_threads::{LIFECYCLE_THREAD, PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
-use super::environment::Environment;
 use super::fleet::{ColumnTopics, FleetPublishing, RowImpacts, TopicCounts};
 #[cfg(feature = "foxglove")]
 use super::foxglove::NodeFoxglove;
@@ -40,21 +38,23 @@ use super::inputs::{NodeServices, Services, Subscriptions};
 use super::lifecycle::Lifecycle;
 use super::lifecycle_services::{Actions, LifecycleServers};
 use super::live_columns::LiveColumns;
-use super::matches::Matches;
 use super::measurements::SensedColumns;
 use super::metrics::NodeMetrics;
-use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
 use super::qos;
 use super::qos_overrides::QosOverrides;
-use super::raw::Raw;
 use super::receiving::Receiving;
-use super::rosout::{LogEnd, RosoutQueue};
 use super::senders::{Identities, Senders};
 use super::sending::Sending;
 use super::task::{Task, spawn};
 use super::transport::Publisher;
+use ros_node::clock_watch::ClockWatch;
+use ros_node::environment::Environment;
+use ros_node::matches::Matches;
+use ros_node::names::Names;
+use ros_node::raw::Raw;
+use ros_node::rosout::{LogEnd, RosoutQueue};
 
 /// How a node starts.
 pub struct StartOptions {

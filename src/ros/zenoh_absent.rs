@@ -9,10 +9,10 @@ use ros2_client::qos::QosProfile;
 use ros2_client::{MessageInfo, RmwRequestId};
 use rustdds::GUID;
 
-use super::environment::Environment;
-use super::matches::{Discovered, Matches};
-use super::names::Names;
 use super::transport_error::TransportError;
+use ros_node::environment::Environment;
+use ros_node::matches::{Discovered, Matches};
+use ros_node::names::Names;
 
 /// Fails: there is no Zenoh.
 pub(super) fn check_zenoh(_: &Environment) -> Result<(), String> {

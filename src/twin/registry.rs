@@ -14,9 +14,9 @@ use super::striking::Striking;
 use super::withdrawn_impact::WithdrawnImpact;
 use crate::assessment::BaseDemand;
 use crate::parameters::Parameters;
-use crate::printable::{Printable, is_printable};
 use crate::time::seconds;
 use crate::time::{INVALID_STAMP, INVALID_STAMP_REASON, Nanos};
+use printable::{Printable, is_printable};
 
 /// Longest identifier of an event in characters.
 pub const MAX_EVENT_ID_CHARS: usize = 255;

@@ -12,10 +12,10 @@ use super::opinion_state::KnownBeamDamage;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
-use crate::hexadecimal::Hexadecimal;
 use crate::parameters::{Parameters, SectionShape};
 use crate::standing::{Damage, StandingColumn};
 use crate::time::Nanos;
+use printable::Hexadecimal;
 
 /// Format name in every state file.
 const FORMAT: &str = "column_twin state";

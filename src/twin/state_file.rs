@@ -9,9 +9,9 @@ use bounded_file::read_text_at_most;
 use thiserror::Error;
 
 use super::saved_state::SavedState;
-use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
 use crate::state_home;
+use printable::Hexadecimal;
 
 /// Maximum size of a state file that is read \[B\]; written files are much smaller.
 pub const MAX_STATE_FILE_BYTES: u64 = 4 << 20;

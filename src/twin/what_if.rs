@@ -18,11 +18,11 @@ use crate::parameters::{
     BeamMode, CRUSHED_BY, CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable,
     split_crush,
 };
-use crate::printable::is_printable;
 use crate::second_opinion::{Movement, SecondOpinion, is_out_of_plane};
 use crate::standing::StandingColumn;
 use crate::standing::{is_same_height, with_impact_height};
 use crate::time::seconds;
+use printable::is_printable;
 
 /// Longest name of a vehicle in characters.
 pub const MAX_VEHICLE_NAME_CHARS: usize = 64;

@@ -7,9 +7,9 @@ use super::scene::{Drawing, force};
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::messages::column_twin_msgs::ImpactReport;
 use crate::messages::words::verdict_in_words;
-use crate::printable::is_printable;
 use crate::shape::HINGE_PLACES;
 use crate::study::VehicleLimits;
+use printable::is_printable;
 
 /// The entity of the panel.
 pub const PANEL: &str = "panel";

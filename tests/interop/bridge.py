@@ -149,7 +149,7 @@ class Site:
 
 
 def fresh_domains(count):
-    """Domains that nobody uses, with the sockets that reserve them, as src/ros/fresh_domain.rs does."""
+    """Domains that nobody uses, with the sockets that reserve them, as crates/ros_node/src/fresh_domain.rs does."""
     taken = []
     for step in range(MAX_DOMAIN):
         domain = 1 + (os.getpid() + step) % MAX_DOMAIN

@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 const MAX_RE_EXPORTS: usize = 20;
 
 /// The crates of the workspace by the names that code uses for them, and the file with which each begins.
-pub const CRATES: [(&str, &str); 11] = [
+pub const CRATES: [(&str, &str); 13] = [
     ("bounded_file", "crates/bounded_file/src/lib.rs"),
     ("column_alarm", "crates/alarm/src/lib.rs"),
     ("column_beam", "crates/beam/src/lib.rs"),
     ("column_mechanics", "crates/mechanics/src/lib.rs"),
     ("foxglove_live", "crates/foxglove/src/lib.rs"),
+    ("printable", "crates/printable/src/lib.rs"),
     ("ros_interface", "crates/ros_interface/src/lib.rs"),
+    ("ros_node", "crates/ros_node/src/lib.rs"),
     ("rosbag2_mcap", "crates/recording/src/lib.rs"),
     ("sros2_keystore", "crates/sros2_keystore/src/lib.rs"),
     ("column_twin", "src/lib.rs"),

@@ -506,7 +506,7 @@ fn the_page_of_the_diagnostics_names_the_statuses_and_keys_of_the_code() {
         "src/ros/alarms.rs",
         "src/ros/diagnostics.rs",
         "src/ros/sensor_watch.rs",
-        "src/ros/security/health.rs",
+        "src/ros/security_health.rs",
         "src/ros/fleet/diagnostics.rs",
         "src/ros/fleet/sensors.rs",
     ];

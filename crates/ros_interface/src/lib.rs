@@ -43,6 +43,7 @@ mod bounded_sequence;
 pub mod cdr;
 pub mod idl;
 pub mod interface;
+pub mod names;
 pub mod type_description;
 pub mod type_hash;
 

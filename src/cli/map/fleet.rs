@@ -11,11 +11,11 @@ use crate::cli::failure::{Exit, Failure};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
 use crate::cli::interruption::Interruption;
 use column_twin::parameters::FleetColumn;
-use column_twin::printable::Printable;
 use column_twin::study::{
     ACTIONS, BatchEnd, ColumnKind, CriticalVelocities, CriticalVelocity, FleetKinds,
     LIMIT_VELOCITIES, StudyColumn, TableColumn, TableValue, part_of,
 };
+use printable::Printable;
 
 /// What is known of one kind of columns.
 struct KindResult {

@@ -11,9 +11,9 @@ use crate::cli::failure::{Failure, unless_closed};
 use crate::cli::fleet_study::{LISTED_COLUMNS, aligned};
 use crate::cli::interruption::Interruption;
 use column_twin::parameters::FleetColumn;
-use column_twin::printable::Printable;
 use column_twin::study::risk::{Estimate, RiskResult};
 use column_twin::study::{ACTIONS, BatchEnd, FleetKinds};
+use printable::Printable;
 
 /// A column with the result of its kind.
 type Row<'a> = (&'a FleetColumn, usize, &'a RiskResult);

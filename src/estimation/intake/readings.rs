@@ -3,8 +3,8 @@
 use std::cell::Cell;
 use std::io::{self, Read, Write};
 
-use crate::printable::Printable;
 use crate::sensors::Sensor;
+use printable::Printable;
 
 /// Most rows of a table: ten minutes at 10 kHz.
 const MAX_ROWS: usize = 6_000_000;

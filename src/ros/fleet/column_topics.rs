@@ -18,11 +18,11 @@ use crate::outgoing::Topic;
 
 use crate::ros::dds_threads::TOPICS_THREAD;
 use crate::ros::live_columns::LiveColumns;
-use crate::ros::matches::Discovered;
 use crate::ros::node::{Node, NodeError, Siblings};
-use crate::ros::raw::Raw;
 use crate::ros::task::spawn;
 use crate::ros::transport::Publisher;
+use ros_node::matches::Discovered;
+use ros_node::raw::Raw;
 
 /// The name of the node to which the topics of a column belong, in the namespace of the column. It has no services, so it is not
 /// that of the node of a single twin.

@@ -18,15 +18,15 @@ use crate::messages::std_msgs::Header;
 use crate::outgoing::{Message, Outgoing, Topic};
 use crate::ros::counters::NodeCounters;
 use crate::ros::live_columns::LiveColumns;
-use crate::ros::matches::Matches;
 use crate::ros::measurements::SensedColumns;
 use crate::ros::node::{Node, NodeError};
 use crate::ros::notice_log::log;
 use crate::ros::qos;
-use crate::ros::raw::Raw;
 use crate::ros::sending::{Sending, encoded};
 use crate::ros::transport::Publisher;
 use crate::twin::{Output, Status};
+use ros_node::matches::Matches;
+use ros_node::raw::Raw;
 
 use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};
 use super::diagnostics::{Summary, column_statuses, summary, topics_status};

@@ -17,7 +17,7 @@ use super::{
 use crate::host_header::is_name_of_this_machine;
 use crate::parameters::Parameters;
 use crate::recording::{Reader, RecordedTopic, RecordingError};
-use crate::ros::signals::StopSignals;
+use ros_node::signals::StopSignals;
 
 /// Most requests and most notices that wait for the replay.
 const MAX_WAITING: usize = 64;

@@ -22,12 +22,8 @@ use rustix::time::{ClockId, Timespec};
 pub use foxglove::replay_to_foxglove;
 pub use pace::RATES;
 
-use super::environment::Environment;
-use super::names::{NameError, NameKind, Names, RemapRule};
 use super::node::{Node, NodeError};
 use super::qos;
-use super::raw::Raw;
-use super::signals::StopSignals;
 use super::task::Task;
 use super::transport::Publisher;
 use crate::endpoints::{self, ENDPOINTS};
@@ -38,6 +34,10 @@ use crate::messages::rosgraph_msgs::Clock;
 use crate::recording::{self, OfferedQos, Reader, RecordedTopic, RecordingError};
 use crate::time::NANOS_PER_SECOND;
 use pace::Pace;
+use ros_node::environment::Environment;
+use ros_node::names::{NameError, NameKind, Names, RemapRule};
+use ros_node::raw::Raw;
+use ros_node::signals::StopSignals;
 
 /// Name of the node.
 const NODE_NAME: &str = "column_twin_replay";

@@ -22,9 +22,9 @@ use zenoh_ext::{
 };
 
 use crate::messages::cdr;
-use crate::ros::given_up::GivenUp;
-use crate::ros::guid_prefix::GuidPrefix;
 use crate::ros::transport_error::TransportError;
+use ros_node::given_up::GivenUp;
+use ros_node::guid_prefix::GuidPrefix;
 
 use super::graph::Graph;
 use super::keys::TypedName;

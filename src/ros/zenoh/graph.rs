@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ros2_client::Gid;
 use rustdds::GUID;
 
-use crate::ros::matches::{Discovered, Found, Matches};
+use ros_node::matches::{Discovered, Found, Matches};
 
 use super::keys::{Kind, Token, TypedName, gid};
 use super::queue::Queue;

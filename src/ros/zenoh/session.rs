@@ -16,9 +16,9 @@ use zenoh::sample::SampleKind;
 use zenoh::session::{TransportEvent, TransportEventsListener};
 use zenoh::{Session, Wait};
 
-use crate::ros::environment::{Environment, ZenohVariables};
-use crate::ros::matches::{Discovered, Matches};
-use crate::ros::names::Names;
+use ros_node::environment::{Environment, ZenohVariables};
+use ros_node::matches::{Discovered, Matches};
+use ros_node::names::Names;
 
 use super::endpoints::{Place, ZenohPublisher, ZenohServer, ZenohSubscription};
 use super::graph::Graph;

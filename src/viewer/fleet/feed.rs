@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::item::{ColumnMark, FleetItem, ShownFleet, action_of};
 use crate::parameters::Parameters;
-use crate::printable::Printable;
 use crate::twin::{NoticeLevel, Output};
 use crate::viewer::events::summary;
 use crate::viewer::item::{Announcement, ViewerItem};
+use printable::Printable;
 
 /// Something that a column has given out.
 #[derive(Debug, Clone)]

@@ -2,29 +2,29 @@
 
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
 
-use super::{Peers, Protection};
+#[cfg(feature = "security")]
+use ros_node::security::now;
+use ros_node::security::{Peers, Protection};
 
 /// Level, message and values of the status `security`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::ros) struct SecurityHealth {
+pub(super) struct SecurityHealth {
     pub level: u8,
     pub message: String,
     pub values: Vec<(String, String)>,
 }
 
-impl Protection {
-    /// `None` if security is off.
-    pub(in crate::ros) fn health(&self, peers: &Peers) -> Option<SecurityHealth> {
-        match self {
-            Self::Off => None,
-            Self::Unprotected(warning) => Some(SecurityHealth {
-                level: DiagnosticStatus::WARN,
-                message: warning.clone(),
-                values: counts(peers),
-            }),
-            #[cfg(feature = "security")]
-            Self::Enclave(enclave) => Some(enclave_health(enclave, peers, super::now())),
-        }
+/// The state of this protection; `None` if security is off.
+pub(super) fn security_health(protection: &Protection, peers: &Peers) -> Option<SecurityHealth> {
+    match protection {
+        Protection::Off => None,
+        Protection::Unprotected(warning) => Some(SecurityHealth {
+            level: DiagnosticStatus::WARN,
+            message: warning.clone(),
+            values: counts(peers),
+        }),
+        #[cfg(feature = "security")]
+        Protection::Enclave(enclave) => Some(enclave_health(enclave, peers, now())),
     }
 }
 

@@ -8,11 +8,9 @@
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
 // - error.rs: Why a participant must not be created
-// - health.rs: The state of security for `/diagnostics`
 // - peers.rs: Peers that joined with a valid identity, and peers that were rejected: counted, and logged within a limit
 
 mod error;
-mod health;
 mod peers;
 
 #[cfg(feature = "security")]
@@ -21,8 +19,6 @@ use sros2_keystore::{SecuritySettings, SecurityStrategy};
 
 pub use error::SecurityError;
 pub use peers::Peers;
-
-pub(super) use health::SecurityHealth;
 
 /// How a participant is protected.
 #[derive(Debug)]
@@ -112,12 +108,12 @@ fn unprotected(settings: &SecuritySettings, error: &SecurityError) -> String {
 
 impl Protection {
     /// Whether the participant belongs to an enclave, so that its peers have to prove who they are.
-    pub(super) fn has_enclave(&self) -> bool {
+    pub fn has_enclave(&self) -> bool {
         !matches!(self, Self::Off | Self::Unprotected(_))
     }
 
     /// Logs what holds from now on.
-    pub(super) fn announce(&self) {
+    pub fn announce(&self) {
         match self {
             Self::Off => {}
             Self::Unprotected(warning) => tracing::warn!("{warning}"),

@@ -23,7 +23,7 @@ const MAX_REMEMBERED: usize = 1024;
 
 /// The lost peers of a participant.
 #[derive(Debug)]
-pub(super) struct LostPeers {
+pub struct LostPeers {
     lost: Mutex<BTreeMap<GuidPrefix, Loss>>,
     losses: AtomicU64,
     returns: AtomicU64,

@@ -15,7 +15,7 @@ const LIMIT_PERIOD: Duration = Duration::from_secs(60);
 /// Counts and logs messages that RustDDS does not put together from their fragments. Their sender is not asked for them again,
 /// so that what it sends afterwards arrives.
 #[derive(Debug)]
-pub(super) struct GivenUp {
+pub struct GivenUp {
     count: AtomicU64,
     limit: SubjectLimit,
 }

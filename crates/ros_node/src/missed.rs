@@ -12,7 +12,7 @@ const MAX_WRITERS: usize = 1024;
 
 /// Counts the gaps in the sequence numbers of the writers on a reliable topic.
 #[derive(Debug, Default)]
-pub(super) struct Missed {
+pub struct Missed {
     last: HashMap<Gid, LastMessage>,
     /// Unreadable messages, whose writers are unknown: they leave gaps too.
     unreadable: u64,

@@ -7,7 +7,7 @@ use std::fmt::{Display, Write as _};
 
 /// Kinds of metrics.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
+pub enum Kind {
     /// Only grows.
     Counter,
     /// Goes up and down.
@@ -16,7 +16,7 @@ pub(super) enum Kind {
 
 /// A page of metrics.
 #[derive(Debug, Default)]
-pub(super) struct Page {
+pub struct Page {
     text: String,
 }
 
@@ -95,7 +95,7 @@ const BOUNDS: [f64; 13] = [
 
 /// How often a duration was how long.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Histogram {
+pub struct Histogram {
     counts: [u64; BOUNDS.len()],
     count: u64,
     sum: f64,

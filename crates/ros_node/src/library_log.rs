@@ -69,7 +69,7 @@ struct LibraryLog {
 type Place = (String, u32);
 
 /// Begins to forward, if no other part of the program takes the records of the `log` crate.
-pub(super) fn forward() {
+pub fn forward() {
     if log::set_boxed_logger(Box::<LibraryLog>::default()).is_ok() {
         log::set_max_level(LevelFilter::Warn);
     }

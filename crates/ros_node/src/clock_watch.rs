@@ -4,14 +4,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Without a message on `/clock` for this long after the start, or during a response, the node warns.
-pub(super) const CLOCK_TIMEOUT: Duration = Duration::from_secs(5);
+pub const CLOCK_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Time between two such warnings.
 const WARNING_PERIOD: Duration = Duration::from_secs(60);
 
 /// Counts the messages on `/clock` under `use_sim_time`.
 #[derive(Debug)]
-pub(super) struct ClockWatch {
+pub struct ClockWatch {
     started: Instant,
     received: AtomicU64,
     /// When the last message arrived, after the start \[ms\].
@@ -19,6 +19,7 @@ pub(super) struct ClockWatch {
 }
 
 impl ClockWatch {
+    /// For a node that was started then.
     pub fn new(started: Instant) -> Self {
         Self {
             started,
@@ -68,7 +69,7 @@ impl ClockWatch {
 
 /// Repeats a warning seldom.
 #[derive(Debug, Default)]
-pub(super) struct SeldomWarning {
+pub struct SeldomWarning {
     last: Option<Instant>,
 }
 

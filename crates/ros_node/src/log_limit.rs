@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 /// Admits a number of messages per period, and counts those that it hides.
 #[derive(Debug, Clone)]
-pub(super) struct LogLimit {
+pub struct LogLimit {
     max: u64,
     period: Duration,
     period_start: Option<Instant>,
@@ -45,7 +45,7 @@ impl LogLimit {
 
 /// A limit on messages about one subject, which several threads may write.
 #[derive(Debug)]
-pub(super) struct SubjectLimit {
+pub struct SubjectLimit {
     /// What the messages are about, in the plural.
     subject: &'static str,
     limit: Mutex<LogLimit>,

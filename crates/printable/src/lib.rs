@@ -1,6 +1,10 @@
-//! Text from outside as it may appear in logs, errors, tables and on a terminal.
+//! Text from outside as it may appear in logs, errors, tables and on a terminal, and bytes as digits.
+
+mod hexadecimal;
 
 use std::{fmt, io};
+
+pub use hexadecimal::Hexadecimal;
 
 /// A text whose control characters and invisible formatting characters are escaped (`\n`, `\u{1b}`, `\u{202e}`): a terminal would
 /// obey the former, and the latter can make a name look like another one or show a line in another order.

@@ -20,7 +20,8 @@ use super::security::Peers;
 
 /// An endpoint of another participant.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found<'a> {
+pub struct Found<'a> {
+    /// Its identifier.
     pub guid: GUID,
     /// As DDS calls the topic: with a prefix for topics, requests and replies.
     pub topic_name: &'a str,
@@ -37,7 +38,7 @@ impl<'a> From<&'a EndpointDescription> for Found<'a> {
 
 /// What is discovered of the endpoints of others.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Discovered<'a> {
+pub enum Discovered<'a> {
     /// A writer.
     Writer(Found<'a>),
     /// A reader, whether one of the node's writers matches it or not. It may be told again.
@@ -61,23 +62,23 @@ pub struct Matches {
 
 impl Matches {
     /// Sets the name of an endpoint for log messages.
-    pub(super) fn name(&self, endpoint: GUID, name: &str) {
+    pub fn name(&self, endpoint: GUID, name: &str) {
         locked(&self.names).insert(endpoint, name.to_owned());
     }
 
     /// Forgets an endpoint that no longer exists.
-    pub(super) fn forget(&self, endpoint: GUID) {
+    pub fn forget(&self, endpoint: GUID) {
         locked(&self.names).remove(&endpoint);
         locked(&self.peers).remove(&endpoint);
     }
 
     /// Which participants fell silent, and which of them came back.
-    pub(super) fn lost_peers(&self) -> Arc<LostPeers> {
+    pub fn lost_peers(&self) -> Arc<LostPeers> {
         Arc::clone(&self.lost_peers)
     }
 
     /// Messages that were given up because they are too long.
-    pub(super) fn given_up(&self) -> Arc<GivenUp> {
+    pub fn given_up(&self) -> Arc<GivenUp> {
         Arc::clone(&self.given_up)
     }
 
@@ -150,7 +151,7 @@ impl Matches {
     }
 
     /// Reads the participant's events indefinitely; `on` is called with everything that is discovered.
-    pub(super) async fn follow(
+    pub async fn follow(
         self: Arc<Self>,
         participant: DomainParticipant,
         mut on: impl FnMut(Discovered<'_>),
@@ -182,7 +183,7 @@ impl Matches {
     }
 
     /// A peer of an endpoint was found.
-    pub(super) fn add(&self, own: GUID, peer: GUID) {
+    pub fn add(&self, own: GUID, peer: GUID) {
         let is_new = locked(&self.peers).entry(own).or_default().insert(peer);
         self.changed.notify_all();
         // Not one of the endpoints of discovery.
@@ -194,7 +195,7 @@ impl Matches {
     }
 
     /// A peer has gone.
-    pub(super) fn remove(&self, peer: GUID) {
+    pub fn remove(&self, peer: GUID) {
         let mut was_known = false;
         for peers in locked(&self.peers).values_mut() {
             was_known |= peers.remove(&peer);

@@ -4,8 +4,10 @@ use std::fmt;
 
 use ros2_client::Gid;
 
-use crate::hexadecimal::Hexadecimal;
-use crate::parameters::GUID_PREFIX_BYTES;
+use printable::Hexadecimal;
+
+/// Bytes of a GUID that are the same for everything that belongs to a participant.
+pub const GUID_PREFIX_BYTES: usize = 12;
 
 /// A participant on the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -27,7 +27,7 @@ use tracing_subscriber::{Layer, Registry};
 use super::arguments::{LogLevel, RosArguments};
 use super::library_log;
 use super::log_limit::LogLimit;
-use crate::printable::Printable;
+use printable::Printable;
 
 /// Maximum number of messages that wait to be published; further ones are dropped and counted.
 const ROSOUT_QUEUE: usize = 256;
@@ -44,7 +44,7 @@ const OMITTED: [&str; 3] = ["ros2_client", "rustdds", "cdr_encoding"];
 
 /// One message.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct LogRecord {
+pub struct LogRecord {
     level: u8,
     stamp: i64,
     message: String,
@@ -57,14 +57,16 @@ pub(super) struct LogRecord {
 #[derive(Debug)]
 pub struct RosoutQueue {
     /// `None` is the last one.
-    pub(super) records: Receiver<Option<LogRecord>>,
-    pub(super) dropped: Arc<AtomicU64>,
-    pub(super) end: LogEnd,
+    pub records: Receiver<Option<LogRecord>>,
+    /// Messages that found no room.
+    pub dropped: Arc<AtomicU64>,
+    /// Ends the thread that takes them.
+    pub end: LogEnd,
 }
 
 /// Ends the thread that publishes the messages, after those that are in the queue.
 #[derive(Debug, Clone)]
-pub(super) struct LogEnd(SyncSender<Option<LogRecord>>);
+pub struct LogEnd(SyncSender<Option<LogRecord>>);
 
 impl LogEnd {
     /// Waits for room in the queue; without a reader there is nothing to end.

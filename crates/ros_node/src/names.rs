@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::parameters::{NodeName, full_name_fault, namespace_fault, part_fault};
+use ros_interface::names::{full_name_fault, namespace_fault, part_fault};
 
 /// Longest full name of a topic or service, as in rmw.
 const MAX_TOPIC: usize = 247;
@@ -136,12 +136,6 @@ impl Names {
         self.fully_qualified()
             .trim_start_matches('/')
             .replace('/', ".")
-    }
-
-    /// The node's name for parameter files and overrides.
-    #[must_use]
-    pub fn for_parameters(&self) -> NodeName {
-        NodeName::new(&self.namespace, &self.node)
     }
 
     /// The full name of `name` after expansion and remapping; the first matching rule applies.

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Writes bytes as two lower-case digits each, without separators.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Hexadecimal<'a>(pub &'a [u8]);
+pub struct Hexadecimal<'a>(pub &'a [u8]);
 
 impl fmt::Display for Hexadecimal<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -4,10 +4,9 @@
 //! win, stops at the first error, reads `rostopic://a:=b` as a rule for the node `rostopic`, and rejects `--log-file-name`.
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use sros2_keystore::{EnclaveNameError, enclave_name};
-
-use crate::parameters::{Source, parse_override};
 
 use super::names::{RemapRule, RemapTarget};
 
@@ -23,7 +22,7 @@ pub struct RosArguments {
     /// `-r`, `--remap`, in their order.
     pub remap_rules: Vec<RemapRule>,
     /// `-p`, `--param` and `--params-file` in their order: as in rcl, the last one wins, whether a file or not.
-    pub parameters: Vec<Source>,
+    pub parameters: Vec<GivenParameters>,
     /// `--log-level`; the last one applies.
     pub log_level: Option<LogLevel>,
     /// `--log-level name:=level`: levels of single loggers.
@@ -36,6 +35,15 @@ pub struct RosArguments {
     pub enclave: Option<String>,
     /// ROS arguments that have no effect on this node, to be logged at the start.
     pub without_effect: Vec<String>,
+}
+
+/// What `-p`, `--param` or `--params-file` says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum GivenParameters {
+    /// `name:=value` or `node:name:=value`, as it is written.
+    Override(String),
+    /// A parameter file.
+    File(PathBuf),
 }
 
 /// Minimum level of log messages.
@@ -144,10 +152,8 @@ impl RosArguments {
         };
         match argument {
             "-r" | "--remap" => self.remap_rules.push(remap_rule(&value()?)?),
-            "-p" | "--param" => self
-                .parameters
-                .push(Source::Override(parse_override(&value()?))),
-            "--params-file" => self.parameters.push(Source::File(value()?.into())),
+            "-p" | "--param" => self.parameters.push(GivenParameters::Override(value()?)),
+            "--params-file" => self.parameters.push(GivenParameters::File(value()?.into())),
             "--log-level" => self.take_log_level(&value()?)?,
             "--enable-rosout-logs" => self.rosout = Some(true),
             "--disable-rosout-logs" => self.rosout = Some(false),
@@ -264,8 +270,8 @@ mod tests {
         assert_eq!(own, ["run", "--config", "c.yaml", "--record"]);
         assert_eq!(ros.remap_rules.len(), 2);
         let expected = [
-            Source::File("/tmp/p.yaml".into()),
-            Source::Override(parse_override("top.load:=2.0e6")),
+            GivenParameters::File("/tmp/p.yaml".into()),
+            GivenParameters::Override("top.load:=2.0e6".to_owned()),
         ];
         assert_eq!(ros.parameters, expected);
         assert_eq!(ros.level_of("column_twin"), LogLevel::Debug);

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::ros::guid_prefix::GuidPrefix;
-use crate::ros::log_limit::SubjectLimit;
+use crate::guid_prefix::GuidPrefix;
+use crate::log_limit::SubjectLimit;
 
 /// Maximum number of log messages about peers per [`LIMIT_PERIOD`]; further ones are counted. A hostile peer may try to join
 /// as often as it likes, so that this bounds what it can write into the log: about 3 MB a day.
