@@ -2,7 +2,7 @@
 
 use sros2_keystore::{EnclaveName, EnclaveNameError, EnclavePlan};
 
-use crate::ros::{NameError, Names, RemapRule};
+use ros_node::names::{NameError, Names, RemapRule};
 
 use super::role::{Role, access};
 

@@ -12,51 +12,34 @@
 // - address_space.rs: How much address space the system grants to the node
 // - alarms.rs: Alarms of the node: which outputs of the columns are conditions, and the delivery that the parameters describe
 // - alarms_absent.rs: Alarms in a program without the feature `alarm`: says so if the parameters ask for them
-// - arguments.rs: The arguments after `--ros-args`, as in rcl
-//   (<https://design.ros2.org/articles/ros_command_line_arguments.html>)
 // - client.rs: Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation
 // - client_error.rs: Why a client of the twin ends without what it was asked for
-// - clock_watch.rs: Warns if the node uses simulated time, but no message arrives on `/clock`, or none any more while a column
-//   responds
 // - counters.rs: Losses of the node itself, counted for `/diagnostics` and the log
 // - dds_threads.rs: The threads of the DDS library, and those of the node that use it
 // - detected.rs: Follows a twin whose sensors detect an impact, without a ROS installation
 // - diagnostics.rs: `/diagnostics`: the twin, its solver, its queues, its recording, its sensors and the node, for people and
 //   aggregators
 // - duplicates.rs: Warns about another node with the same name, and about another twin of the same column, on the network
-// - environment.rs: The environment variables of ROS 2 for domain, discovery and namespace
-// - exposition.rs: Metrics in the text format that Prometheus reads (version 0.0.4)
 // - face.rs: The two faces of a node
 // - fleet/: What the node of a fleet does besides: topics of single columns while somebody listens there, the status of all
 //   columns in few messages, vehicles that hit several columns, and the diagnostics of many columns
 // - fleet_view.rs: What is known of the columns of fleets, from their statuses
 // - foxglove.rs: Live topics, parameters and services of the node for Foxglove, past DDS
 // - foxglove_absent.rs: Foxglove in a program without the feature `foxglove`: says so if the parameters ask for it
-// - fresh_domain.rs: An unused DDS domain on loopback, for a demonstration or a test
-// - given_up.rs: Messages that are given up because they are too long
-// - guid_prefix.rs: The part of a GUID that names the participant
 // - inputs.rs: The inputs of the node: impact events, parameters, the clock, and service requests
-// - library_log.rs: The warnings and errors of RustDDS and ros2-client, which write to the `log` crate, in the log of this
-//   program
 // - lifecycle.rs: The state of a managed node, and what it means for inputs and outputs
 // - lifecycle_services.rs: The services and the topic by which others read and change the state of a managed node, as `ros2
 //   lifecycle` does
 // - lifecycle_states.rs: States and transitions of a managed node
 // - lines.rs: Lines that show the twin's messages to people
 // - live_columns.rs: The live columns of a node, one or many: commands, health and clock, from start to stop
-// - log_limit.rs: A limit on how many messages go into a log per period
 // - loss_log.rs: Losses of the node in its log: periods that the solver skipped, after a stop of the process or because the
 //   machine is overloaded, and messages that no reader got
-// - lost_peers.rs: Peers that fell silent, because of a broken network or because they were killed, and peers that came back
-// - matches.rs: Which of the node's endpoints are matched with a peer
 // - measure.rs: `column-twin measure`: publishes a table of readings as the sensors would, in real time
 // - measurements.rs: The measurements over DDS: from the topics of the sensors through their intake to the recording and to the
 //   queue
 // - metrics.rs: The metrics of the node: what the publishing thread knows, as a page for Prometheus
 // - metrics_server.rs: The port from which Prometheus reads the metrics
-// - missed.rs: Detects lost messages
-// - names.rs: Names of topics and services: validation, expansion and remapping
-//   (<https://design.ros2.org/articles/topic_and_service_names.html>, static remapping as in rcl)
 // - node.rs: A node: participant, names, and endpoints created from the table
 // - node_viewer.rs: The viewer of a node, as configured by the parameters `viewer.*`
 // - notice_log.rs: Lines of the log with the level of a notice
@@ -66,20 +49,17 @@
 // - publishing.rs: The publishing thread: publishes the outputs of all columns
 // - qos.rs: Converts the quality of service of every endpoint for ros2-client
 // - qos_overrides.rs: The quality of service that parameters ask for in the place of the table's, topic by topic
-// - raw.rs: Messages as encoded bytes
 // - receiving.rs: What every input has in common: who may send, what the recording and the log are told, and what cannot be
 //   read or was lost
 // - replay/: `column-twin replay`: publishes a recording over DDS, with its original bytes and timing
 // - requests.rs: Answers of services: about what was detected and measured on the column, and about resets
-// - rosout.rs: Log messages: on the terminal in the format of ROS, and on `/rosout`
 // - row_client.rs: Terminal client of a fleet: sends a vehicle that hits several columns
 // - run.rs: `column-twin run` and `column-twin fleet`: run a node from its arguments to a clean stop
-// - security/: DDS Security: which enclave a participant belongs to, and whether its files can be used
+// - security_health.rs: The state of security for `/diagnostics`
 // - senders.rs: Which senders the node accepts, and how often: an allow-list and a rate limit per sender, independent of DDS
 //   security
 // - sending.rs: How a message leaves the node: to its readers, and to the recording
 // - sensor_watch.rs: The health of the sensors, in `/diagnostics` and in the log
-// - signals.rs: SIGINT and SIGTERM: the first signal asks the program to stop, the second ends it immediately
 // - standing_action.rs: What has to be done with a column, as its outputs say it: for alarms and metrics
 // - subscribed.rs: What a client of the twin subscribes to, and its waits
 // - task.rs: Named threads that run futures until they are stopped

@@ -66,3 +66,18 @@ fn counts(peers: &Peers) -> Vec<(String, String)> {
         ("peers rejected".to_owned(), peers.rejected().to_string()),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_request_for_security_is_a_warning_in_diagnostics() {
+        let peers = Peers::default();
+        assert_eq!(security_health(&Protection::Off, &peers), None);
+        let misspelt = Protection::Unprotected("found `True`".to_owned());
+        let health = security_health(&misspelt, &peers).expect("a status");
+        assert_eq!(health.level, DiagnosticStatus::WARN);
+        assert_eq!(health.message, "found `True`");
+    }
+}

@@ -1,5 +1,9 @@
 //! Text from outside as it may appear in logs, errors, tables and on a terminal, and bytes as digits.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - hexadecimal.rs: Bytes as hexadecimal digits
+
 mod hexadecimal;
 
 use std::{fmt, io};

@@ -35,6 +35,8 @@
 // - idl.rs: Messages as OMG IDL, for a monitor that uses plain DDS: names, order and types are those on the wire, the comments
 //   are those of the definitions
 // - interface.rs: A ROS 2 type: its names, its definition, and what follows from the definition
+// - names.rs: What names of nodes, topics and services may look like
+//   (<https://design.ros2.org/articles/topic_and_service_names.html>)
 // - type_description.rs: Descriptions of types as REP-2011 and REP-2016 define them: what a type hash is computed over, and
 //   what the service `~/get_type_description` answers
 // - type_hash.rs: Type hashes as REP-2016 defines them (RIHS01) and as rosidl writes them to `share/<package>/msg/<Type>.json`
