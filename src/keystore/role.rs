@@ -3,7 +3,7 @@
 use sros2_keystore::{Access, EnclaveName};
 
 use crate::endpoints::{CLOCK, Direction, ENDPOINTS, Endpoint, PARAMETER_EVENTS, ROSOUT};
-use crate::ros::{NameError, Names};
+use ros_node::names::{NameError, Names};
 
 /// What an enclave is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
