@@ -28,6 +28,8 @@ const LONGER_FILES: [(&str, usize); 1] = [("src/parameters/table.rs", 1350)];
 const DOCUMENTS: [&str; 4] = [
     "crates/python/README.md",
     "crates/recording/README.md",
+    "crates/printable/README.md",
+    "crates/ros_node/README.md",
     "crates/sros2_keystore/README.md",
     "vendor/README.md",
 ];
