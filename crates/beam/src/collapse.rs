@@ -6,14 +6,15 @@ use super::contact::touches;
 use super::damage::Damage;
 use super::mesh::nearest;
 use super::newton::Solver;
-use super::opinion::{BeamModel, Hit};
+use super::opinion::{BeamModel, Hit, sided};
 use super::response::Run;
-use super::statics::{CollapseTest, settle, share_borne};
+use super::statics::{CollapseTest, come_to_rest, settle, share_borne};
 
 impl BeamModel {
     /// Repeats a hit and, where the column collapses, tests that: without the vehicle, its top is held where it is and lowered from
-    /// there by up to a quarter of the height. Where the column comes to rest in the plane of the web and gives way about its weak
-    /// axis, its capacity is tested. `None` where the column stands.
+    /// there by up to a quarter of the height. Where it bears its load so, but its response has ended because it has lost its shape,
+    /// the response goes on, and it is tested whether the shape remains lost. Where the column comes to rest in the plane of the
+    /// web and gives way about its weak axis, its capacity is tested. `None` where the column stands.
     ///
     /// # Errors
     /// A direction or an impact out of range, no equilibrium before it, damage of another mesh.
@@ -55,8 +56,7 @@ impl BeamModel {
         run.follow(self.step(hit, D == 3), &rest, &mut ());
         if !run.course.collapsed {
             let mut state = run.state.clone();
-            let rests = settle(&beam, &mut state, &mut solver) && solver.negative_pivots == 0;
-            if rests {
+            if come_to_rest(&beam, &mut state, &mut solver, self.lowest()) {
                 let left = Damage::of(&beam, &state);
                 return match self.stands_in_space(Some(&left)) {
                     true => Ok(None),
@@ -64,7 +64,35 @@ impl BeamModel {
                 };
             }
         }
-        Ok(Some(share_borne(&beam, run.state, &mut solver)))
+        let mut test = share_borne(&beam, run.state.clone(), &mut solver);
+        if run.course.collapsed && !test.gives_way() {
+            test.lost_shape = self.loses_shape(run, self.step(hit, D == 3), &rest);
+        }
+        Ok(Some(test))
+    }
+
+    /// Whether a column whose response has ended beyond the limits of its shape, or has found no solution, has lost its shape for
+    /// good. `secs` is the step of the response, `rest` is where the impact point was before it.
+    fn loses_shape<const D: usize, const R: usize, const Q: usize>(
+        &self,
+        mut run: Run<'_, D, R, Q>,
+        secs: f64,
+        rest: &[f64; 3],
+    ) -> bool {
+        if run.is_misshapen(1.0, run.displacement(rest)) {
+            (run.limit, run.course.collapsed) = (2.0, false);
+            run.follow(secs, rest, &mut ());
+            if !run.course.collapsed && !run.course.stuck {
+                let lowest = 2.0 * self.lowest();
+                let rests = come_to_rest(run.beam, &mut run.state, &mut run.solver, lowest);
+                let limit = if rests { 1.0 } else { 2.0 };
+                return run.is_misshapen(limit, run.displacement(rest));
+            }
+            if run.is_misshapen(2.0, run.displacement(rest)) {
+                return true;
+            }
+        }
+        run.is_crushed()
     }
 
     /// The capacity without its load before of a column that rests in the plane of the web.
@@ -75,10 +103,13 @@ impl BeamModel {
             top_spring_stiffness: 0.0,
             ..*column
         })?;
-        let capacity = unloaded.capacity_left(column.bows(), left);
+        // Without load it stands: where no equilibrium is found, nothing is confirmed.
+        let capacity =
+            unloaded.pushed_if_standing::<6, 6, 9>(sided(column.bows(), left), Some(left));
         Ok(CollapseTest {
-            share_borne: capacity / column.top_load,
+            share_borne: capacity.map_or(f64::NAN, |it| it / column.top_load),
             hangs: false,
+            lost_shape: false,
         })
     }
 }

@@ -15,7 +15,8 @@ pub enum Outcome {
     Elastic,
     /// The column stands, bent by this impact or by an earlier one.
     Plastic,
-    /// The column gives way under its load, during the hit or afterwards, about either axis.
+    /// The column gives way under its load, during the hit or afterwards, about either axis; or it loses its shape: its top comes
+    /// down by a quarter of its height, or its impact point moves by half of it, whatever it would bear then.
     Collapse,
 }
 
