@@ -7,14 +7,14 @@ use super::damage::Damage;
 use super::mesh::nearest;
 use super::newton::Solver;
 use super::opinion::{BeamModel, Hit, sided};
-use super::response::Run;
+use super::response::{MOVING, Run};
 use super::statics::{CollapseTest, come_to_rest, settle, share_borne};
 
 impl BeamModel {
     /// Repeats a hit and, where the column collapses, tests that: without the vehicle, its top is held where it is and lowered from
-    /// there by up to a quarter of the height. Where it bears its load so, but its response has ended because it has lost its shape,
-    /// the response goes on, and it is tested whether the shape remains lost. Where the column comes to rest in the plane of the
-    /// web and gives way about its weak axis, its capacity is tested. `None` where the column stands.
+    /// there by up to a quarter of the height. Where it bears its load so, it is let go from where its response has ended, and must
+    /// come to rest without its shape. Where the column comes to rest in the plane of the web and gives way about its weak axis,
+    /// its capacity is tested. `None` where the column stands.
     ///
     /// # Errors
     /// A direction or an impact out of range, no equilibrium before it, damage of another mesh.
@@ -54,45 +54,27 @@ impl BeamModel {
         let touches = touches(column, &heights);
         let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
         run.follow(self.step(hit, D == 3), &rest, &mut ());
-        if !run.course.collapsed {
-            let mut state = run.state.clone();
-            if come_to_rest(&beam, &mut state, &mut solver, self.lowest()) {
-                let left = Damage::of(&beam, &state);
-                return match self.stands_in_space(Some(&left)) {
-                    true => Ok(None),
-                    false => self.test_about_weak_axis(&left).map(Some),
-                };
-            }
+        let ended = run.state.clone();
+        let lowest = MOVING * self.lowest();
+        if !run.course.collapsed
+            && come_to_rest(&beam, &mut run.state, &mut solver, lowest)
+            && !run.is_misshapen(1.0, run.displacement(&rest))
+        {
+            let left = Damage::of(&beam, &run.state);
+            return match self.stands_in_space(Some(&left)) {
+                true => Ok(None),
+                false => self.test_about_weak_axis(&left).map(Some),
+            };
         }
-        let mut test = share_borne(&beam, run.state.clone(), &mut solver);
-        if run.course.collapsed && !test.gives_way() {
-            test.lost_shape = self.loses_shape(run, self.step(hit, D == 3), &rest);
+        let mut test = share_borne(&beam, ended.clone(), &mut solver);
+        if !test.gives_way() {
+            let is_crushed = run.is_crushed();
+            run.state = ended;
+            let rests = come_to_rest(&beam, &mut run.state, &mut solver, 2.0 * lowest);
+            let limit = if rests { 1.0 } else { 2.0 * MOVING };
+            test.lost_shape = is_crushed || run.is_misshapen(limit, run.displacement(&rest));
         }
         Ok(Some(test))
-    }
-
-    /// Whether a column whose response has ended beyond the limits of its shape, or has found no solution, has lost its shape for
-    /// good. `secs` is the step of the response, `rest` is where the impact point was before it.
-    fn loses_shape<const D: usize, const R: usize, const Q: usize>(
-        &self,
-        mut run: Run<'_, D, R, Q>,
-        secs: f64,
-        rest: &[f64; 3],
-    ) -> bool {
-        if run.is_misshapen(1.0, run.displacement(rest)) {
-            (run.limit, run.course.collapsed) = (2.0, false);
-            run.follow(secs, rest, &mut ());
-            if !run.course.collapsed && !run.course.stuck {
-                let lowest = 2.0 * self.lowest();
-                let rests = come_to_rest(run.beam, &mut run.state, &mut run.solver, lowest);
-                let limit = if rests { 1.0 } else { 2.0 };
-                return run.is_misshapen(limit, run.displacement(rest));
-            }
-            if run.is_misshapen(2.0, run.displacement(rest)) {
-                return true;
-            }
-        }
-        run.is_crushed()
     }
 
     /// The capacity without its load before of a column that rests in the plane of the web.

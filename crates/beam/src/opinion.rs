@@ -13,7 +13,7 @@ use super::newton::Solver;
 use super::outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
 use super::pair::{InTurn, Pair};
 use super::remains::{Remains, largest_distance, largest_kink};
-use super::response::{Course, DESCENDED, MAX_STEPS, Run};
+use super::response::{Course, DESCENDED, MAX_STEPS, MOVING, Run};
 use super::statics::{
     come_to_rest, let_go, load_in_steps, push_down, push_sideways, settle, settle_elastically,
 };
@@ -492,7 +492,9 @@ impl BeamModel {
         let before = run.between(&undamaged.moved[node], &rest);
         let mut residual = None;
         if !run.course.collapsed {
-            if come_to_rest(&beam, &mut run.state, &mut run.solver, self.lowest()) {
+            let lowest = MOVING * self.lowest();
+            let rests = come_to_rest(&beam, &mut run.state, &mut run.solver, lowest);
+            if rests && !run.is_misshapen(1.0, run.displacement(&rest)) {
                 let last = match column.top {
                     Support::Free => node,
                     _ => heights.len() - 1,
@@ -541,7 +543,7 @@ impl BeamModel {
         Some(state)
     }
 
-    /// How far the top of a column that stands may have come down \[m\].
+    /// How far the top of a column at rest may have come down \[m\].
     pub(crate) fn lowest(&self) -> f64 {
         DESCENDED * self.column.length()
     }

@@ -13,14 +13,18 @@ const MAX_HALVINGS: u32 = 10;
 /// Time over which shear and moment of the base are averaged \[s\].
 const WINDOW: f64 = 1e-3;
 
-/// Displacement over the length of the column beyond which it has lost its shape: this is a collapse, whatever it bears.
+/// Displacement over the length of the column beyond which a column at rest has lost its shape: this is a collapse, whatever it bears.
 const COLLAPSED: f64 = 0.5;
 
 /// Displacement over the length without which a step that does not converge is an error and no collapse.
 const CONFIRMED: f64 = 0.08;
 
-/// Descent of the top over the length beyond which the column has lost its shape.
+/// Descent of the top over the length beyond which it has lost its shape, too.
 pub(crate) const DESCENDED: f64 = 0.25;
+
+/// Factor of these limits beyond which a column has collapsed before it is at rest, as the two bars whose top descends by half the
+/// height: up to there the spring at the top, or its elasticity, may lift it back.
+pub(crate) const MOVING: f64 = 2.0;
 
 /// Most steps of a response.
 pub(crate) const MAX_STEPS: u64 = 200_000;
@@ -64,8 +68,6 @@ pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
     /// Node of the impact point.
     pub node: usize,
     pub course: Course,
-    /// Factor of the limits of the shape beyond which the response ends.
-    pub limit: f64,
     internal: f64,
     /// The last increment and its time \[s\].
     last: Vec<[f64; D]>,
@@ -103,7 +105,6 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 energy_in,
                 ..Course::default()
             },
-            limit: 1.0,
             internal: 0.0,
             last,
             last_shear: [0.0; BARS],
@@ -192,7 +193,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
     pub fn has_collapsed(&self, solved: bool, displaced: [f64; 2]) -> bool {
         let [along, across] = displaced.map(f64::abs);
         match solved {
-            true => self.is_misshapen(self.limit, displaced),
+            true => self.is_misshapen(MOVING, displaced),
             false => along.max(across) > CONFIRMED * self.length(),
         }
     }

@@ -11,8 +11,8 @@ pub struct CollapseTest {
     pub share_borne: f64,
     /// Whether the spring at the top takes the whole load before the column has lost a quarter of its height.
     pub hangs: bool,
-    /// Whether the column has lost its shape for good: an element is crushed to nothing, or the vehicle and the inertia of the column
-    /// carry it on beyond twice the limits of the shape or to a rest beyond them. Not tested where the load is not borne.
+    /// Whether the column has lost its shape for good: an element is crushed to nothing, or, let go from where its response has ended,
+    /// it rests or falls beyond the limits of the shape. Not tested where the load is not borne.
     pub lost_shape: bool,
 }
 

@@ -95,9 +95,9 @@ fn capacities_lie_on_the_buckling_curves() {
 }
 
 /// Three slender columns lie up to 16 % above their curve about the strong axis. The mesh is not the cause, the imperfections are: with
-/// the bow that EN 1993-1-1, table 5.1, sets in place of a bow and residual stresses for this curve, the columns lie on it. And the
-/// residual stresses do not grow with the yield strength: at the same slenderness a column of the weakest steel, for which the
-/// curves were made, lies nearer to its curve, and one of S460, to which the code gives the next curve, lies within the target.
+/// the bow that EN 1993-1-1, table 5.1, puts in the place of a bow and residual stresses for this curve, L/250, the columns lie 3 to
+/// 5 % below it. And the residual stresses do not grow with the yield strength: at the same slenderness a column of the weakest
+/// steel, for which the curves were made, lies nearer to its curve, as does one of S460, to which the code gives the next curve.
 #[test]
 fn slender_columns_lie_above_the_curve_because_of_its_imperfections() {
     for (name, length) in [("HEA220", 8.0), ("HEB220", 8.0), ("HEB140", 6.0)] {
@@ -127,12 +127,14 @@ fn slender_columns_lie_above_the_curve_because_of_its_imperfections() {
         let weakest = ratio(235e6, 0, None);
         let strongest = ratio(460e6, 0, None);
         let without = ratio(355e6, 0, Some(1e-3));
-        let [elastic, plastic] = [250.0, 200.0].map(|part| ratio(355e6, 0, Some(1.0 / part)));
+        let of_the_code = ratio(355e6, 0, Some(BucklingCurve::B.relative_bow()));
         println!(
-            "{name}: {coarse} fine {fine} S235 {weakest} S460 {strongest} without residual stress {without} L/250 {elastic} L/200 {plastic}"
+            "{name}: {coarse} fine {fine} S235 {weakest} S460 {strongest} without residual stress {without} bow of the code {of_the_code}"
         );
         assert!((fine / coarse - 1.0).abs() < 5e-3);
         assert!(weakest < coarse - 0.03 && coarse < without);
+        assert!(strongest < coarse - 0.03);
+        assert!((0.95..1.0).contains(&of_the_code), "{of_the_code}");
     }
 }
 
