@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use column_beam::{
-    BeamColumn, BeamModel, BeamOutcome, Damage, Hit, InTurn, Measurement, Movement, Pair,
+    BeamColumn, BeamError, BeamModel, BeamOpinion, BeamOutcome, Damage, Hit, InTurn, Measurement,
+    Movement,
 };
 use serde::{Deserialize, Serialize};
 
@@ -152,35 +153,45 @@ impl BeamTask {
         }))
     }
 
-    /// Computes it with two threads.
+    /// Computes it with two threads, and how the column moves.
     ///
     /// # Errors
     /// Why there is no second opinion.
     pub fn compute(&self) -> Result<BeamAnswer, NoSecondOpinion> {
-        self.compute_by(&TwoThreads)
+        self.compute_by(|model, before| {
+            let (opinion, movement) = model.opinion_and_movement(&self.hit, before, &TwoThreads)?;
+            Ok((opinion, Some(Arc::new(movement))))
+        })
     }
 
-    /// Computes it with one thread, bit for bit the same: for studies, which keep all processors busy.
+    /// Computes it with one thread, bit for bit the same but for the movement, which it leaves out: for studies, which keep all
+    /// processors busy and draw no column.
     ///
     /// # Errors
     /// Why there is no second opinion.
     pub fn compute_in_turn(&self) -> Result<BeamAnswer, NoSecondOpinion> {
-        self.compute_by(&InTurn)
+        self.compute_by(|model, before| Ok((model.opinion(&self.hit, before, &InTurn)?, None)))
     }
 
-    fn compute_by(&self, pair: &impl Pair) -> Result<BeamAnswer, NoSecondOpinion> {
+    fn compute_by(
+        &self,
+        opinion_of: impl FnOnce(&BeamModel, Option<&Damage>) -> Result<Drawn, BeamError>,
+    ) -> Result<BeamAnswer, NoSecondOpinion> {
         let model = known_columns::model(&self.column)?;
         let before = self.damage_before(&model)?;
-        let opinion = model.opinion(&self.hit, before.as_deref(), pair)?;
+        let (opinion, movement) = opinion_of(&model, before.as_deref())?;
         known_columns::keep(&self.column, opinion.undamaged);
         Ok(BeamAnswer {
             beam: opinion.outcome,
             capacity: opinion.capacity,
             damage: opinion.damage.map(Arc::new),
-            movement: Some(Arc::new(opinion.movement)),
+            movement,
         })
     }
 }
+
+/// An opinion, and how the column moves where this is drawn.
+type Drawn = (BeamOpinion, Option<Arc<Movement>>);
 
 #[cfg(test)]
 mod tests {
@@ -201,7 +212,9 @@ mod tests {
             .expect("admissible");
         let task = BeamTask::of_parameters(&parameters).expect("a task");
         let text = |answer: Result<BeamAnswer, NoSecondOpinion>| {
+            let movement = None;
             let answer = answer.expect("an answer");
+            let answer = BeamAnswer { movement, ..answer };
             // Every digit of every number, also of the damage.
             (format!("{answer:?}"), answer.damage)
         };

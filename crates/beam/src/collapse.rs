@@ -6,14 +6,15 @@ use super::contact::touches;
 use super::damage::Damage;
 use super::mesh::nearest;
 use super::newton::Solver;
-use super::opinion::{BeamModel, Hit};
-use super::response::Run;
-use super::statics::{CollapseTest, settle, share_borne};
+use super::opinion::{BeamModel, Hit, sided};
+use super::response::{MOVING, Run};
+use super::statics::{CollapseTest, come_to_rest, settle, share_borne};
 
 impl BeamModel {
     /// Repeats a hit and, where the column collapses, tests that: without the vehicle, its top is held where it is and lowered from
-    /// there by up to a quarter of the height. Where the column comes to rest in the plane of the web and gives way about its weak
-    /// axis, its capacity is tested. `None` where the column stands.
+    /// there by up to a quarter of the height. Where it bears its load so, it is let go from where its response has ended, and must
+    /// come to rest without its shape. Where the column comes to rest in the plane of the web and gives way about its weak axis,
+    /// its capacity is tested. `None` where the column stands.
     ///
     /// # Errors
     /// A direction or an impact out of range, no equilibrium before it, damage of another mesh.
@@ -53,18 +54,27 @@ impl BeamModel {
         let touches = touches(column, &heights);
         let mut run = Run::new(&beam, state, &hit.impact, hit.direction, &touches, node);
         run.follow(self.step(hit, D == 3), &rest, &mut ());
-        if !run.course.collapsed {
-            let mut state = run.state.clone();
-            let rests = settle(&beam, &mut state, &mut solver) && solver.negative_pivots == 0;
-            if rests {
-                let left = Damage::of(&beam, &state);
-                return match self.stands_in_space(Some(&left)) {
-                    true => Ok(None),
-                    false => self.test_about_weak_axis(&left).map(Some),
-                };
-            }
+        let ended = run.state.clone();
+        let lowest = MOVING * self.lowest();
+        if !run.course.collapsed
+            && come_to_rest(&beam, &mut run.state, &mut solver, lowest)
+            && !run.is_misshapen(1.0, run.displacement(&rest))
+        {
+            let left = Damage::of(&beam, &run.state);
+            return match self.stands_in_space(Some(&left)) {
+                true => Ok(None),
+                false => self.test_about_weak_axis(&left).map(Some),
+            };
         }
-        Ok(Some(share_borne(&beam, run.state, &mut solver)))
+        let mut test = share_borne(&beam, ended.clone(), &mut solver);
+        if !test.gives_way() {
+            let is_crushed = run.is_crushed();
+            run.state = ended;
+            let rests = come_to_rest(&beam, &mut run.state, &mut solver, 2.0 * lowest);
+            let limit = if rests { 1.0 } else { 2.0 * MOVING };
+            test.lost_shape = is_crushed || run.is_misshapen(limit, run.displacement(&rest));
+        }
+        Ok(Some(test))
     }
 
     /// The capacity without its load before of a column that rests in the plane of the web.
@@ -75,10 +85,13 @@ impl BeamModel {
             top_spring_stiffness: 0.0,
             ..*column
         })?;
-        let capacity = unloaded.capacity_left(column.bows(), left);
+        // Without load it stands: where no equilibrium is found, nothing is confirmed.
+        let capacity =
+            unloaded.pushed_if_standing::<6, 6, 9>(sided(column.bows(), left), Some(left));
         Ok(CollapseTest {
-            share_borne: capacity / column.top_load,
+            share_borne: capacity.map_or(f64::NAN, |it| it / column.top_load),
             hangs: false,
+            lost_shape: false,
         })
     }
 }

@@ -13,8 +13,10 @@ use super::newton::Solver;
 use super::outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
 use super::pair::{InTurn, Pair};
 use super::remains::{Remains, largest_distance, largest_kink};
-use super::response::{Course, MAX_STEPS, Run};
-use super::statics::{load_in_steps, push_down, push_sideways, settle, settle_elastically};
+use super::response::{Course, DESCENDED, MAX_STEPS, MOVING, Run};
+use super::statics::{
+    come_to_rest, let_go, load_in_steps, push_down, push_sideways, settle, settle_elastically,
+};
 
 /// Step of a response with a rigid vehicle \[ns\]: a fifth of the period of the contact. Twice as long a step needs more than
 /// twice the iterations.
@@ -59,8 +61,6 @@ pub struct BeamOpinion {
     pub damage: Option<Damage>,
     /// What the undamaged column bears.
     pub undamaged: Undamaged,
-    /// How the column has moved, for drawings.
-    pub movement: Movement,
 }
 
 /// What an undamaged column bears, whatever hits it.
@@ -209,22 +209,44 @@ impl BeamModel {
         damage: Option<&Damage>,
         pair: &impl Pair,
     ) -> Result<BeamOpinion, BeamError> {
+        let respond = || Ok((self.respond_to(hit, damage, &mut ())?, ()));
+        Ok(self.opinion_on(hit, damage, pair, respond)?.0)
+    }
+
+    /// The same opinion to the last bit, with how the column moves, for drawings.
+    ///
+    /// # Errors
+    /// As [`BeamModel::opinion`].
+    pub fn opinion_and_movement(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+        pair: &impl Pair,
+    ) -> Result<(BeamOpinion, Movement), BeamError> {
+        self.opinion_on(hit, damage, pair, || self.follow(hit, damage))
+    }
+
+    /// The opinion on a response that `respond` computes, and what else this has seen.
+    fn opinion_on<T: Send>(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+        pair: &impl Pair,
+        respond: impl FnOnce() -> Result<(Passed, T), BeamError> + Send,
+    ) -> Result<(BeamOpinion, T), BeamError> {
         self.check_hit(hit, damage)?;
         let (column, bows) = (&self.column, self.column.bows());
         let step = self.step(hit, Self::is_plane(hit, damage));
         let about_both = column.bow_axes == BowAxes::Both;
-        let (followed, (known, coarser)) = pair.both(
-            || self.follow(hit, damage),
-            || {
-                let coarser = self.coarser_peak(hit, damage, step);
-                (self.bears_undamaged(), coarser)
-            },
-        );
+        let (responded, (known, coarser)) = pair.both(respond, || {
+            let coarser = self.coarser_peak(hit, damage, step);
+            (self.bears_undamaged(), coarser)
+        });
         let Undamaged {
             capacities: undamaged,
             bowed,
         } = known;
-        let (passed, movement) = followed?;
+        let (passed, seen) = responded?;
         let Passed {
             course,
             before,
@@ -307,13 +329,13 @@ impl BeamModel {
             evaluations: course.evaluations,
             energy_error: course.energy_error / course.energy_in,
         };
-        Ok(BeamOpinion {
+        let opinion = BeamOpinion {
             outcome,
             capacity,
             damage,
             undamaged: known,
-            movement,
-        })
+        };
+        Ok((opinion, seen))
     }
 
     /// The peak displacement by a run with fewer elements and longer steps \[m\]; `None` where it has no end.
@@ -336,13 +358,23 @@ impl BeamModel {
 
     /// The response, with how the column moves.
     fn follow(&self, hit: &Hit, damage: Option<&Damage>) -> Result<(Passed, Movement), BeamError> {
-        let plane = Self::is_plane(hit, damage);
-        let (elements, step) = (self.column.elements, self.step(hit, plane));
         let mut recorder = Recorder::new();
-        let passed = self.pass(hit, damage, elements, step, &mut recorder);
-        let passed = passed.map_err(|stopped| self.error(&stopped))?;
-        let heights = self.heights(hit, elements, plane);
+        let passed = self.respond_to(hit, damage, &mut recorder)?;
+        let plane = Self::is_plane(hit, damage);
+        let heights = self.heights(hit, self.column.elements, plane);
         Ok((passed, recorder.finish(hit.direction, &heights)))
+    }
+
+    /// The response, shown to `watch`.
+    fn respond_to(
+        &self,
+        hit: &Hit,
+        damage: Option<&Damage>,
+        watch: &mut impl Watch,
+    ) -> Result<Passed, BeamError> {
+        let step = self.step(hit, Self::is_plane(hit, damage));
+        let passed = self.pass(hit, damage, self.column.elements, step, watch);
+        passed.map_err(|stopped| self.error(&stopped))
     }
 
     /// The response alone, without the error estimate and the push-downs: for benchmarks.
@@ -350,14 +382,7 @@ impl BeamModel {
     /// # Errors
     /// As [`BeamModel::simulate`].
     pub fn respond(&self, hit: &Hit) -> Result<[f64; 3], BeamError> {
-        let passed = self.pass(
-            hit,
-            None,
-            self.column.elements,
-            self.step(hit, Self::is_plane(hit, None)),
-            &mut (),
-        );
-        let passed = passed.map_err(|stopped| self.error(&stopped))?;
+        let passed = self.respond_to(hit, None, &mut ())?;
         let residual = passed.residual.map_or(f64::NAN, |it| it.displacement[0]);
         Ok([passed.course.largest[0], residual, passed.course.time])
     }
@@ -467,8 +492,9 @@ impl BeamModel {
         let before = run.between(&undamaged.moved[node], &rest);
         let mut residual = None;
         if !run.course.collapsed {
-            let rests = settle(&beam, &mut run.state, &mut run.solver);
-            if rests && run.solver.negative_pivots == 0 {
+            let lowest = MOVING * self.lowest();
+            let rests = come_to_rest(&beam, &mut run.state, &mut run.solver, lowest);
+            if rests && !run.is_misshapen(1.0, run.displacement(&rest)) {
                 let last = match column.top {
                     Support::Free => node,
                     _ => heights.len() - 1,
@@ -515,6 +541,11 @@ impl BeamModel {
             }
         }
         Some(state)
+    }
+
+    /// How far the top of a column at rest may have come down \[m\].
+    pub(crate) fn lowest(&self) -> f64 {
+        DESCENDED * self.column.length()
     }
 
     pub(crate) fn column(&self) -> &BeamColumn {
@@ -579,6 +610,11 @@ impl BeamModel {
             state = self.state(&beam, damage, &mut solver)?;
             stands = load_in_steps(&mut beam, &mut state, &mut solver);
         }
+        if !stands && damage.is_some() {
+            // The other bow, or the other load, may have moved the equilibrium too far away.
+            state = self.state(&beam, damage, &mut solver)?;
+            stands = let_go(&beam, &mut state, &mut solver, self.lowest());
+        }
         stands.then_some(Standing {
             beam,
             state,
@@ -610,7 +646,7 @@ impl BeamModel {
     }
 
     /// The same; `None` where the column does not bear its load.
-    fn pushed_if_standing<const D: usize, const R: usize, const Q: usize>(
+    pub(crate) fn pushed_if_standing<const D: usize, const R: usize, const Q: usize>(
         &self,
         bows: [f64; 2],
         damage: Option<&Damage>,
@@ -628,7 +664,7 @@ impl BeamModel {
 }
 
 /// Bows towards the side to which damage has bent the column.
-fn sided(bows: [f64; 2], damage: &Damage) -> [f64; 2] {
+pub(crate) fn sided(bows: [f64; 2], damage: &Damage) -> [f64; 2] {
     let [y, z] = damage.sides();
     [y * bows[0], z * bows[1]]
 }

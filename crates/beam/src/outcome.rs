@@ -15,7 +15,9 @@ pub enum Outcome {
     Elastic,
     /// The column stands, bent by this impact or by an earlier one.
     Plastic,
-    /// The column gives way under its load, during the hit or afterwards, about either axis.
+    /// The column gives way under its load, during the hit or afterwards, about either axis; or it loses its shape, whatever it
+    /// would bear then: at rest its top is lower by a quarter of its height, or its impact point is displaced by half of it, or one
+    /// of both by twice as much before.
     Collapse,
 }
 

@@ -1,6 +1,6 @@
 //! One impact, from the touch to the peak displacement, and what remains after it.
 
-use column_mechanics::Impact;
+use column_mechanics::{Impact, MIN_EXTENT};
 
 use super::beam::{BARS, Beam, Kind, State};
 use super::contact::Striker;
@@ -13,14 +13,18 @@ const MAX_HALVINGS: u32 = 10;
 /// Time over which shear and moment of the base are averaged \[s\].
 const WINDOW: f64 = 1e-3;
 
-/// Displacement over the length of the column beyond which it has collapsed.
+/// Displacement over the length of the column beyond which a column at rest has lost its shape: this is a collapse, whatever it bears.
 const COLLAPSED: f64 = 0.5;
 
 /// Displacement over the length without which a step that does not converge is an error and no collapse.
 const CONFIRMED: f64 = 0.08;
 
-/// Descent of the top over the length beyond which the column has collapsed.
-const DESCENDED: f64 = 0.25;
+/// Descent of the top over the length beyond which it has lost its shape, too.
+pub(crate) const DESCENDED: f64 = 0.25;
+
+/// Factor of these limits beyond which a column has collapsed before it is at rest, as the two bars whose top descends by half the
+/// height: up to there the spring at the top, or its elasticity, may lift it back.
+pub(crate) const MOVING: f64 = 2.0;
 
 /// Most steps of a response.
 pub(crate) const MAX_STEPS: u64 = 200_000;
@@ -186,16 +190,33 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
 
     /// Whether the column has collapsed, after a step that was solved or not, with its impact point displaced by so much along
     /// and at right angles to the direction \[m\].
-    pub fn has_collapsed(&self, solved: bool, [along, across]: [f64; 2]) -> bool {
-        let last = self.beam.places.len() - 1;
-        let length = self.beam.places[last][0];
+    pub fn has_collapsed(&self, solved: bool, displaced: [f64; 2]) -> bool {
+        let [along, across] = displaced.map(f64::abs);
         match solved {
-            true => {
-                let descent = -self.state.moved[last][0];
-                along.max(across.abs()) > COLLAPSED * length || descent > DESCENDED * length
-            }
-            false => along.abs().max(across.abs()) > CONFIRMED * length,
+            true => self.is_misshapen(MOVING, displaced),
+            false => along.max(across) > CONFIRMED * self.length(),
         }
+    }
+
+    /// Whether the top or the impact point, displaced as for [`Run::has_collapsed`], is beyond these times the limits of the shape of
+    /// a column.
+    pub fn is_misshapen(&self, limit: f64, [along, across]: [f64; 2]) -> bool {
+        let length = self.length();
+        let descent = -self.state.moved[self.beam.places.len() - 1][0];
+        along.max(across.abs()) > limit * COLLAPSED * length || descent > limit * DESCENDED * length
+    }
+
+    /// Whether an element has lost its length, as a bar of the two bars that collapses: with little hardening, a hinge under a large
+    /// load shortens until nothing of it is left, and no further step has a solution.
+    pub fn is_crushed(&self) -> bool {
+        let elements = self.beam.elements.iter().zip(&self.state.deformation);
+        elements
+            .map(|(element, deformation)| 1.0 + deformation[0] / element.length)
+            .any(|left| left < MIN_EXTENT)
+    }
+
+    fn length(&self) -> f64 {
+        self.beam.places[self.beam.places.len() - 1][0]
     }
 
     /// Follows the impact until the column comes back, and shows each step to `watch`.

@@ -11,6 +11,17 @@ pub struct CollapseTest {
     pub share_borne: f64,
     /// Whether the spring at the top takes the whole load before the column has lost a quarter of its height.
     pub hangs: bool,
+    /// Whether the column has lost its shape for good: an element is crushed to nothing, or, let go from where its response has ended,
+    /// it rests or falls beyond the limits of the shape. Not tested where the load is not borne.
+    pub lost_shape: bool,
+}
+
+impl CollapseTest {
+    /// Whether the load is borne nowhere.
+    #[must_use]
+    pub fn gives_way(&self) -> bool {
+        self.share_borne < 1.0 && !self.hangs
+    }
 }
 
 /// Stiffness of what pushes over that of the column along its axis.
@@ -29,6 +40,103 @@ pub(crate) fn settle<const D: usize, const R: usize, const Q: usize>(
     solver: &mut Solver<D, R>,
 ) -> bool {
     rest(beam, state, solver, 1.0)
+}
+
+/// Step in which a column that was let go moves \[s\]: a twentieth of the period of a column of 4 m; and most steps: a second of
+/// movement.
+const RELEASED_STEP: f64 = 5e-4;
+const MAX_RELEASED_STEPS: usize = 2000;
+
+/// Brings a state to rest, also where its equilibrium is too far away for Newton's method: the column is then let go from where it
+/// is, and stopped whenever its kinetic energy falls, so that it never swings through. Whether it stands, with its top lowered by
+/// at most `lowest` \[m\].
+pub(crate) fn come_to_rest<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    state: &mut State<D, R>,
+    solver: &mut Solver<D, R>,
+    lowest: f64,
+) -> bool {
+    let from = state.clone();
+    if settle(beam, state, solver) && solver.negative_pivots == 0 {
+        return true;
+    }
+    state.clone_from(&from);
+    let_go(beam, state, solver, lowest)
+}
+
+/// The movement to rest of a column that is let go, as [`come_to_rest`] says.
+pub(crate) fn let_go<const D: usize, const R: usize, const Q: usize>(
+    beam: &Beam<D, R, Q>,
+    state: &mut State<D, R>,
+    solver: &mut Solver<D, R>,
+    lowest: f64,
+) -> bool {
+    // At rest the strain rate does not count.
+    let mut slow = beam.clone();
+    slow.rate = None;
+    let top = beam.places.len() - 1;
+    let mut secs = RELEASED_STEP;
+    let mut kinetic = 0.0;
+    let mut stops = 0_u32;
+    stop(state);
+    solver.begin();
+    solver.remember(secs);
+    for _ in 0..MAX_RELEASED_STEPS {
+        solver.energy_tolerance = f64::INFINITY;
+        solver.tolerance = 1e-6 * beam.section.steel.yield_strength * beam.section.area;
+        solver.go_on(secs);
+        let forces: Vec<f64> = solver.pushes.iter().map(|push| push.force).collect();
+        for push in &mut solver.pushes {
+            push.aim(0.0);
+        }
+        let kind = Kind::Motion { secs };
+        if !solver.solve(&slow, state, kind, None) {
+            for (push, force) in solver.pushes.iter_mut().zip(forces) {
+                push.force = force;
+            }
+            secs *= 0.5;
+            if secs < RELEASED_STEP / f64::from(1_u32 << MAX_HALVINGS) {
+                return false;
+            }
+            solver.begin();
+            solver.remember(secs);
+            continue;
+        }
+        slow.commit(state, solver.increment(), kind, &solver.work);
+        solver.remember(secs);
+        secs = RELEASED_STEP.min(2.0 * secs);
+        if -state.moved[top][0] > lowest {
+            return false;
+        }
+        let [now, _] = slow.energies(state);
+        if now >= kinetic {
+            kinetic = now;
+            continue;
+        }
+        kinetic = 0.0;
+        stop(state);
+        solver.begin();
+        solver.remember(secs);
+        stops += 1;
+        // Each trial that fails costs as much as many steps.
+        if stops.is_power_of_two() {
+            let mut rests = state.clone();
+            for push in &mut solver.pushes {
+                push.aim(0.0);
+            }
+            if settle(beam, &mut rests, solver) && solver.negative_pivots == 0 {
+                *state = rests;
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// Takes the velocity from a state.
+fn stop<const D: usize, const R: usize>(state: &mut State<D, R>) {
+    state.velocity.fill([0.0; 6]);
+    state.rates.fill([0.0, 1.0]);
 }
 
 /// Least and first share of the load by which it grows in steps.
@@ -252,10 +360,7 @@ pub(crate) fn share_borne<const D: usize, const R: usize, const Q: usize>(
         beam.places[top][0],
     );
     let load = |state: &State<D, R>| beam.top_load + beam.top_spring * state.moved[top][0];
-    state.velocity.fill([0.0; 6]);
-    state.rates.fill([0.0, 1.0]);
-    solver.tolerance = 1e-6 * squash;
-    solver.energy_tolerance = f64::INFINITY;
+    stop(&mut state);
     solver.pushes.push(Push {
         node: top,
         unknown: 0,
@@ -266,28 +371,35 @@ pub(crate) fn share_borne<const D: usize, const R: usize, const Q: usize>(
     let mut found = CollapseTest {
         share_borne: f64::NAN,
         hangs: false,
+        lost_shape: false,
     };
     // The first equilibrium is where the top is already.
-    let (mut step, mut lowered) = (0.0, 0.0);
+    let (mut step, mut lowered, mut solved) = (0.0, 0.0, false);
     let least = LOWERED * height / LOWERINGS as f64 / 64.0;
     for _ in 0..3 * LOWERINGS {
         let force = solver.pushes[0].force;
+        solver.tolerance = 1e-6 * squash;
+        solver.energy_tolerance = f64::INFINITY;
         solver.begin();
         solver.pushes[0].aim(-step);
-        if !solver.solve(&held, &state, Kind::Equilibrium, None) {
+        if solver.solve(&held, &state, Kind::Equilibrium, None) {
+            held.commit(
+                &mut state,
+                solver.increment(),
+                Kind::Equilibrium,
+                &solver.work,
+            );
+        } else if solved {
             solver.pushes[0].force = force;
             step *= 0.5;
             if step < least {
                 break;
             }
             continue;
+        } else if !let_go(&held, &mut state, solver, f64::INFINITY) {
+            break;
         }
-        held.commit(
-            &mut state,
-            solver.increment(),
-            Kind::Equilibrium,
-            &solver.work,
-        );
+        solved = true;
         lowered += step;
         let share = -solver.pushes[0].force / load(&state);
         found.hangs = load(&state) <= 0.0;

@@ -94,22 +94,26 @@ fn capacities_lie_on_the_buckling_curves() {
     found::keep("buckling", "section,axis,length_m,ratio", &rows);
 }
 
-/// Two slender columns lie up to 16 % above their curve about the strong axis. The mesh is not the cause. The residual stresses are:
-/// they do not grow with the yield strength, so that at the same slenderness a column of the weakest steel, for which the curves
-/// were made, lies nearer to its curve.
+/// Three slender columns lie up to 16 % above their curve about the strong axis. The mesh is not the cause, the imperfections are: with
+/// the bow that EN 1993-1-1, table 5.1, puts in the place of a bow and residual stresses for this curve, L/250, the columns lie 3 to
+/// 5 % below it. And the residual stresses do not grow with the yield strength: at the same slenderness a column of the weakest
+/// steel, for which the curves were made, lies nearer to its curve, as does one of S460, to which the code gives the next curve.
 #[test]
-fn slender_columns_above_the_curve_lie_nearer_to_it_with_the_weakest_steel() {
-    for name in ["HEA220", "HEB220"] {
+fn slender_columns_lie_above_the_curve_because_of_its_imperfections() {
+    for (name, length) in [("HEA220", 8.0), ("HEB220", 8.0), ("HEB140", 6.0)] {
         let rolled = section(name);
         let (area, second_moment) = (rolled.properties().area, rolled.properties().second_moment);
         let pi = std::f64::consts::PI;
-        let ratio = |strength: f64, elements: usize, residual_stress: bool| {
-            // The slenderness of 8 m in S355.
-            let length = 8.0 * (355e6 / strength).sqrt();
+        // `bow` is over the length; `None` is L/1000 with residual stresses.
+        let ratio = |strength: f64, elements: usize, bow: Option<f64>| {
+            // The slenderness of this length in S355.
+            let length = length * (355e6 / strength).sqrt();
             let mut it = column(name, strength, 1e-4);
             (it.length_below, it.length_above) = (0.5 * length, 0.5 * length);
             (it.base, it.top) = (Support::Pinned, Support::Pinned);
-            (it.residual_stress, it.bow, it.bow_axes) = (residual_stress, -1.0, BowAxes::Strong);
+            it.residual_stress = bow.is_none();
+            it.bow = bow.map_or(-1.0, |share| share * length);
+            it.bow_axes = BowAxes::Strong;
             it.elements = elements;
             let found = BeamModel::new(&it).unwrap().undamaged_capacity()[0];
             let squash = strength * area;
@@ -118,13 +122,19 @@ fn slender_columns_above_the_curve_lie_nearer_to_it_with_the_weakest_steel() {
             let curve = BucklingCurve::of_rolled(&rolled, strength, BendingAxis::Strong);
             found / (curve.reduction(slenderness) * squash)
         };
-        let coarse = ratio(355e6, 0, true);
-        let fine = ratio(355e6, 120, true);
-        let weakest = ratio(235e6, 0, true);
-        let without = ratio(355e6, 0, false);
-        println!("{name}: {coarse} fine {fine} S235 {weakest} without residual stress {without}");
+        let coarse = ratio(355e6, 0, None);
+        let fine = ratio(355e6, 120, None);
+        let weakest = ratio(235e6, 0, None);
+        let strongest = ratio(460e6, 0, None);
+        let without = ratio(355e6, 0, Some(1e-3));
+        let of_the_code = ratio(355e6, 0, Some(BucklingCurve::B.relative_bow()));
+        println!(
+            "{name}: {coarse} fine {fine} S235 {weakest} S460 {strongest} without residual stress {without} bow of the code {of_the_code}"
+        );
         assert!((fine / coarse - 1.0).abs() < 5e-3);
         assert!(weakest < coarse - 0.03 && coarse < without);
+        assert!(strongest < coarse - 0.03);
+        assert!((0.95..1.0).contains(&of_the_code), "{of_the_code}");
     }
 }
 

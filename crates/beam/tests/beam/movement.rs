@@ -1,7 +1,7 @@
 //! What a drawing shows of a hit is what the opinion says of it.
 
 use crate::reference::{column, column_hit_three_times, hit};
-use column_beam::{BeamModel, Outcome};
+use column_beam::{BeamModel, InTurn, Outcome};
 
 #[test]
 fn a_drawn_movement_has_the_peak_and_the_remains_of_the_opinion() {
@@ -10,7 +10,12 @@ fn a_drawn_movement_has_the_peak_and_the_remains_of_the_opinion() {
     let mut damage = None;
     for hit in hits {
         let movement = model.movement(&hit, damage.as_ref()).unwrap();
-        let (found, after) = model.simulate(&hit, damage.as_ref()).unwrap();
+        let opinion = model.opinion(&hit, damage.as_ref(), &InTurn).unwrap();
+        let watched = model.opinion_and_movement(&hit, damage.as_ref(), &InTurn);
+        let (watched, same) = watched.unwrap();
+        // Who watches changes nothing.
+        assert!(watched == opinion && same == movement);
+        let (found, after) = (opinion.outcome, opinion.damage);
         let [along, across] = found.displaced_before_m;
         let close = |one: f64, other: f64| (one - other).abs() < 1e-12;
         let [time, ..] = movement.points[0];

@@ -2,7 +2,9 @@
 
 use crate::reference;
 use crate::reference::{column, hit, vehicle};
-use column_beam::{BeamColumn, BeamError, BeamModel, BowAxes, Damage, Outcome, Shape, Torsion};
+use column_beam::{
+    BeamColumn, BeamError, BeamModel, BowAxes, Damage, Hit, Outcome, Shape, Torsion,
+};
 use column_mechanics::Support;
 
 /// Random numbers after Steele et al. (SplitMix64).
@@ -34,64 +36,71 @@ fn random_columns_conserve_energy_and_end_in_rest_or_collapse() {
 }
 
 /// A response that is not solved is a collapse only where the impact point has moved by more than 8 % of the length; otherwise it fails
-/// here. Every collapse is tested by displacement: with its top held and lowered, the column must nowhere bear its load.
+/// here. Every collapse is tested by displacement: with its top held and lowered, the column must nowhere bear its load, or, let go from
+/// where its response has ended, it must have lost its shape for good.
 #[test]
 #[ignore = "takes minutes; .ci/long runs it"]
 fn a_thousand_random_columns_conserve_energy_and_end_in_rest_or_collapse() {
     explore(1000, 1000, NOT_CONFIRMED);
 }
 
-/// So many of the 341 collapses of a thousand random columns bear their load when their top is held and lowered, which leads from where the
-/// response was given up to an equilibrium elsewhere. They err on the safe side, and are open: 171 are confirmed, and 76 hang from
-/// their springs.
-const NOT_CONFIRMED: usize = 94;
+/// So many of the 256 collapses of a thousand random columns are not confirmed. The vehicle pushes the top of this one, which bears 5 % of
+/// its squash load, below half its height, where its response ends; without the vehicle its spring would lift it back within the
+/// limits of the shape.
+const NOT_CONFIRMED: usize = 1;
+
+/// A random column and a hit on it, with the name of its section and the force that squashes it \[N\].
+fn random_column(random: &mut Random) -> (&'static str, f64, BeamColumn, Hit) {
+    let name = random.one_of(&[
+        "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
+    ]);
+    let mut it = column(
+        name,
+        random.one_of(&[235e6, 355e6]),
+        random.one_of(&[1e-4, 1e-3, 1e-2]),
+    );
+    let length = random.between(3.0, 6.0);
+    it.length_below = length * random.between(0.12, 0.5);
+    it.length_above = length - it.length_below;
+    it.base = random.one_of(&[
+        Support::BuiltIn,
+        Support::Pinned,
+        Support::SemiRigid { stiffness: 5e6 },
+    ]);
+    let squash = reference::section(name).properties().area * it.steel.yield_strength;
+    it.top_load = squash * random.between(0.0, 0.35);
+    it.top_spring_stiffness = random.one_of(&[0.0, 1e5, 1e7, 5e7]);
+    it.shear = random.next() < 0.5;
+    it.torsion = random.one_of(&[Torsion::Warping, Torsion::SaintVenant, Torsion::None]);
+    it.residual_stress = random.next() < 0.5;
+    it.bow = random.one_of(&[0.0, -1.0]);
+    it.bumper_height = random.one_of(&[0.0, 0.2]);
+    let mass = random.between(300.0, 20e3);
+    let spring = match random.one_of(&[0, 1, 2]) {
+        0 => None,
+        1 => Some(vehicle(mass, random.between(2e5, 3e6), None)),
+        _ => Some(vehicle(
+            mass,
+            random.between(5e5, 3e6),
+            Some(random.between(2e5, 1.5e6)),
+        )),
+    };
+    let oblique = random.between(-179.0, 180.0);
+    let degrees = random.one_of(&[0.0, oblique]);
+    let hit = reference::hit(mass, random.between(1.0, 20.0), spring, degrees);
+    (name, squash, it, hit)
+}
 
 /// Computes a hit on each of the first `count` random columns, and tests collapses among the first `tested` by displacement, of which at
 /// most so many may not be confirmed.
 fn explore(count: i32, tested: i32, most_doubtful: usize) {
-    let (mut confirmed, mut hanging, mut doubtful) = (0, 0, Vec::new());
+    let (mut give_way, mut lose_shape, mut doubtful) = (0, 0, Vec::new());
     let mut random = Random(2026);
     let (mut collapses, mut unstable, mut worst, mut failed) = (0, 0, 0.0_f64, Vec::new());
     let mut slowest = 0.0_f64;
     let mut whole = 0.0;
     for number in 0..count {
-        let name = random.one_of(&[
-            "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
-        ]);
-        let mut it = column(
-            name,
-            random.one_of(&[235e6, 355e6]),
-            random.one_of(&[1e-4, 1e-3, 1e-2]),
-        );
-        let length = random.between(3.0, 6.0);
-        it.length_below = length * random.between(0.12, 0.5);
-        it.length_above = length - it.length_below;
-        it.base = random.one_of(&[
-            Support::BuiltIn,
-            Support::Pinned,
-            Support::SemiRigid { stiffness: 5e6 },
-        ]);
-        let squash = reference::section(name).properties().area * it.steel.yield_strength;
-        it.top_load = squash * random.between(0.0, 0.35);
-        it.top_spring_stiffness = random.one_of(&[0.0, 1e5, 1e7, 5e7]);
-        it.shear = random.next() < 0.5;
-        it.torsion = random.one_of(&[Torsion::Warping, Torsion::SaintVenant, Torsion::None]);
-        it.residual_stress = random.next() < 0.5;
-        it.bow = random.one_of(&[0.0, -1.0]);
-        it.bumper_height = random.one_of(&[0.0, 0.2]);
-        let mass = random.between(300.0, 20e3);
-        let spring = match random.one_of(&[0, 1, 2]) {
-            0 => None,
-            1 => Some(vehicle(mass, random.between(2e5, 3e6), None)),
-            _ => Some(vehicle(
-                mass,
-                random.between(5e5, 3e6),
-                Some(random.between(2e5, 1.5e6)),
-            )),
-        };
-        let oblique = random.between(-179.0, 180.0);
-        let degrees = random.one_of(&[0.0, oblique]);
-        let hit = hit(mass, random.between(1.0, 20.0), spring, degrees);
+        let (name, squash, it, hit) = random_column(&mut random);
         let began = reference::cpu();
         let result = BeamModel::new(&it).and_then(|model| model.simulate(&hit, None));
         let took = reference::cpu() - began;
@@ -101,7 +110,8 @@ fn explore(count: i32, tested: i32, most_doubtful: usize) {
             Ok((found, damage)) => {
                 if std::env::var("COLUMN_TWIN_EXPLORE").is_ok() {
                     println!(
-                        "{number} {name} deg {degrees:.0} {} P {:.2} ks {:.0e} b {:.0e} shear {} {:?} base {:?} bow {} bump {} v {:.1} m {mass:.0} | {took:.0} ms steps {} evals {} n {} ledger {:.1e} v1 {:.3}+{:.3} t {:.4} {:?}",
+                        "{number} {name} deg {:.0} {} P {:.2} ks {:.0e} b {:.0e} shear {} {:?} base {:?} bow {} bump {} v {:.1} m {:.0} | {took:.0} ms steps {} evals {} n {} ledger {:.1e} v1 {:.3}+{:.3} t {:.4} {:?}",
+                        hit.direction.to_degrees(),
                         hit.impact.vehicle.is_some(),
                         it.top_load / squash,
                         it.top_spring_stiffness,
@@ -112,6 +122,7 @@ fn explore(count: i32, tested: i32, most_doubtful: usize) {
                         it.bow,
                         it.bumper_height,
                         hit.impact.velocity,
+                        hit.impact.mass,
                         found.steps,
                         found.evaluations,
                         found.elements,
@@ -135,10 +146,8 @@ fn explore(count: i32, tested: i32, most_doubtful: usize) {
                         if number < tested {
                             let model = BeamModel::new(&it).unwrap();
                             match model.test_collapse(&hit, None).unwrap() {
-                                Some(test) if test.share_borne < 1.0 && !test.hangs => {
-                                    confirmed += 1;
-                                }
-                                Some(test) if test.hangs => hanging += 1,
+                                Some(test) if test.gives_way() => give_way += 1,
+                                Some(test) if test.lost_shape => lose_shape += 1,
                                 test => doubtful.push(format!(
                                     "{number} {name} {test:?} {found:?} {it:?} {hit:?}"
                                 )),
@@ -158,12 +167,40 @@ fn explore(count: i32, tested: i32, most_doubtful: usize) {
         whole / f64::from(count)
     );
     println!(
-        "by displacement: {confirmed} confirmed, {hanging} hang from their springs, {} doubtful",
+        "by displacement: {give_way} give way under their load, {lose_shape} lose their shape, {} doubtful",
         doubtful.len()
     );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(doubtful.len() <= most_doubtful, "{doubtful:#?}");
     assert!(worst <= 1e-8, "{worst:e}");
+}
+
+/// Such columns were given as collapsed, because Newton's method did not find the equilibrium without the vehicle: three that had hardly
+/// yielded, one that hangs from its spring, and one that is at rest but has to bow to the other side.
+#[test]
+fn columns_far_from_their_equilibrium_come_to_rest() {
+    let mut random = Random(2026);
+    let columns: Vec<_> = (0..=400).map(|_| random_column(&mut random)).collect();
+    for number in [331, 346, 400, 7, 76] {
+        let (name, _, it, hit) = &columns[number];
+        let model = BeamModel::new(it).unwrap();
+        let (found, damage) = model.simulate(hit, None).unwrap();
+        println!("{number} {name} {found:?}");
+        assert!(
+            damage.is_some() && found.outcome == Outcome::Plastic,
+            "{number}"
+        );
+        let remains = libm::hypot(found.residual_displacement_m, found.residual_sideways_m);
+        let most = libm::hypot(found.max_displacement_m, found.max_sideways_m);
+        assert!(remains < 1.02 * most, "{number}: {remains} m of {most} m");
+        if most < 0.01 * it.length() {
+            // Bent by less than a 300th of its height at rest, it bears most of what it bore.
+            let [strong, weak] = [0, 1]
+                .map(|axis| found.residual_capacity_n[axis] / found.undamaged_capacity_n[axis]);
+            assert!(strong > 0.75 && weak > 0.75, "{number}: {strong} {weak}");
+        }
+        assert_eq!(model.test_collapse(hit, None).unwrap(), None);
+    }
 }
 
 #[test]
