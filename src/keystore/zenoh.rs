@@ -240,7 +240,9 @@ fn path(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// As JSON, which every reader of JSON5 reads.
 fn written(configuration: &Value) -> String {
-    format!("{configuration:#}\n")
+    format!(
+        "// Made by `column-twin keystore zenoh` from the table of the node's topics and services; docs/zenoh.md describes it.\n\
+         {configuration:#}\n"
+    )
 }

@@ -125,7 +125,7 @@ def check_denied(operator, monitor, stranger):
     accepted, rejected = status(monitor).events_accepted, status(monitor).events_rejected
     for peer in (monitor, stranger):
         peer.strike("not_granted", LIGHT)
-        wait_for("the service in the graph", lambda: "/column_twin/reset" in peer.of_twin("SS")) if peer is monitor else None  # noqa: B023
+    wait_for("the service in the graph", lambda: "/column_twin/reset" in monitor.of_twin("SS"))
     _, dds_type, hash_, _ = monitor.of_twin("SS")["/column_twin/reset"]
     for peer in (monitor, stranger):
         check("reply to who may not call", peer.call(f"{DOMAIN}/column_twin/reset/{dds_type}/{hash_}", b"\0\1\0\0\0"), None)
@@ -134,6 +134,8 @@ def check_denied(operator, monitor, stranger):
     wait_for("the status after it", lambda: status(monitor).event_id == "afterwards" and status(monitor).events_accepted > accepted)
     check("accepted events", status(monitor).events_accepted, accepted + 1)
     check("rejected events", status(monitor).events_rejected, rejected)
+    announced = {it.split("/")[2] for it in monitor.tokens if "/MP/%/%/striker/" in it}
+    check("who announces a publisher of events", announced, {str(operator.session.zid())})
     check("what the stranger received", (stranger.received(), stranger.tokens), ({}, set()))
     print("denied: the monitor neither strikes nor calls; a certificate without permissions neither reads nor writes")
 
