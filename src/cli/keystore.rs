@@ -9,7 +9,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::failure::{Exit, Failure, printed};
 use column_twin::keystore::{
-    AUTHORITY_NAME, POLICY_ORIGIN, PlanError, PlannedEnclave, Role, Twins, plan,
+    AUTHORITY_NAME, POLICY_ORIGIN, PlanError, PlannedEnclave, Role, Twins, ZenohSite, plan,
 };
 use column_twin::ros::security::now;
 use column_twin::ros::{Environment, NODE_NAME, RosArguments};
@@ -49,6 +49,8 @@ enum KeystoreCommand {
     Show(ShowArgs),
     /// Print the permissions as a policy file for `ros2 security`
     Policy(PolicyArgs),
+    /// Print configurations of Zenoh with the same permissions, of the router or of a session
+    Zenoh(ZenohArgs),
 }
 
 #[derive(Debug, Args)]
@@ -120,6 +122,27 @@ struct PolicyArgs {
 }
 
 #[derive(Debug, Args)]
+struct ZenohArgs {
+    /// Folder of the keystore
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// Print the configuration of a session with the certificate of this enclave, in the place of that of the router
+    #[arg(long, value_name = "NAME")]
+    session: Option<String>,
+    /// The enclave whose certificate the router has
+    #[arg(long, value_name = "NAME", default_value = "/router")]
+    router: String,
+    /// Where the router listens
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:7447")]
+    address: String,
+    /// Domain of the nodes [default: ROS_DOMAIN_ID, else 0]
+    #[arg(long, value_name = "DOMAIN", value_parser = clap::value_parser!(u16).range(0..=i64::from(MAX_DOMAIN_ID)))]
+    domain: Option<u16>,
+    #[command(flatten)]
+    enclaves: EnclaveArgs,
+}
+
+#[derive(Debug, Args)]
 struct EnclaveArgs {
     /// An enclave and its role (twin, monitor or operator), may be repeated [default: one for each twin by its name,
     /// /monitor and /operator]
@@ -161,6 +184,7 @@ pub fn run(
             let planned = planned(&arguments.enclaves, ros)?;
             keystore::policy(&plans(&planned), POLICY_ORIGIN)
         }
+        KeystoreCommand::Zenoh(arguments) => zenoh(arguments, ros)?,
         KeystoreCommand::Show(arguments) => return show(arguments, out),
     };
     printed(out.write_all(text.as_bytes()))
@@ -266,6 +290,25 @@ fn renew(arguments: &RenewArgs) -> Result<String, Failure> {
         arguments.days,
         names.join(", ")
     ))
+}
+
+fn zenoh(arguments: &ZenohArgs, ros: &RosArguments) -> Result<String, Failure> {
+    let named = |name: &str| EnclaveName::new(name).map_err(|error| bad_plan(error.into()));
+    let site = ZenohSite {
+        keystore: &absolute(&arguments.folder),
+        address: &arguments.address,
+        domain_id: match arguments.domain {
+            Some(domain_id) => domain_id,
+            None => environment()?.domain_id,
+        },
+    };
+    match &arguments.session {
+        Some(session) => Ok(site.session(&named(session)?)),
+        None => {
+            let planned = planned(&arguments.enclaves, ros)?;
+            Ok(site.router(&named(&arguments.router)?, &planned))
+        }
+    }
 }
 
 fn show(arguments: &ShowArgs, out: &mut impl Write) -> Result<(), Failure> {

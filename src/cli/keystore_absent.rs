@@ -10,7 +10,7 @@ use super::failure::{Exit, Failure};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE, disable_help_subcommand = true)]
 pub struct KeystoreArgs {
-    /// Subcommands of a program with DDS security: create, add, renew, show, policy
+    /// Subcommands of a program with DDS security: create, add, renew, show, policy, zenoh
     #[arg(
         value_name = "ARGUMENTS",
         trailing_var_arg = true,

@@ -7,12 +7,16 @@
 //
 // - plan.rs: Which enclaves a keystore for some twins needs
 // - role.rs: What an enclave is for, and what its programs may therefore do
+// - zenoh.rs: The same permissions as configurations of Zenoh: of a router that grants them by certificate, and of the sessions that
+//   connect to it
 
 mod plan;
 mod role;
+mod zenoh;
 
 pub use plan::{PlanError, PlannedEnclave, Twins, plan};
 pub use role::{Role, access};
+pub use zenoh::ZenohSite;
 
 /// Common name of the authority of a keystore.
 pub const AUTHORITY_NAME: &str = "column_twin CA";

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use column_twin::endpoints::{Direction, ENDPOINTS};
-use column_twin::keystore::{POLICY_ORIGIN, Role, Twins, access, plan};
+use column_twin::keystore::{POLICY_ORIGIN, Role, Twins, ZenohSite, access, plan};
 use column_twin::ros::{NODE_NAME, RosArguments};
 use sros2_keystore::{Access, policy};
 
@@ -137,6 +137,30 @@ fn the_policy_file_for_ros2_security_is_that_of_the_table() {
         read(path) == expected,
         "{path} is outdated; write it with: column-twin keystore policy > {path}"
     );
+}
+
+/// `column-twin keystore zenoh` writes them.
+#[test]
+fn the_configurations_of_zenoh_are_those_of_the_table() {
+    let keystore = "/etc/column_twin/keystore";
+    let site = ZenohSite {
+        keystore: Path::new(keystore),
+        address: "127.0.0.1:7447",
+        domain_id: 0,
+    };
+    let planned = plan(&[], &twin()).expect("enclaves");
+    let router = site.router(&name("/router"), &planned);
+    let session = site.session(&name("/column_twin"));
+    for (file, options, expected) in [
+        ("secured_router", "", router),
+        ("secured_session", " --session /column_twin", session),
+    ] {
+        let path = format!("config/zenoh/{file}.json5");
+        assert!(
+            read(&path) == expected,
+            "{path} is outdated; write it with: column-twin keystore zenoh {keystore}{options} > {path}"
+        );
+    }
 }
 
 /// What `permissions.xsl` of SROS 2 makes of the policy is what is in our permissions; its rules are short enough to repeat here.
