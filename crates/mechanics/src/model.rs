@@ -287,14 +287,13 @@ fn frame_of(p: &ColumnProperties) -> Frame {
         bar.slider = p
             .shear
             .filter(|_| support != Support::Free)
-            .map(|shear| Slider::new(shear.resistance(length), length, &rotational));
+            .map(|shear| Slider::of_web(shear.resistance(length), length, &rotational));
         bar
     };
     let [length_below, length_above] = p.clear_lengths();
     let mut below = bar(length_below, p.base, [stiffness_1a, stiffness_3]);
     if let (None, Some(connection)) = (&p.shear, &p.base_connection) {
-        // Its base slips though its web does not yield.
-        let slider = Slider::new(connection.anchor_shear, length_below, &below.rotational);
+        let slider = Slider::of_foot(connection.anchor_shear, length_below, &below.rotational);
         below.slider = Some(slider);
     }
     Frame {

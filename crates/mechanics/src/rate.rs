@@ -480,8 +480,11 @@ impl StrengthLaw {
             return [false; 2];
         };
         let normal = forces.normal;
-        // The share that the normal force leaves to the web multiplies its factor once more.
-        let share = axial_share(self.surface.relative_axial(normal).abs());
+        // The share that the normal force leaves to a web that yields multiplies its factor once more.
+        let share = match laws.below.yields() {
+            true => axial_share(self.surface.relative_axial(normal).abs()),
+            false => 1.0,
+        };
         let gradient = chord.gradient();
         let of_web = laws.below.force * share * laws.below.length * gradient.angle_v;
         // Along the undeformed column it presses on the foundation, which makes the friction.

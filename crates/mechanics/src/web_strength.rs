@@ -66,8 +66,8 @@ impl WebState {
     }
 }
 
-/// Resistance of a web that does not yield, relative to [`WebLaw::force`]: more than any bar brings upon it, and finite, so that its
-/// share at the squash load, 0, has a product with it.
+/// Resistance of a web that does not yield, relative to [`WebLaw::force`]: more than any bar brings upon it, and finite, so that the
+/// return of a stress may multiply it.
 const UNYIELDING: f64 = 1e9;
 
 /// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to an undamaged one.
@@ -110,6 +110,11 @@ impl WebLaw {
             force,
             length,
         }
+    }
+
+    /// Whether the web yields at all.
+    pub fn yields(&self) -> bool {
+        self.undamaged == 1.0
     }
 
     /// The strength of a web before any flow.

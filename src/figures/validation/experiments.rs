@@ -229,7 +229,7 @@ pub(super) fn chapters() -> String {
     text += &post_chapter;
     let (slip_chapter, slips) = super::slip::chapter();
     text += &slip_chapter;
-    text + &evidence(&ratios, post_ratio, &slips) + WANTED
+    text + &evidence(&ratios, post_ratio, slips) + WANTED
 }
 
 /// The ratio of the absorbed energies of one post, struck and pressed, beside the increase that the rate law alone gives to a
@@ -286,7 +286,7 @@ struct Evidence<'a> {
     does_not: &'a str,
 }
 
-fn evidence(falling: &[(String, Vec<f64>)], post: f64, slips: &[f64]) -> String {
+fn evidence(falling: &[(String, Vec<f64>)], post: f64, slips: [f64; 3]) -> String {
     let of = |index: usize| {
         let ratios = &falling[index].1;
         match ratios.len() {
@@ -394,7 +394,7 @@ fn evidence(falling: &[(String, Vec<f64>)], post: f64, slips: &[f64]) -> String 
             area: "slip of a base whose anchors give way",
             evidence: "computed; read in a review",
             confidence: "low: three slips, and the resistance of the springs is not stated",
-            ratio: format!("{:.2} ± {:.2} ({})", mean(slips), deviation(slips), slips.len()),
+            ratio: slips.map(|ratio| format!("{ratio:.2}")).join(", "),
             shows: "the slider of the foot in series with the column, its catenary and its load",
             does_not: "anchors, grout, holes of the plate, fracture",
         },
