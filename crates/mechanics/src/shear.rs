@@ -14,6 +14,9 @@
 //! The web hardens linearly with its shear angle, and kinematically: what it gains in one direction it loses in the other
 //! (the effect of Bauschinger), but for a small rest, so that an unloaded web never yields. Either direction has its own
 //! resistance, of which `v(n)` is the share that the normal force leaves.
+//!
+//! A foot that slips upon its base plate turns the lower bar as its web does, so that one slider serves both. Under a web that never
+//! yields it has a slider of its own, of which a normal force takes no share.
 
 use super::yield_surface::Jet;
 
@@ -33,7 +36,7 @@ pub(crate) const WHOLE: Jet = Jet {
     second: 0.0,
 };
 
-/// What the web of one bar bears.
+/// What the web of one bar bears or, where no web yields, the foot of the lower bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Slider {
     /// `V_s l`: the largest sum of the end moments of an undamaged bar at rest without normal force \[N m\].
