@@ -212,11 +212,13 @@ fn evaluated(parameters: &Parameters) -> (Report, ActionRange) {
     (evaluation.report, evaluation.range.expect("a range"))
 }
 
-/// Where 2 % of strength decide, no single number is right, but the range that is shown with it is.
+/// Where 2 % of strength decide, no single number is right, but the band of the steel that is shown with it is, and so is the range of
+/// the verdict.
+///
+/// The band once ended above `heb220_0.5_elastic300_20`, in which the web just yields by the finite elements (2.45 mm), and just does
+/// not by two bars whose flanges help it at once (1.42 mm with any hardening).
 #[test]
-fn the_range_of_the_verdict_contains_the_finite_elements_at_the_threshold() {
-    // By the finite elements its web just yields, by the two bars it just does not: 1.42 mm instead of 2.45 mm on each hardening.
-    const BEYOND_THE_STEEL: &str = "heb220_0.5_elastic300_20";
+fn the_band_of_the_steel_contains_the_finite_elements_at_the_threshold() {
     let cases = include_str!("../crates/mechanics/tests/data/shear_cases.jsonl");
     let mut compared = 0;
     for line in cases.lines() {
@@ -234,11 +236,10 @@ fn the_range_of_the_verdict_contains_the_finite_elements_at_the_threshold() {
             println!("{id}: {smallest} to {largest} m, reference {expected} m");
             (smallest..=largest).contains(&expected)
         };
+        let band = range.band().expect("a band");
+        assert!(contains(&band.map(|it| it.report.max_v1)), "{id}");
         let all = range.variations.iter().map(|it| it.report.max_v1);
         assert!(contains(&all.collect::<Vec<_>>()), "{id}");
-        let of_steel = range.of_assumption(Assumption::Hardening);
-        let of_steel: Vec<_> = of_steel.map(|it| it.report.max_v1).collect();
-        assert_eq!(contains(&of_steel), id != BEYOND_THE_STEEL, "{id}");
     }
     assert_eq!(compared, AT_THE_THRESHOLD.len());
 }

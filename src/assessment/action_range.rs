@@ -29,7 +29,7 @@ pub enum Assumption {
     NarrowObject,
     /// Whether the strength grows with the strain rate.
     StrainRate,
-    /// Slope of the steel after yield, and local buckling.
+    /// Slope of the steel after yield, local buckling, and whether the flanges help a sheared web.
     Hardening,
     /// Yield strength: steel is stronger than its nominal value.
     YieldStrength,

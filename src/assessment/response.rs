@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{AssessmentInput, BaseDemand, ResidualCapacity};
 use crate::column::{
-    CapacityError, ColumnProperties, Impact, Model, Outcome, Report, SimulationError, State,
-    follow_from, residual_without_bumper,
+    CapacityError, ColumnProperties, Impact, Model, Outcome, Report, ShearProperties,
+    SimulationError, State, follow_from, residual_without_bumper,
 };
 use crate::parameters::{POISSON_RATIO, Parameters};
 use crate::standing::StandingColumn;
@@ -14,20 +14,30 @@ use crate::standing::StandingColumn;
 /// median of what 12 measured columns need (docs/theory.md). Steel with a long plateau has less than they.
 pub const HARDENING_BAND: [f64; 2] = [0.003, 0.02];
 
-/// The weakest column of the band, with the least hardening and the softening of the column, and the strongest one, with the
-/// most hardening and no softening. The hardening of the column itself lies within the band.
+/// The weakest column of the band, with the least hardening, the softening of the column and webs that bear without their flanges, and
+/// the strongest one, with the most hardening and no softening. The hardening of the column itself lies within the band.
+///
+/// The flanges that bear `2 m_f / l` beside a sheared web have to bend by several millimetres first. Where the web just yields, it
+/// bears alone.
 #[must_use]
 pub fn band_properties(properties: &ColumnProperties) -> [ColumnProperties; 2] {
     let [least, most] = HARDENING_BAND;
     let own = properties.hardening_ratio;
+    let weakest = properties.with_hardening(least.min(own), POISSON_RATIO);
+    let strongest = properties.with_hardening(most.max(own), POISSON_RATIO);
     [
-        (least.min(own), properties.softening),
-        (most.max(own), None),
+        ColumnProperties {
+            shear: weakest.shear.map(|shear| ShearProperties {
+                flange_moment: 0.0,
+                ..shear
+            }),
+            ..weakest
+        },
+        ColumnProperties {
+            softening: None,
+            ..strongest
+        },
     ]
-    .map(|(hardening_ratio, softening)| ColumnProperties {
-        softening,
-        ..properties.with_hardening(hardening_ratio, POISSON_RATIO)
-    })
 }
 
 /// What earlier impacts have left to an impact.

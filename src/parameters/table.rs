@@ -394,7 +394,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("none"),
         admissible: Admissible::Choice(&["none", "plate"]),
         applies: Applies::AfterResponse,
-        meaning: "how the base is connected; none: nothing is known of it, and the assessment assumes a plate for a named section that is built in; plate: a plate with anchors, which needs the other parameters of this group and `section.name`. Its moment limits the base in the response, and its initial stiffness replaces a base that is built in; its shear and uplift are assessed",
+        meaning: "how the base is connected; none: nothing is known of it, and the assessment assumes a plate for a named section that is built in; plate: a plate with anchors, which needs the other parameters of this group and `section.name`. Its moment and its shear limit the base in the response, in which the foot may slip and the anchors fracture, and its initial stiffness replaces a base that is built in",
     },
     Parameter {
         name: "base.plate_thickness",

@@ -138,8 +138,9 @@ fn band_table(range: &ActionRange) -> Markup {
         table.compact {
             caption {
                 "Band of the steel. Columns of one section and one yield strength differ in the slope of the steel after yield, here \
-                 relative to its modulus of elasticity, and in when their flanges and web buckle locally. The result lies between \
-                 these two; the weaker one is on the safe side for displacements, the stronger one for forces."
+                 relative to its modulus of elasticity, and in when their flanges and web buckle locally. A web of the weaker one that \
+                 yields in shear bears without its flanges. The result lies between these two; the weaker one is on the safe side for \
+                 displacements, the stronger one for forces."
             }
             thead { tr { th { "quantity" }
                 th.number { "hardening " (least) ", " (buckling) }

@@ -378,10 +378,12 @@ fn changes(parameters: &Parameters, axes: [&MapAxis; 2]) -> Vec<Changed> {
     let changes = vec![("rate.law", law.into()), ("hardening.ratio", own.into())];
     add(Assumption::StrainRate, changes);
     let [least, most] = HARDENING_BAND;
-    add(
-        Assumption::Hardening,
-        vec![("hardening.ratio", least.min(own).into())],
-    );
+    let mut weakest = vec![("hardening.ratio", least.min(own).into())];
+    if let Some(shear) = &properties.shear {
+        // Without its flanges, as the weak end of the band has it.
+        weakest.push(("resistance.shear", shear.web_resistance.into()));
+    }
+    add(Assumption::Hardening, weakest);
     let changes = vec![
         ("hardening.ratio", most.max(own).into()),
         ("softening.model", "none".into()),

@@ -246,7 +246,7 @@ impl PushDown {
             state
         };
         let loaded = force_on_top(model, &state.displacement, &state.forces);
-        let whole = model.without_bumper();
+        let whole = model.without_bumper().without_slip();
         let plastic = plastic_before_bumper(model, &whole, &state.plastic);
         let steel = state.plastic_of_steel(model);
         let model = &whole;
@@ -634,9 +634,9 @@ pub fn carried_load(model: &Model, state: &State) -> f64 {
 
 /// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
 /// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
-/// share away; with a free top `M(N)/L_a` is left. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar bears no more than its
-/// web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts. At the base no more than the moment of its connection
-/// counts, and with shear no more than it bears against slipping.
+/// share away; with a free top `M(N)/L_a` is left. With [`shear`](super::ShearProperties) the lengths are the clear ones, and each bar
+/// bears no more than its web, `V_s v(N/N^p)`: the weaker mechanism of either bar counts. At the base no more counts than the moment of
+/// its connection, and of the lower bar no more than the connection bears against slipping.
 #[must_use]
 pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
     let at_impact = if model.frame.top_is_free { 0.0 } else { 1.0 };
@@ -653,9 +653,9 @@ pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
         let resistance = bar.surface.moment_resistance(normal_force);
         let moments = at_impact * resistance + at_end * most_at_end.min(resistance);
         let n = bar.surface.relative_axial(normal_force).abs();
-        let slider = bar.slider.as_ref();
-        let web = slider.map(|slider| slider.limit(1.0, n).min(most_shear * bar.length));
-        web.map_or(moments, |web| moments.min(web)) / bar.length
+        let web = bar.slider.filter(|_| model.properties.shear.is_some());
+        let web = web.map_or(f64::INFINITY, |web| web.limit(1.0, n));
+        moments.min(web).min(most_shear * bar.length) / bar.length
     })
     .sum()
 }

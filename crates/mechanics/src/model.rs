@@ -173,6 +173,15 @@ impl Model {
         without
     }
 
+    /// The column without the slip of its base: of its bars only the webs yield in shear.
+    #[must_use]
+    pub(crate) fn without_slip(mut self) -> Self {
+        if self.properties.shear.is_none() {
+            self.frame.below.slider = None;
+        }
+        self
+    }
+
     /// The column whose equations are solved as exactly as those of a single impact.
     pub(crate) fn solved_exactly(mut self) -> Self {
         self.tolerance = TOLERANCE;
@@ -278,13 +287,18 @@ fn frame_of(p: &ColumnProperties) -> Frame {
         bar.slider = p
             .shear
             .filter(|_| support != Support::Free)
-            .map(|shear| Slider::new(shear.resistance(length), length, &rotational));
+            .map(|shear| Slider::of_web(shear.resistance(length), length, &rotational));
         bar
     };
-    let [below, above] = p.clear_lengths();
+    let [length_below, length_above] = p.clear_lengths();
+    let mut below = bar(length_below, p.base, [stiffness_1a, stiffness_3]);
+    if let (None, Some(connection)) = (&p.shear, &p.base_connection) {
+        let slider = Slider::of_foot(connection.anchor_shear, length_below, &below.rotational);
+        below.slider = Some(slider);
+    }
     Frame {
-        below: bar(below, p.base, [stiffness_1a, stiffness_3]),
-        above: bar(above, p.top, [stiffness_1b, stiffness_2]),
+        below,
+        above: bar(length_above, p.top, [stiffness_1b, stiffness_2]),
         top_spring_stiffness: p.top_spring_stiffness,
         top_is_free: is_cantilever,
     }

@@ -51,8 +51,8 @@ pub struct ColumnProperties {
     /// How a hinge loses strength once its flanges and web buckle locally; `None` in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub softening: Option<SofteningProperties>,
-    /// What the plate and the anchors of the base bear, which caps the moment of hinge 3; `None` in the paper: the base bears
-    /// what the section does.
+    /// What the plate and the anchors of the base bear, which caps the moment of hinge 3 and the shear of the lower bar: beyond it the
+    /// foot slips. `None` in the paper: the base bears what the section does, and never slips.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_connection: Option<BaseResistance>,
     /// Absolute plastic rotation at which a hinge is fractured, of hinges 1a and 1b together \[rad\], >= 0; 0 for no limit.

@@ -90,7 +90,7 @@ pub(crate) struct StrengthLaw {
     surface: YieldSurface,
     /// Of the hinges of each bar.
     backbones: PerBar<Backbone>,
-    /// Of the web of each bar; `None` where they do not yield.
+    /// Of the web of each bar; `None` where they do not yield and no base slips.
     webs: Option<PerBar<WebLaw>>,
     /// What caps the moment of hinge 3 and the shear of the lower bar.
     connection: Option<BaseResistance>,
@@ -132,10 +132,17 @@ impl StrengthLaw {
                 below: Backbone::new(p, below),
                 above: Backbone::new(p, above),
             },
-            webs: p.shear.as_ref().map(|shear| PerBar {
-                below: WebLaw::new(shear, below),
-                above: WebLaw::new(shear, above),
-            }),
+            webs: match (&p.shear, &p.base_connection) {
+                (Some(shear), _) => Some(PerBar {
+                    below: WebLaw::new(shear, below),
+                    above: WebLaw::new(shear, above),
+                }),
+                (None, Some(connection)) => Some(PerBar {
+                    below: WebLaw::unyielding(connection.anchor_shear, below),
+                    above: WebLaw::unyielding(connection.anchor_shear, above),
+                }),
+                (None, None) => None,
+            },
             connection: p.base_connection,
         })
     }
@@ -473,8 +480,11 @@ impl StrengthLaw {
             return [false; 2];
         };
         let normal = forces.normal;
-        // The share that the normal force leaves to the web multiplies its factor once more.
-        let share = axial_share(self.surface.relative_axial(normal).abs());
+        // The share that the normal force leaves to a web that yields multiplies its factor once more.
+        let share = match laws.below.yields() {
+            true => axial_share(self.surface.relative_axial(normal).abs()),
+            false => 1.0,
+        };
         let gradient = chord.gradient();
         let of_web = laws.below.force * share * laws.below.length * gradient.angle_v;
         // Along the undeformed column it presses on the foundation, which makes the friction.

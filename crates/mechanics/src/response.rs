@@ -602,10 +602,13 @@ impl Response {
             steps: state.step,
             hinges,
             vehicle: vehicle_report(state),
-            webs: [
-                web_report(&self.webs[0], below, &state.webs.below),
-                web_report(&self.webs[1], above, &state.webs.above),
-            ],
+            webs: match model.properties.shear {
+                Some(_) => [
+                    web_report(&self.webs[0], below, &state.webs.below),
+                    web_report(&self.webs[1], above, &state.webs.above),
+                ],
+                None => [WebReport::default(); WEBS],
+            },
             base: self.base_at_end(model, state, end),
         }
     }

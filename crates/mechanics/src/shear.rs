@@ -14,6 +14,9 @@
 //! The web hardens linearly with its shear angle, and kinematically: what it gains in one direction it loses in the other
 //! (the effect of Bauschinger), but for a small rest, so that an unloaded web never yields. Either direction has its own
 //! resistance, of which `v(n)` is the share that the normal force leaves.
+//!
+//! A foot that slips upon its base plate turns the lower bar as its web does, so that one slider serves both. Under a web that never
+//! yields it has a slider of its own, of which a normal force takes no share.
 
 use super::yield_surface::Jet;
 
@@ -24,9 +27,16 @@ pub(crate) const FREE_AXIAL: f64 = 0.5;
 const YIELD_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 /// `-dv/dn` at `n = 1`.
-pub(crate) const TIP_SLOPE: f64 = 4.0;
+const TIP_SLOPE: f64 = 4.0;
 
-/// What the web of one bar bears.
+/// The whole share, at every normal force.
+pub(crate) const WHOLE: Jet = Jet {
+    value: 1.0,
+    first: 0.0,
+    second: 0.0,
+};
+
+/// What the web of one bar bears or, where no web yields, the foot of the lower bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Slider {
     /// `V_s l`: the largest sum of the end moments of an undamaged bar at rest without normal force \[N m\].
@@ -35,6 +45,8 @@ pub(crate) struct Slider {
     pub turning: [f64; 2],
     /// Their sum.
     pub stiffness: f64,
+    /// Whether a normal force takes a share of the resistance, as of a web; not of a foot under a web that does not yield.
+    pub is_web: bool,
 }
 
 /// Strength of the web of a bar over one part of a step.
@@ -105,13 +117,9 @@ pub(crate) fn axial_share(n: f64) -> f64 {
 }
 
 /// `v` and its first two derivatives by `n`, `0 <= n <= 1`.
-pub(crate) fn axial_share_jet(n: f64) -> Jet {
+fn axial_share_jet(n: f64) -> Jet {
     if n <= FREE_AXIAL {
-        Jet {
-            value: 1.0,
-            first: 0.0,
-            second: 0.0,
-        }
+        WHOLE
     } else {
         Jet {
             value: 4.0 * n * (1.0 - n),
@@ -124,19 +132,52 @@ pub(crate) fn axial_share_jet(n: f64) -> Jet {
 impl Slider {
     /// The slider of a bar of clear length `length` \[m\] with the rotational stiffness `rotational` \[N m/rad\], whose web
     /// and flanges bear `force` \[N\].
-    pub fn new(force: f64, length: f64, rotational: &[[f64; 2]; 2]) -> Self {
+    pub fn of_web(force: f64, length: f64, rotational: &[[f64; 2]; 2]) -> Self {
         let turning = rotational.map(|row| row[0] + row[1]);
         Self {
             resistance: force * length,
             turning,
             stiffness: turning[0] + turning[1],
+            is_web: true,
+        }
+    }
+
+    /// As [`Slider::of_web`], of a bar whose web does not yield, and whose foot slips under a multiple of `force` \[N\].
+    pub fn of_foot(force: f64, length: f64, rotational: &[[f64; 2]; 2]) -> Self {
+        Self {
+            is_web: false,
+            ..Self::of_web(force, length, rotational)
+        }
+    }
+
+    /// The share of the resistance that a normal force `n >= 0`, relative to the squash load, leaves.
+    pub fn share(&self, n: f64) -> f64 {
+        match self.is_web {
+            true => axial_share(n),
+            false => 1.0,
+        }
+    }
+
+    /// Minus its derivative at the squash load.
+    pub fn tip_slope(&self) -> f64 {
+        match self.is_web {
+            true => TIP_SLOPE,
+            false => 0.0,
+        }
+    }
+
+    /// It and its first two derivatives by `n`, `0 <= n <= 1`.
+    pub fn share_jet(&self, n: f64) -> Jet {
+        match self.is_web {
+            true => axial_share_jet(n),
+            false => WHOLE,
         }
     }
 
     /// The largest sum of the end moments \[N m\] of a web whose resistance is `factor` times that of an undamaged one, with the
     /// normal force `n >= 0` relative to the squash load.
     pub fn limit(&self, factor: f64, n: f64) -> f64 {
-        self.resistance * factor * axial_share(n)
+        self.resistance * factor * self.share(n)
     }
 
     /// Whether the sum of the end moments \[N m\] exceeds what a web of this strength bears.

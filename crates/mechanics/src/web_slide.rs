@@ -2,12 +2,12 @@
 
 use super::bar::{Bar, BarForces, BarTangent, Place, PlasticFlow, Returned};
 use super::return_search::{MAX_RETURN_ITERATIONS, RETURN_TOLERANCE};
-use super::shear::{FREE_AXIAL, Slider, SliderStrength, axial_share_jet};
+use super::shear::{FREE_AXIAL, Slider, SliderStrength};
 
 impl Slider {
     /// The return of a stress that exceeds the resistance of the web where it flows alone, with `axial` \[N\] the squash load
-    /// of the weaker hinge, into `returned`; `false` where it would shorten beyond that. Up to half the squash load, where the
-    /// normal force remains, it has a closed form.
+    /// of the weaker hinge, into `returned`; `false` where it would shorten beyond that. Where the normal force remains, for a web up
+    /// to half the squash load, it has a closed form.
     pub fn slide_alone(
         &self,
         (bar, strength): (&Bar, &SliderStrength),
@@ -17,7 +17,7 @@ impl Slider {
     ) -> bool {
         let sum = trial.moment[0] + trial.moment[1];
         let n = trial.normal.abs() / axial;
-        if n <= FREE_AXIAL {
+        if n <= FREE_AXIAL || !self.is_web {
             let slide = self.slide(strength, sum, 1.0);
             let tangent = self.frozen(bar, &slide);
             *returned = self.slid(bar, trial, &slide, trial.normal, tangent);
@@ -26,7 +26,7 @@ impl Slider {
         // As in the problem of all mechanisms, the derivative in `n` never decreases.
         let per_energy = bar.axial / (axial * axial);
         let at = |n: f64| {
-            let share = axial_share_jet(n);
+            let share = self.share_jet(n);
             let slide = self.slide(strength, sum, share.value);
             let weight = per_energy * self.resistance * strength.integral(slide.angle);
             let carried = self.resistance * share.first * strength.hardened(slide.angle);
@@ -376,7 +376,7 @@ mod tests {
                 (_, true) => [[3.0 * c, 0.0], [0.0, 0.0]],
             };
             let mut bar = Bar::new(length, 1.9e9 / length, rotational, surface);
-            bar.slider = Some(Slider::new(resistance * MOMENT / length, length, &rotational));
+            bar.slider = Some(Slider::of_web(resistance * MOMENT / length, length, &rotational));
             let second = if pinned { 0.0 } else { moment.1 * MOMENT };
             Case {
                 bar,

@@ -66,13 +66,19 @@ impl WebState {
     }
 }
 
+/// Resistance of a web that does not yield, relative to [`WebLaw::force`]: more than any bar brings upon it, and finite, so that the
+/// return of a stress may multiply it.
+const UNYIELDING: f64 = 1e9;
+
 /// How the web of a bar hardens: by `growth` over the plastic shear angle, at most to `most`, relative to an undamaged one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WebLaw {
     /// \[1/rad\]
     growth: f64,
     most: f64,
-    /// `V_s` \[N\].
+    /// Resistance of an undamaged web, relative to `force`.
+    undamaged: f64,
+    /// `V_s` \[N\], or the scale of the slider of a bar whose web does not yield.
     pub force: f64,
     /// Clear length of the bar \[m\].
     pub length: f64,
@@ -89,9 +95,26 @@ impl WebLaw {
                 0.0 => f64::INFINITY,
                 most => 1.0 + (most - 1.0) * shear.web_resistance / force,
             },
+            undamaged: 1.0,
             force,
             length,
         }
+    }
+
+    /// Of a bar of clear length `length` \[m\] whose web does not yield, with a slider of the scale `force` \[N\] that its base needs.
+    pub fn unyielding(force: f64, length: f64) -> Self {
+        Self {
+            growth: 0.0,
+            most: f64::INFINITY,
+            undamaged: UNYIELDING,
+            force,
+            length,
+        }
+    }
+
+    /// Whether the web yields at all.
+    pub fn yields(&self) -> bool {
+        self.undamaged == 1.0
     }
 
     /// The strength of a web before any flow.
@@ -103,19 +126,20 @@ impl WebLaw {
             true => growth,
             false => 0.0,
         });
+        let own = WebState {
+            dynamic_gain: dynamic - 1.0,
+            held: 0.0,
+            ..*web
+        }
+        .strength();
         SliderStrength {
+            factor: own.factor.map(|factor| self.undamaged * factor),
             growth: growths,
             most: if hardens {
                 dynamic * self.most
             } else {
                 f64::INFINITY
             },
-            ..WebState {
-                dynamic_gain: dynamic - 1.0,
-                held: 0.0,
-                ..*web
-            }
-            .strength()
         }
     }
 

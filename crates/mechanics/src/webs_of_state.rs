@@ -12,6 +12,9 @@ use super::web_strength::WebState;
 impl State {
     /// The webs of both bars; their default where they do not yield.
     pub(crate) fn web_samples(&self, model: &Model) -> [WebSample; WEBS] {
+        if model.properties.shear.is_none() {
+            return <[WebSample; WEBS]>::default();
+        }
         let utilisation = self.web_utilisations(model);
         let web = |bar: &Bar, forces: &BarForces, plastic: &PlasticFlow, web: &WebState, used| {
             if bar.slider.is_none() {

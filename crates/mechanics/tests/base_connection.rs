@@ -6,8 +6,8 @@ mod finite_elements;
 
 use column_mechanics::{
     Anchors, BaseFactors, BaseFailure, BasePlate, BaseResistance, ColumnProperties, CrushCurve,
-    CrushSpring, End, Impact, Model, Outcome, PushDown, Sample, Scheme, State, StudyModel, Support,
-    Vehicle, follow, plastic_plateau, respond, simulate,
+    CrushSpring, End, Impact, Model, Outcome, PushDown, Sample, Scheme, ShearProperties, State,
+    StudyModel, Support, Vehicle, WebReport, follow, plastic_plateau, respond, simulate,
 };
 use finite_elements::{YIELD_STRENGTH, column, section};
 
@@ -257,6 +257,78 @@ fn a_base_whose_anchors_are_stretched_too_far_ends_the_response() {
         let lifted = respond(&lifted, &front(600e3, 8.0), 2.0).expect("a response");
         assert_eq!(lifted.outcome, Outcome::Plastic);
     }
+}
+
+/// The foot of a column whose web never yields once did not slip, whatever its anchors bore. It slips as that of a column with a web
+/// that is too strong to yield: the same equations, with another slider.
+#[test]
+fn a_foot_slips_whether_or_not_the_web_may_yield() {
+    for scheme in SCHEMES {
+        let with = low(scheme, plate().without_limits());
+        let strong = ShearProperties {
+            web_resistance: 1e7,
+            flange_moment: 0.0,
+            // As stiff as a web without shear, over the whole length of its bar.
+            rigidity: 0.0,
+            bumper_height: 0.0,
+            ..with.shear.expect("a web")
+        };
+        let [none, strong] = [None, Some(strong)].map(|shear| {
+            let column = ColumnProperties { shear, ..with };
+            respond(&column, &front(600e3, 4.0), 2.0).expect("a response")
+        });
+        println!("{scheme:?}: slip {:.1} mm", 1e3 * none.base.slip);
+        assert!(none.base.slip > 2.0 * plate().ultimate_slip);
+        for (found, expected) in [
+            (none.base.slip, strong.base.slip),
+            (none.max_v1, strong.max_v1),
+            (none.plastic_work, strong.plastic_work),
+        ] {
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
+        assert_eq!(none.webs, [WebReport::default(); 2]);
+        assert_eq!(none.outcome, Outcome::Plastic);
+        assert!(none.ledger_residual < 1e-10 || scheme == Scheme::Midpoint);
+        // Its anchors are sheared off, too.
+        let column = ColumnProperties {
+            shear: None,
+            ..low(scheme, plate())
+        };
+        let report = respond(&column, &front(600e3, 4.0), 2.0).expect("a response");
+        assert_eq!(report.base.fractured, Some(BaseFailure::AnchorsInShear));
+        assert!(report.base.slip > plate().ultimate_slip);
+        let study = StudyModel::of_model(Model::new(&column).expect("a column"), 1.0);
+        let quick = study
+            .respond(&State::at_rest(study.model()), &front(600e3, 4.0), 2.0)
+            .expect("a response");
+        assert_eq!(quick.base.fractured, Some(BaseFailure::AnchorsInShear));
+    }
+}
+
+/// By hand, as with a web, over the whole lengths of the bars: `min(2 x 268 / 0.5, (268 + 173) / 0.5, 378) + 2 x 268 / 3.5 = 531 kN`. The
+/// push-down knows no slip: it presses on a column that stands.
+#[test]
+fn the_foot_of_a_column_that_only_bends_limits_the_plateau() {
+    let of = |plate| {
+        let column = ColumnProperties {
+            shear: None,
+            ..low(SCHEMES[0], plate)
+        };
+        Model::new(&column).expect("a column")
+    };
+    let found = plastic_plateau(&of(plate()), 490e3) / 1e3;
+    assert!((found - 531.0).abs() < 2.0, "{found}");
+    let [weak, strong] = [1e3, 1e8].map(|anchor_shear| {
+        let model = of(BaseResistance {
+            anchor_shear,
+            friction: 0.0,
+            ..plate()
+        });
+        let mut push_down =
+            PushDown::new(&model, &State::at_rest(&model), 4e-3).expect("a push-down");
+        push_down.advance(u32::MAX).expect("it ends").force
+    });
+    assert_eq!(weak.to_bits(), strong.to_bits());
 }
 
 /// A pinned base bears no moment, but it slips, and the catenary lifts it.

@@ -22,7 +22,7 @@ const NAMED: [f64; 2] = [0.01, 0.005];
 const COMPARED_ROTATION: f64 = 0.05;
 
 /// Speed of the push \[m/s\].
-const SPEED: f64 = 0.4;
+const SPEED: f64 = 0.2;
 
 #[derive(Deserialize)]
 struct Tests {
@@ -49,6 +49,7 @@ struct Sway {
     load: f64,
     m_05: Option<f64>,
     sway: Option<f64>,
+    last_moment: Option<f64>,
     buckling: Option<f64>,
 }
 
@@ -100,6 +101,12 @@ fn tests() -> Tests {
 impl Sway {
     fn axial_ratio(&self) -> f64 {
         1e3 * self.load / (self.plates.section().properties().area * 1e6 * self.fy)
+    }
+
+    /// The sway \[mm\] at which the last measured moment carries the load without a lateral force, `N w = 2 M`. The last point of a
+    /// test, at the sway that was measured, has up to 0.9 kN left of the push.
+    fn standing_sway(&self) -> Option<f64> {
+        self.last_moment.map(|moment| 2e3 * moment / self.load)
     }
 
     fn softening(&self) -> SofteningProperties {
@@ -210,25 +217,33 @@ fn moments_of_nakashimas_columns_at_0_05_rad() {
 }
 
 /// The columns stood by themselves, without a lateral force, at these sways: `N w = 2 M(N)`. Above `n = 0.4` none of them had
-/// buckled locally by 0.1 rad, so that hardening alone is compared; S104406 is overstated by 6 %. At `n = 0.21` both had.
+/// buckled locally by 0.1 rad, so that hardening alone is compared. At `n = 0.21` both had.
+///
+/// S104406 is overstated most. It was once overstated by 6 %, by a push that was twice as fast, and because its sway was
+/// taken at the last point of the test, where it still took 0.5 kN to push it.
 #[test]
 fn axial_loads_that_nakashimas_columns_lost() {
     let mut compared = [0, 0];
     for test in tests().nakashima.tests {
-        let Some(measured) = test.sway else { continue };
+        let Some((last, measured)) = test.sway.zip(test.standing_sway()) else {
+            continue;
+        };
+        // 1 mm of the digitised points is within the error of the rotation.
+        assert!((0.99..1.03).contains(&(measured / last)), "{}", test.id);
         let n = test.axial_ratio();
         let found = [(0.0, false), (NAMED[0], false), (NAMED[0], true)]
             .map(|(b, softens)| test.sway_ratio(measured, b, softens, SPEED));
         println!(
-            "{} n {n:.2}: {measured} mm, simulated over measured {found:.3?}",
-            test.id
+            "{} n {n:.2}: {measured:.1} mm, simulated over measured {found:.3?}, with hardening over the last point {:.3}",
+            test.id,
+            found[1] * measured / last
         );
         let [ideal, hardening, softening] = found;
         assert!(ideal < 0.85, "{}: {ideal}", test.id);
         if n >= 0.4 {
             compared[0] += 1;
             assert!(
-                (0.7..=1.07).contains(&hardening),
+                (0.7..=1.05).contains(&hardening),
                 "{}: {hardening}",
                 test.id
             );
@@ -248,14 +263,18 @@ fn axial_loads_that_nakashimas_columns_lost() {
     assert_eq!(compared, [6, 2]);
 }
 
+/// Of the columns that stand at the smallest sways.
 #[test]
 fn the_push_is_slow_enough() {
-    let test = tests().nakashima.tests.swap_remove(10);
-    let measured = test.sway.expect("a sway");
-    let [one, other] =
-        [SPEED, 0.5 * SPEED].map(|speed| test.sway_ratio(measured, NAMED[0], true, speed));
-    println!("{one} {other}");
-    assert!((one / other - 1.0).abs() < 5e-3, "{one} {other}");
+    let mut tests = tests().nakashima.tests;
+    for softens in [false, true] {
+        let test = tests.swap_remove(9);
+        let measured = test.standing_sway().expect("a sway");
+        let [one, other] =
+            [SPEED, 0.5 * SPEED].map(|speed| test.sway_ratio(measured, NAMED[0], softens, speed));
+        println!("{}: {one} {other}", test.id);
+        assert!((one / other - 1.0).abs() < 5e-3, "{one} {other}");
+    }
 }
 
 /// The capping rotation of the formula is close to the measured onset of local buckling up to `n = 0.35` and before it above.

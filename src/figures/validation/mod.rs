@@ -7,11 +7,13 @@
 // - beam.rs: The fibre beam of the second opinion against other models, and where it and the two bars part
 // - experiments.rs: Comparison with impact tests on members, the list of all the evidence for the model, and what is missing
 // - fibre.rs: Comparison with a fibre beam model: what the two bars leave out, in numbers
+// - slip.rs: Comparison of the slip of a base plate with that of an engineer's fibre beam on springs
 
 mod analytic;
 mod beam;
 mod experiments;
 mod fibre;
+mod slip;
 
 use std::fmt::Write as _;
 use std::path::Path;

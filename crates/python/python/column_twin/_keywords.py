@@ -98,7 +98,7 @@ class ParameterKeywords(TypedDict, total=False):
     support__top_stiffness: Number
     """rotational stiffness of a semi-rigid top [N m/rad]"""
     base__connection: Literal["none", "plate"]
-    """how the base is connected; none: nothing is known of it, and the assessment assumes a plate for a named section that is built in; plate: a plate with anchors, which needs the other parameters of this group and `section.name`. Its moment limits the base in the response, and its initial stiffness replaces a base that is built in; its shear and uplift are assessed"""
+    """how the base is connected; none: nothing is known of it, and the assessment assumes a plate for a named section that is built in; plate: a plate with anchors, which needs the other parameters of this group and `section.name`. Its moment and its shear limit the base in the response, in which the foot may slip and the anchors fracture, and its initial stiffness replaces a base that is built in"""
     base__plate_thickness: Number
     """t_p: thickness of the base plate [m]"""
     base__plate_length: Number
