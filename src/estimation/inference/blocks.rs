@@ -537,7 +537,7 @@ mod tests {
             let time = (f64::from(sample) + 0.5) * STEP;
             let noise = 1e-9 * f64::from(sample.rem_euclid(2));
             let swing = if time > 0.0 {
-                5e-3 * (60.0 * time).sin()
+                5e-3 * (30.0 * time).sin()
             } else {
                 0.0
             };
