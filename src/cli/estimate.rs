@@ -369,7 +369,7 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
     if !last.doubtful_sensors.is_empty() {
         let _ = writeln!(
             text,
-            "\nWarning: {} contradicts the other sensors; check its scale, sign and position.",
+            "\nWarning: {} contradicts the other sensors or has stopped; check its scale, sign, position and data.",
             last.doubtful_sensors.join(", ")
         );
     }

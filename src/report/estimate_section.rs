@@ -91,7 +91,7 @@ fn reservations(estimate: &ImpactEstimate) -> Markup {
         }
         @if !estimate.doubtful_sensors.is_empty() {
             p.fault {
-                (estimate.doubtful_sensors.join(", ")) " contradicts the other sensors; check its scale, sign and position."
+                (estimate.doubtful_sensors.join(", ")) " contradicts the other sensors or has stopped; check its scale, sign, position and data."
             }
         }
         p.note {

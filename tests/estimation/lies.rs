@@ -126,16 +126,18 @@ const LIES: [Lie; 50] = [
     ),
 ];
 
-/// Lies that are known to move the peak without a word, with the impact. Where a rigid hit makes the column yield, the gauges are lost, and
-/// no other sensor tells the scale of the displacement. The list is that of the first lies: the whole test has not been run yet.
-const KNOWN: [(&str, &str, &str); 7] = [
+/// Lies that move the peak without a word, with the impact. Where a rigid hit makes the column yield, nothing tells the scale of the
+/// displacement: the gauges are lost within milliseconds, the waves keep the accelerometer at the end of its range, and a lighter, faster
+/// vehicle explains a larger displacement as well. In the same way a softer vehicle explains a displacement that a filter smooths. Where the
+/// column stays elastic, a gain that is 30 % off is 2.5 standard deviations of what model and gauges leave open, and not surely in doubt; nor
+/// is a sensor whose peak is cut off by 16 %, with a noise that seldom lets it repeat its largest reading over a whole block.
+const KNOWN: [(&str, &str, &str); 6] = [
     ("rigid", V1, "gain 30 % too high"),
     ("rigid", V1, "gain of one half"),
     ("rigid", V1, "0.2 m too high"),
-    ("rigid", V1, "0.3 m too low"),
-    ("rigid", V1, "dead from 4 ms on"),
     ("rigid", V1, "filtered at 30 Hz"),
-    ("rigid", V1, "drift"),
+    ("elastic", V1, "gain 30 % too high"),
+    ("elastic", V1, "saturated at 60 %"),
 ];
 
 /// Largest error of a peak outside of its interval.
@@ -300,6 +302,30 @@ fn estimator() -> Estimator {
         Estimator::new(&parameters, &column, sensors(), hypotheses, 1).expect("sensors");
     while !estimator.prepare() {}
     estimator
+}
+
+/// They moved the peak by up to one half without a word.
+#[test]
+fn a_wrong_gain_a_drift_and_a_dead_sensor_are_named() {
+    let mut estimator = estimator();
+    let all = sensors_and_others();
+    let [(_, rigid), (_, elastic)] = impacts();
+    for (struck, name) in [
+        (elastic, "gain of one half"),
+        (rigid, "drift"),
+        (rigid, "dead from 4 ms on"),
+    ] {
+        let signal = BeamSignal::of(&column(), struck, &all, AFTER).expect("a response");
+        let readings = signal.readings(&all, BEFORE, SEED);
+        let lie = LIES.iter().find(|it| it.sensor == V1 && it.name == name);
+        let found = estimate_prepared(&mut estimator, &with_lie(lie, &all, &readings));
+        let found = found.expect("sensors").expect("an impact");
+        let last = found.estimates.last().expect("an estimate");
+        assert!(
+            last.doubtful_sensors.contains(&V1.to_owned()),
+            "{name}: {last:#?}"
+        );
+    }
 }
 
 /// Among them are those that moved the peak by 10 to 60 % outside of its interval: a gain, a wrong height, a swap.

@@ -1,6 +1,7 @@
 //! Sensors: what they read, detection, and estimates, against signals of a fibre-beam model of other authorship.
 
 mod beam_signals;
+mod cadence;
 mod collapses;
 mod detection;
 mod estimates;

@@ -52,7 +52,8 @@ fn truths_are_uniformly_distributed_within_the_estimates_of_impacts_that_the_est
             println!("{seed}: no response");
             continue;
         };
-        let contact = CONTACT_DEVIATION * Normal::new(seed).next();
+        let mut normal = Normal::new(seed);
+        let contact = CONTACT_DEVIATION * normal.next();
         estimator.begin(contact, CONTACT_DEVIATION, &zeros);
         for (time, values) in conceived.readings.rows() {
             for (sensor, &value) in values.iter().enumerate() {
@@ -64,8 +65,10 @@ fn truths_are_uniformly_distributed_within_the_estimates_of_impacts_that_the_est
             estimator.settle(ROUNDS);
         }
         let stands = matches!(conceived.outcome, Outcome::Elastic | Outcome::Plastic);
-        let shares =
-            estimator.shares_below(conceived.momentum, conceived.peak_v1, conceived.residual_v1);
+        // What the readings leave open of the scale of the sensor that tells the peak.
+        let scale = (estimator.peak_scale_deviation() * normal.next()).exp();
+        let peak = scale * conceived.peak_v1;
+        let shares = estimator.shares_below(conceived.momentum, peak, conceived.residual_v1);
         println!(
             "{seed}: {:.0} kg at {:.1} m/s, {:.0} N s, {:.2} mm, {:.2} mm, {:?}: {shares:.3?}, {:.0} effective",
             conceived.impact.mass,

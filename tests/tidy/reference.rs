@@ -300,6 +300,26 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "probability of a collapse from which on an estimate tells it",
             ),
             (
+                "src/estimation/inference/estimate.rs",
+                "COLLAPSE_POSSIBLE_FROM",
+                "the same from which on estimates follow one another every 10 ms",
+            ),
+            (
+                "src/estimation/inference/estimator.rs",
+                "UNCONFIRMED_SCALE",
+                "standard deviation of the scale of a sensor that no other one confirms",
+            ),
+            (
+                "src/estimation/inference/contradiction.rs",
+                "SCALE_DOUBT",
+                "standard deviations of its scale from which on a sensor is in doubt",
+            ),
+            (
+                "src/estimation/inference/statement.rs",
+                "STRAY",
+                "standard deviations from what is predicted from which on two means of a sensor are in doubt",
+            ),
+            (
                 "src/twin/damage_correction.rs",
                 "CORRECTION_FACTORS",
                 "range of the factor of `~/correct_damage`; outside, the correction is rejected",

@@ -24,7 +24,7 @@ use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
 use crate::time::Nanos;
 
-/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`]. While a collapse is likely
+/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`]. While a collapse is possible
 /// and not told yet, it is due every [`COLLAPSE_PERIOD`].
 const INSTANTS: [f64; 6] = [0.005, 0.010, 0.015, 0.020, 0.030, 0.050];
 
@@ -142,7 +142,7 @@ struct CurrentImpact {
     /// Number of the next estimate, and data of the last one \[s\].
     update: u32,
     until: f64,
-    /// The last estimate finds a collapse likely, and does not tell it yet.
+    /// The last estimate finds a collapse possible, and does not tell it yet.
     expects_collapse: bool,
     /// No more data come.
     has_ended: bool,
@@ -573,11 +573,10 @@ impl Sensing {
                     impact.expects_collapse = record.estimate.expects_collapse();
                     impact.update += 1;
                     impact.is_complete = impact.has_ended || impact.until >= HORIZON;
-                    let most = match impact.is_complete {
-                        true => DRAWN_AT_LAST,
-                        false => DRAWN_BETWEEN,
-                    };
-                    impact.task = Task::Between(Refinement::at_most(most));
+                    impact.task = Task::Between(match impact.is_complete {
+                        true => Refinement::at_last(DRAWN_AT_LAST),
+                        false => Refinement::at_most(DRAWN_BETWEEN),
+                    });
                 }
                 Work::Estimate(Box::new(record))
             }
@@ -655,7 +654,7 @@ impl CurrentImpact {
 }
 
 /// Whether an estimate with the data until `available` is worth it after one with those until `last` \[s\], which has found a collapse
-/// likely or not.
+/// possible or not.
 fn is_due(last: f64, expects_collapse: bool, available: f64) -> bool {
     // Half a nanosecond for the round-off of times.
     let reached = available + 0.5 / NANOS;

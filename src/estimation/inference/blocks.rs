@@ -31,6 +31,12 @@ const STUCK_SAMPLES: u32 = 10;
 /// Share of its range at which a sensor is at the end of it: the range as a number of 32 bits may be smaller by round-off.
 pub(crate) const CLIPPED: f64 = 1.0 - 1e-6;
 
+/// A sensor has stopped after so long without a reading that differs from the one before \[s\]: two batches of the usual length.
+const STOPPED: f64 = 20e-3;
+
+/// The same in periods of its samples, if that is longer.
+const STOPPED_SAMPLES: f64 = 2.0;
+
 /// Means over this time tell the peak of a displacement \[s\].
 const PEAK_CELL: f64 = 0.5e-3;
 
@@ -73,14 +79,36 @@ impl Cell {
     }
 }
 
-/// The peak displacement that a sensor has read.
+/// A displacement that a sensor has read, larger than all before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Highest {
     /// It \[m\], relative to the zero, with its standard deviation.
     pub value: f64,
     pub deviation: f64,
+    /// When it was complete \[s\].
+    until: f64,
+}
+
+/// What tells the peak displacement that a sensor has read.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Records {
+    /// One after another, at least one.
+    records: Vec<Highest>,
     /// Until when the sensor has read something \[s\]: one that died before has not seen a peak that came later.
     pub seen_until: f64,
+}
+
+impl Records {
+    /// The largest displacement by an instant \[s\]; the first one if that is earlier.
+    pub fn by(&self, instant: f64) -> Highest {
+        let known = self.records.partition_point(|it| it.until <= instant);
+        self.records[known.saturating_sub(1)]
+    }
+
+    /// The largest of all.
+    pub fn last(&self) -> Highest {
+        self.by(f64::INFINITY)
+    }
 }
 
 /// The readings of all sensors, by block.
@@ -112,6 +140,8 @@ struct Channel {
     lost_from: usize,
     /// Gain error of the sensor.
     gain_error: f64,
+    /// Without readings for longer, it has stopped \[s\].
+    longest_pause: f64,
     /// Means over [`PEAK_CELL`] that were larger than all before them, with their numbers of samples and their times after contact
     /// \[s\].
     highest: Vec<Cell>,
@@ -166,6 +196,7 @@ impl Blocks {
                 only: vec![None; layout.len()],
                 lost_from: usize::MAX,
                 gain_error: sensor.gain_error,
+                longest_pause: STOPPED.max(STOPPED_SAMPLES / sensor.rate),
                 highest: Vec::new(),
                 cell: Cell::default(),
                 gauge: Cell::default(),
@@ -217,24 +248,79 @@ impl Blocks {
         }
     }
 
-    /// The peak displacement that a sensor has read by `until` \[s\], in the direction of the vehicle, and its standard
-    /// deviation. Means over half a millisecond tell it within some hundredths.
-    pub fn highest(&self, sensor: usize, until: f64) -> Option<Highest> {
+    /// What tells the peak displacement that a sensor has read by `until` \[s\], in the direction of the vehicle. Means over half a
+    /// millisecond tell it within some hundredths, unless it has stayed at its largest reading.
+    pub fn records(&self, sensor: usize, until: f64) -> Option<Records> {
         let channel = &self.channels[sensor];
         let complete = self.complete(until);
-        let known = (0..complete).rev().find(|k| channel.mean(*k).is_some())?;
-        let last = self.layout[known];
+        let has_read = |index: usize| channel.mean(index).is_some();
+        let seen_until = self.contact + self.end_of_last(complete, has_read)?;
+        if self.has_stayed_at_largest(channel, complete) {
+            return None;
+        }
+        let end = |cell: &Cell| (cell.number + 1) as f64 * PEAK_CELL;
         let until = until - self.contact + 5e-10;
-        let known = |cell: &&Cell| (cell.number + 1) as f64 * PEAK_CELL <= until;
-        let highest = channel.highest.iter().rev().find(known)?;
-        let noise = channel.noise * channel.noise / f64::from(highest.count);
-        let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * highest.value;
-        let variance = noise + channel.zero_variance + relative * relative;
-        Some(Highest {
-            value: highest.value,
-            deviation: variance.sqrt(),
-            seen_until: self.contact + last.start + last.length,
+        let known = channel.highest.iter().take_while(|it| end(it) <= until);
+        let records = known.map(|cell| {
+            let noise = channel.noise * channel.noise / f64::from(cell.count);
+            let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * cell.value;
+            let variance = noise + channel.zero_variance + relative * relative;
+            Highest {
+                value: cell.value,
+                deviation: variance.sqrt(),
+                until: self.contact + end(cell),
+            }
+        });
+        let records: Vec<Highest> = records.collect();
+        (!records.is_empty()).then_some(Records {
+            records,
+            seen_until,
         })
+    }
+
+    /// End of the last one of so many blocks of which this holds \[s\].
+    fn end_of_last(&self, complete: usize, is: impl Fn(usize) -> bool) -> Option<f64> {
+        let last = (0..complete).rev().find(|k| is(*k))?;
+        Some(self.layout[last].start + self.layout[last].length)
+    }
+
+    /// Whether the readings of a sensor differed before contact, so that one that it repeats is a fault. Those of a coarse sensor do not.
+    fn varies(&self, channel: &Channel) -> bool {
+        let lead = (0..self.layout.len()).take_while(|k| self.layout[*k].start < 0.0);
+        let read: Vec<Option<f64>> = lead
+            .filter(|k| channel.counts[*k] > 0)
+            .map(|k| channel.only[k])
+            .collect();
+        read.iter().any(|it| it.is_none() || *it != read[0])
+    }
+
+    /// Whether a sensor reads its largest value only over one of the first `complete` blocks, although it varies and the end of its range is
+    /// elsewhere.
+    fn has_stayed_at_largest(&self, channel: &Channel, complete: usize) -> bool {
+        let peaks = channel.peaks[..complete].iter().copied();
+        let largest = peaks.fold(0.0, f64::max);
+        let only = |index: usize| channel.only[index].map_or(0.0, |it| (it - channel.zero).abs());
+        let stays = |index: usize| channel.is_stuck(index) && only(index) >= largest;
+        largest > 0.0 && self.varies(channel) && (0..complete).any(stays)
+    }
+
+    /// For each sensor whether it has failed by `until` \[s\]: it has no readings any more, or repeats one, while another sensor reads on, or
+    /// it has repeated its largest reading, beyond which it does not read.
+    pub fn failed(&self, until: f64) -> Vec<bool> {
+        let complete = self.complete(until);
+        let end = |channel: &Channel| {
+            let varies = self.varies(channel);
+            let reads = |k: usize| channel.counts[k] > 0 && !(varies && channel.is_stuck(k));
+            self.end_of_last(complete, reads)
+        };
+        let ends: Vec<Option<f64>> = self.channels.iter().map(end).collect();
+        let newest = ends.iter().flatten().fold(0.0, |a: f64, b| a.max(*b));
+        let each = self.channels.iter().zip(ends);
+        each.map(|(channel, end)| {
+            let has_stopped = newest - end.unwrap_or(0.0) > channel.longest_pause;
+            has_stopped || self.has_stayed_at_largest(channel, complete)
+        })
+        .collect()
     }
 
     /// How many blocks are complete with data until `until` \[s\].
@@ -390,8 +476,8 @@ mod tests {
     const PERIOD: f64 = 10e-3;
     const STEP: f64 = 1e-4;
 
-    fn blocks(quantity: Quantity) -> Blocks {
-        let sensor = Sensor {
+    fn sensor(quantity: Quantity) -> Sensor {
+        Sensor {
             name: "s".to_owned(),
             quantity,
             height: 1.0,
@@ -403,8 +489,12 @@ mod tests {
             bandwidth: 0.5 / STEP,
             reversed: false,
             fibre: 0.1,
-        };
-        Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &[sensor], &[(0.0, 0.0)])
+        }
+    }
+
+    fn blocks(quantity: Quantity) -> Blocks {
+        let sensors = [sensor(quantity)];
+        Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &sensors, &[(0.0, 0.0)])
     }
 
     fn fill(blocks: &mut Blocks, until: f64, reading: impl Fn(f64) -> f64) {
@@ -435,6 +525,51 @@ mod tests {
         let swing = swing_at(0.022);
         // Means over 2 and 3 ms of a period of 10 ms take a part of it.
         assert!((swing - 1.5e-3).abs() < 0.4e-3, "{swing}");
+    }
+
+    /// Nothing told that a sensor had died or stuck, or that it was at the end of a range that is not declared.
+    #[test]
+    fn a_sensor_fails_that_ends_repeats_a_reading_or_stays_at_its_largest_one() {
+        let sensors = [0, 1, 2, 3].map(|_| sensor(Quantity::Displacement));
+        let zeros = [(0.0, 0.0); 4];
+        let mut blocks = Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &sensors, &zeros);
+        for sample in -20..1000_i32 {
+            let time = (f64::from(sample) + 0.5) * STEP;
+            let noise = 1e-9 * f64::from(sample.rem_euclid(2));
+            let swing = if time > 0.0 {
+                5e-3 * (30.0 * time).sin()
+            } else {
+                0.0
+            };
+            blocks.push(0, time, swing + noise);
+            if time < 0.02 {
+                blocks.push(1, time, swing + noise);
+            }
+            blocks.push(2, time, if time < 0.02 { swing + noise } else { 1e-3 });
+            blocks.push(3, time, (swing + noise).min(4e-3));
+        }
+        assert_eq!(blocks.failed(0.015), [false; 4]);
+        assert_eq!(blocks.failed(0.1), [false, true, true, true]);
+        // What it has read before it died counts; a peak beyond the end of the range was not read.
+        assert!(blocks.records(1, 0.1).is_some() && blocks.records(3, 0.1).is_none());
+    }
+
+    /// The steps of its readings are larger than its noise.
+    #[test]
+    fn a_coarse_sensor_that_repeats_its_readings_has_not_failed() {
+        let sensors = [0, 1].map(|_| sensor(Quantity::Displacement));
+        let mut blocks = Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &sensors, &[(0.0, 0.0); 2]);
+        for sample in -20..1000_i32 {
+            let time = (f64::from(sample) + 0.5) * STEP;
+            blocks.push(0, time, 1e-9 * f64::from(sample.rem_euclid(2)));
+            let step = if (0.0..0.03).contains(&time) {
+                1e-3
+            } else {
+                0.0
+            };
+            blocks.push(1, time, step);
+        }
+        assert_eq!(blocks.failed(0.1), [false; 2]);
     }
 
     /// One sample above the limit was enough, as a flexural wave gives.

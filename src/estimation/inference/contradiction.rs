@@ -43,12 +43,24 @@ const EXCLUSION: f64 = 25.0;
 /// Leaving out sensors has to divide the misfit of the others by this number, unless they are explained then.
 const RELIEF: f64 = 4.0;
 
+/// Largest standard deviation of the factor between column and model of a quantity that tells the scale of others.
+const TELLING_SCALE: f64 = 0.1;
+
+/// Standard deviations of the factor that a sensor shows, if the others are right, from which on its scale is in doubt: a right one is with a
+/// probability of 1 %.
+const SCALE_DOUBT: f64 = 2.5;
+
+/// The same of the factor by all sensors together, from which on a closer look is necessary: it is drawn towards that of the sensor.
+const SCALE_SUSPICION: f64 = 1.25;
+
 /// What a closer look at the readings has found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Contradictions {
     /// Sensors that contradict the others, and those of them that do not count any more.
     pub doubtful: Vec<bool>,
     pub ignored: Vec<bool>,
+    /// Sensors that count and whose scale the others contradict: their gain, their height or their fibre is not as declared.
+    pub off_scale: Vec<bool>,
     /// Mean square of the errors of the sensor that is explained worst by the response that explains all of them best, in terms
     /// of the variances of noise and model; at least 1. Beyond [`CONTRADICTION`] no response explains the sensors that count.
     pub misfit: f64,
@@ -141,13 +153,120 @@ pub(crate) fn contradictions(
         }
     };
     let [doubtful, ignored] = found;
+    let counted: Vec<usize> = all.into_iter().filter(|it| !ignored[*it]).collect();
+    let mut off_scale = vec![false; count];
+    for &sensor in &counted {
+        off_scale[sensor] = is_off_scale(members, &fits, sensors, &counted, sensor);
+    }
     Contradictions {
         doubtful,
         ignored,
+        off_scale,
         misfit: match worst > CONTRADICTION {
             true => worst,
             false => 1.0,
         },
+    }
+}
+
+/// Whether a sensor tells the scale of others.
+fn tells_scale(sensor: &Sensor) -> bool {
+    ModelError::of(sensor.quantity).scale <= TELLING_SCALE
+}
+
+/// Whether the factor between the column's readings and the model's that a sensor shows is improbable, if what the other sensors say of the
+/// responses is right.
+fn is_off_scale(
+    members: &[Member],
+    fits: &[Vec<Fit>],
+    sensors: &[Sensor],
+    counted: &[usize],
+    sensor: usize,
+) -> bool {
+    let others = || counted.iter().copied().filter(|other| *other != sensor);
+    if !tells_scale(&sensors[sensor]) || !others().any(|other| tells_scale(&sensors[other])) {
+        return false;
+    }
+    let logs = members.iter().zip(fits).map(|(member, fits)| {
+        let each = others().map(|other| fits[other].log_likelihood);
+        member.log_prior + member.log_events - member.log_drawn + each.sum::<f64>()
+    });
+    let logs: Vec<f64> = logs.collect();
+    let best = largest(logs.iter().copied());
+    // Sums of the weights and of their squares, and of the factor, its square and its variance by noise.
+    let [mut total, mut squares, mut mean, mut spread, mut noise] = [0.0; 5];
+    for (member, log) in members.iter().zip(logs) {
+        let [_, cross, predicted] = member.sums(sensor);
+        let weight = libm::exp(log - best);
+        if weight > 0.0 && predicted > 0.0 {
+            let off = cross / predicted;
+            total += weight;
+            squares += weight * weight;
+            mean += weight * off;
+            spread += weight * off * off;
+            noise += weight / predicted;
+        }
+    }
+    let effective = total * total / squares;
+    let mean = mean / total;
+    let between = (spread / total - mean * mean).max(0.0);
+    // The fewer responses count, the less they show how far apart those are that were not computed.
+    let of_few = if effective > 1.0 {
+        1.0 / (effective - 1.0)
+    } else {
+        f64::INFINITY
+    };
+    let scale = ModelError::of(sensors[sensor].quantity).scale;
+    let variance = scale * scale + noise / total + (1.0 + of_few) * between;
+    mean.abs() > SCALE_DOUBT * variance.sqrt()
+}
+
+/// Whether the weighted responses need a factor of one of these sensors that is so far from 1 that its scale may be in doubt.
+pub(crate) fn may_be_off_scale(
+    members: &[Member],
+    weights: &[f64],
+    sensors: &[Sensor],
+    ignored: &[bool],
+) -> bool {
+    let each = sensors.iter().zip(ignored).enumerate();
+    let mut telling = each.filter(|(_, (sensor, ignored))| !**ignored && tells_scale(sensor));
+    telling.any(|(index, (sensor, _))| {
+        let scale = ModelError::of(sensor.quantity).scale;
+        let expected = |member: &Member| {
+            let [_, cross, predicted] = member.sums(index);
+            cross / (predicted + 1.0 / (scale * scale))
+        };
+        let weighted = members.iter().zip(weights).filter(|it| *it.1 > 0.0);
+        let mean = weighted.fold(0.0, |sum, (member, weight)| sum + weight * expected(member));
+        mean.abs() > SCALE_SUSPICION * scale
+    })
+}
+
+/// Precision with which the other sensors that count tell the scale of this one by the newest data: by the factors between column and model
+/// of theirs and of its quantity. Strains tell nothing once the column has yielded.
+pub(crate) fn scale_precision(
+    sensor: usize,
+    observed: &[Observed],
+    sensors: &[Sensor],
+    ignored: &[bool],
+) -> f64 {
+    let Some((_, newest)) = observed.last() else {
+        return 0.0;
+    };
+    let each = newest.iter().zip(sensors).zip(ignored).enumerate();
+    let telling = each.filter(|(index, ((mean, other), ignored))| {
+        let tells = mean.is_some_and(|mean| !mean.yielded) && tells_scale(other);
+        *index != sensor && !**ignored && tells
+    });
+    let others = telling.fold(0.0, |sum, (_, ((_, other), _))| {
+        let scale = ModelError::of(other.quantity).scale;
+        sum + 1.0 / (scale * scale)
+    });
+    let own = ModelError::of(sensors[sensor].quantity).scale;
+    if others > 0.0 {
+        1.0 / (own * own + 1.0 / others)
+    } else {
+        0.0
     }
 }
 

@@ -36,9 +36,8 @@ pub const MOMENTUM_OPEN_BEYOND: f64 = 8.0;
 /// Probability of a collapse from which on an estimate tells it \[A\].
 pub const COLLAPSE_TOLD_FROM: f64 = 0.9;
 
-/// The same from which on a collapse is likely \[A\] and the next estimate follows soon: not for less, because each estimate narrows down
-/// the responses that the next one can weigh.
-const COLLAPSE_LIKELY_FROM: f64 = 0.5;
+/// The same from which on a collapse is possible \[A\], and the next estimate follows soon.
+const COLLAPSE_POSSIBLE_FROM: f64 = 0.01;
 
 /// Probability outside of an interval, on each side.
 const TAIL: f64 = 0.05;
@@ -77,6 +76,11 @@ impl CredibleInterval {
             low: mean - TAIL_DEVIATIONS * deviation,
             high: mean + TAIL_DEVIATIONS * deviation,
         }
+    }
+
+    /// Standard deviations of the normal distribution whose interval this is by which a value is above its mean.
+    pub(crate) fn deviations(&self, value: f64) -> f64 {
+        TAIL_DEVIATIONS * (value - self.mean) / (self.high - self.mean)
     }
 
     /// Whether the ratio of its ends is larger than this one, so that it leaves a positive quantity open.
@@ -201,8 +205,9 @@ pub struct ImpactEstimate {
     /// Effective number of responses behind the estimate; below [`FEWEST_RESPONSES`] the intervals are unreliable.
     #[serde(with = "exact_number")]
     pub effective_sample_size: f64,
-    /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
-    /// read. They do not count, unless several are equally suspicious.
+    /// Names of the sensors that are in doubt. No response that the others consider plausible explains what they read: then they do not
+    /// count, unless several are equally suspicious. Or the others contradict their scale, they have failed, their readings stray from
+    /// what is predicted for them, or a displacement rises on after the end of the impact: then what they read, or have read, counts.
     pub doubtful_sensors: Vec<String>,
 }
 
@@ -213,9 +218,9 @@ impl ImpactEstimate {
         self.collapsed >= COLLAPSE_TOLD_FROM
     }
 
-    /// Whether a collapse is likely, but not told yet.
+    /// Whether a collapse is possible, but not told yet.
     pub(crate) fn expects_collapse(&self) -> bool {
-        (COLLAPSE_LIKELY_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
+        (COLLAPSE_POSSIBLE_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
     }
 
     /// Quantities of the vehicle that the data do not tell, by their names: `mass`, `velocity`, `momentum`. Their intervals are wider

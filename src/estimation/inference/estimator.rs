@@ -7,7 +7,7 @@ use crate::column::{
 };
 use crate::estimation::detection::detector::{Detection, WITNESS_RATE};
 use crate::estimation::detection::sway::Sway;
-use crate::estimation::inference::blocks::{Blocks, Highest};
+use crate::estimation::inference::blocks::{Blocks, Records};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
@@ -56,6 +56,10 @@ const BEST_YIELD_SCATTER: f64 = 0.015;
 
 /// Weight below which a response does not count: two thousand of them change nothing that can be seen.
 const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
+
+/// Standard deviation of the scale of a sensor that no other one confirms \[A\]: what 0.1 m make by which it is higher or lower than it is
+/// declared, about.
+const UNCONFIRMED_SCALE: f64 = 0.08;
 
 /// Name of what has struck where no hypothesis explains the readings of sensors that do not contradict each other.
 pub const UNKNOWN_VEHICLE: &str = "unknown";
@@ -128,7 +132,9 @@ pub struct Estimator {
     blocks: Option<Blocks>,
     /// The peak displacement that each sensor had read by the instant until which data were used last. What arrives later, while
     /// an estimate is made, does not count for it.
-    pub(super) highest: Vec<Option<Highest>>,
+    pub(super) highest: Vec<Option<Records>>,
+    /// Sensors that had failed by then.
+    pub(super) failed: Vec<bool>,
     /// Instant of contact and its standard deviation \[s\].
     pub(super) contact: [f64; 2],
     observed: usize,
@@ -139,6 +145,8 @@ pub struct Estimator {
     assessed: usize,
     /// Sensors that contradict the others.
     pub(super) doubtful: Vec<bool>,
+    /// Sensors whose scale the others contradict.
+    pub(super) off_scale: Vec<bool>,
 }
 
 impl Estimator {
@@ -165,6 +173,7 @@ impl Estimator {
             rest_v1: column.state(&model).displacement.v1,
             population: Population::new(column, properties, of_population, hypotheses, seed),
             doubtful: vec![false; sensors.len()],
+            off_scale: vec![false; sensors.len()],
             sensors,
             period: first_period(&properties),
             impact_point_mass: model.impact_point_mass,
@@ -172,6 +181,7 @@ impl Estimator {
             parameters: parameters.clone(),
             blocks: None,
             highest: Vec::new(),
+            failed: Vec::new(),
             contact: [f64::NAN; 2],
             observed: 0,
             prepared: 0,
@@ -275,6 +285,7 @@ impl Estimator {
         self.rewind();
         self.population.set_contact_deviation(deviation);
         self.doubtful.fill(false);
+        self.off_scale.fill(false);
         self.blocks = Some(Blocks::new(
             contact,
             HORIZON,
@@ -284,6 +295,7 @@ impl Estimator {
             zeros,
         ));
         self.highest.clear();
+        self.failed.clear();
         self.observed = 0;
     }
 
@@ -328,7 +340,8 @@ impl Estimator {
             self.observed = index + 1;
         }
         let sensors = 0..self.sensors.len();
-        self.highest = sensors.map(|it| blocks.highest(it, until)).collect();
+        self.highest = sensors.map(|it| blocks.records(it, until)).collect();
+        self.failed = blocks.failed(until);
     }
 
     /// Gives at most `count` responses from `first` on that were never weighed a first impression, in this thread; returns
@@ -376,8 +389,10 @@ impl Estimator {
     /// or because some did not count so far.
     pub(crate) fn has_doubts(&self) -> bool {
         self.doubtful.contains(&true)
+            || self.off_scale.contains(&true)
             || self.population.temperature() > 1.0
             || !self.population.explains_all()
+            || self.population.may_be_off_scale(&self.weights())
     }
 
     /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be
@@ -385,6 +400,7 @@ impl Estimator {
     pub(crate) fn judge_sensors(&mut self) -> bool {
         let found = self.population.contradictions();
         self.doubtful = found.doubtful;
+        self.off_scale = found.off_scale;
         self.population.temper(found.misfit);
         self.population.ignore(found.ignored)
     }
@@ -504,10 +520,15 @@ impl Estimator {
         weights
     }
 
-    pub(super) fn doubtful_names(&self) -> impl Iterator<Item = &str> {
-        let each = self.sensors.iter().zip(&self.doubtful);
-        each.filter(|(_, doubtful)| **doubtful)
-            .map(|(sensor, _)| sensor.name.as_str())
+    /// Standard deviation of the scale of a sensor, beside its gain error.
+    pub(super) fn scale_deviation(&self, sensor: usize) -> f64 {
+        let by_others = match self.off_scale[sensor] {
+            true => 0.0,
+            false => self.population.scale_precision(sensor),
+        };
+        (1.0 / (UNCONFIRMED_SCALE * UNCONFIRMED_SCALE) + by_others)
+            .recip()
+            .sqrt()
     }
 
     /// What the data so far say.

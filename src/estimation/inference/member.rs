@@ -7,7 +7,7 @@ use crate::estimation::inference::hypothesis::UNKNOWNS;
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
 use crate::estimation::inference::model_error::ModelError;
 use crate::estimation::inference::prediction::{Place, Prediction};
-use crate::estimation::inference::weighing::{PREFILTERED_SHIFTS, SHIFTS, WeighedBlock, Weighing};
+use crate::estimation::inference::weighing::{SHIFTS, WeighedBlock, Weighing};
 use crate::sensors::{Quantity, Sensor};
 
 /// Factor between the column's displacements and the model's, with its standard deviation, before any data.
@@ -194,28 +194,27 @@ impl Member {
         self.conclude(weighing);
     }
 
-    /// A first impression by the last `count` blocks only, before any were taken: the likelihood is hardly larger with all of them, because
-    /// more data never make it larger.
+    /// A first impression by the last `count` blocks only, before any were taken: the likelihood is not larger with all of them, because
+    /// more data never make it larger. All instants of contact are looked at: some of them would give a smaller number than the likelihood
+    /// has, and the more often, the smaller.
     pub fn prefilter(&mut self, weighing: &Weighing, count: usize) {
         let blocks = &weighing.blocks;
         let first = blocks.len().saturating_sub(count);
         let groups = self.sums.len() / SHIFTS;
-        let mut best = f64::NEG_INFINITY;
-        for shift in (0..SHIFTS).step_by(PREFILTERED_SHIFTS) {
-            let mut log = weighing.log_delays[shift];
+        let mut logs = weighing.log_delays;
+        for (shift, log) in logs.iter_mut().enumerate() {
             for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
                 let mut sums = NO_SUMS;
                 sums.take(blocks, first, shift, group, &self.prediction);
                 for (lane, sensor) in sensors.iter().enumerate() {
                     if !sensor.is_ignored {
                         let [squares, cross, predicted] = sums.of(lane);
-                        log -= 0.5 * (squares - cross * cross / (predicted + sensor.prior));
+                        *log -= 0.5 * (squares - cross * cross / (predicted + sensor.prior));
                     }
                 }
             }
-            best = best.max(log);
         }
-        self.log_likelihood = self.log_likelihood.min(best);
+        self.log_likelihood = self.log_likelihood.min(log_sum(logs.into_iter()));
     }
 
     /// The likelihood over all instants of contact, with the factor of each sensor's readings integrated out.

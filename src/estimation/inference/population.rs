@@ -10,7 +10,7 @@ use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
-    Contradictions, contradictions, explains_all, largest,
+    Contradictions, contradictions, explains_all, largest, may_be_off_scale, scale_precision,
 };
 use crate::estimation::inference::drawn::{Drawn, independent};
 use crate::estimation::inference::event_evidence::EventEvidence;
@@ -35,6 +35,10 @@ const KERNELS: usize = 4;
 
 /// Width of the distribution about one of them, relative to that about all.
 const KERNEL_WIDTH: f64 = 0.35;
+
+/// Width of a distribution that takes their place where they would be too few members for so many, relative to the other one: it covers
+/// what this may have left out.
+const TAIL_WIDTH: f64 = 2.0;
 
 /// Least standard deviation of such a distribution, relative to that of the hypothesis.
 const LEAST_WIDTH: f64 = 0.02;
@@ -490,7 +494,8 @@ impl Population {
         Some(Drawn::new((hypothesis, unknowns), count, mean, factor))
     }
 
-    /// Narrower distributions about members that are chosen by their weights, for `count` members together.
+    /// Narrower distributions about members that are chosen by their weights, for `count` members together; a wider one where these are too
+    /// few.
     fn kernels(
         &mut self,
         fitted: &Drawn,
@@ -503,9 +508,14 @@ impl Population {
             .of_hypothesis(hypothesis, weights)
             .map(|(_, w)| w)
             .sum();
-        let each = count / number.max(1);
-        if each == 0 || total <= 0.0 {
+        if count == 0 || total <= 0.0 {
             return Vec::new();
+        }
+        let wider = |by: f64| fitted.factor.map(|row| row.map(|entry| by * entry));
+        let of = (hypothesis, fitted.unknowns);
+        let each = count / number.max(1);
+        if each == 0 {
+            return vec![Drawn::new(of, count, fitted.mean, wider(TAIL_WIDTH))];
         }
         let offset = self.random.uniform();
         let mut kernels = Vec::with_capacity(number);
@@ -514,10 +524,7 @@ impl Population {
             sum += weight / total;
             // Systematic resampling: the same member may be chosen more than once.
             while kernels.len() < number && sum * number as f64 > kernels.len() as f64 + offset {
-                let factor = fitted
-                    .factor
-                    .map(|row| row.map(|entry| KERNEL_WIDTH * entry));
-                let of = (hypothesis, fitted.unknowns);
+                let factor = wider(KERNEL_WIDTH);
                 kernels.push(Drawn::new(of, each, member.unknowns, factor));
             }
         }
@@ -587,6 +594,16 @@ impl Population {
     /// Whether a likely member explains what every sensor reads, so that none contradicts the others.
     pub fn explains_all(&self) -> bool {
         explains_all(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// Whether the scale of a sensor may be in doubt by the members with these weights.
+    pub fn may_be_off_scale(&self, weights: &[f64]) -> bool {
+        may_be_off_scale(&self.members, weights, &self.sensors, &self.ignored)
+    }
+
+    /// See [`scale_precision`].
+    pub fn scale_precision(&self, sensor: usize) -> f64 {
+        scale_precision(sensor, &self.observed, &self.sensors, &self.ignored)
     }
 
     /// See [`contradictions`]; all members have to be weighed with all data.

@@ -29,7 +29,7 @@ pub struct RecordedImpact {
     /// estimated.
     pub further: Option<f64>,
     /// One estimate for each instant of [`UPDATE_INSTANTS`] up to which there are data, and one for all data; at least one. While a
-    /// collapse is likely and not told yet, there is one at least every 10 ms.
+    /// collapse is possible and not told yet, there is one at least every 10 ms.
     pub estimates: Vec<ImpactEstimate>,
     /// For each sensor, what it has read against what the last estimate predicts.
     pub comparisons: Vec<SensorComparison>,
@@ -115,14 +115,14 @@ fn follow(
     let last = further.or(readings.times.last().copied());
     let last = last.map_or(0.0, |last| last - contact).min(HORIZON);
     let mut estimates = Vec::new();
-    let (mut until, mut is_likely) = (0.0, false);
+    let (mut until, mut is_possible) = (0.0, false);
     loop {
         progress((until / last.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0));
-        until = next_instant(until, is_likely, last);
+        until = next_instant(until, is_possible, last);
         estimator.observe(contact + until);
         estimator.settle(ROUNDS);
         let estimate = estimator.estimate(contact + until);
-        is_likely = estimate.expects_collapse();
+        is_possible = estimate.expects_collapse();
         estimates.push(estimate);
         if until >= last {
             break;
@@ -136,11 +136,11 @@ fn follow(
     }
 }
 
-/// The instant after contact of the estimate after one at `until`, which found a collapse likely or not; `last` is that of the last data
+/// The instant after contact of the estimate after one at `until`, which found a collapse possible or not; `last` is that of the last data
 /// \[s\].
-fn next_instant(until: f64, is_likely: bool, last: f64) -> f64 {
+fn next_instant(until: f64, is_possible: bool, last: f64) -> f64 {
     let next = UPDATE_INSTANTS.into_iter().find(|it| *it > until);
-    let soon = if is_likely {
+    let soon = if is_possible {
         until + COLLAPSE_PERIOD
     } else {
         last

@@ -2,7 +2,8 @@
 
 use crate::assessment::Action;
 use crate::column::{Outcome, Report};
-use crate::estimation::inference::blocks::{CLIPPED, Highest};
+use crate::estimation::inference::blocks::{CLIPPED, Highest, Records};
+use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::{
     CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, VELOCITY_OPEN_BEYOND, share_below,
 };
@@ -23,6 +24,12 @@ pub(super) const RESIDUAL_ERROR: f64 = 0.04;
 
 /// The same of mass, speed and momentum, relative to them \[A\].
 const IMPACT_ERROR: f64 = 0.03;
+
+/// Standard deviations of what is predicted for the readings of a sensor from which on they stray: by chance one of 16 000 does.
+const STRAY: f64 = 4.0;
+
+/// Standard deviations of a measured peak by which readings rise above it that are not of the impact any more.
+const RISE: f64 = 3.0;
 
 /// Smallest peak whose logarithm is taken \[m\].
 const LEAST_PEAK: f64 = 1e-7;
@@ -110,8 +117,9 @@ impl Estimator {
         }
     }
 
-    /// The peak displacement of the impact point that a sensor at its height has read; `None` without such a sensor that counts. The most exact one tells it.
-    fn measured_peak(&self) -> Option<Highest> {
+    /// What a sensor at the height of the impact point has read of its peak displacement, and the index of the sensor; `None` without such
+    /// a sensor that counts. The most exact one tells it.
+    fn measured_peak(&self) -> Option<(usize, &Records)> {
         let properties = self.population.properties();
         let each = self.sensors.iter().zip(&self.doubtful).enumerate();
         let at_impact = each.filter(|(_, (sensor, doubtful))| {
@@ -125,29 +133,81 @@ impl Estimator {
                 && !**doubtful
         });
         let measured = at_impact.filter_map(|(index, (sensor, _))| {
-            let highest = (*self.highest.get(index)?)?;
+            let records = self.highest.get(index)?.as_ref()?;
             // A sensor at the end of its range has not seen the peak.
-            (sensor.range == 0.0 || highest.value < CLIPPED * sensor.range).then_some(highest)
+            let is_whole = sensor.range == 0.0 || records.last().value < CLIPPED * sensor.range;
+            is_whole.then_some((index, records))
         });
-        measured.min_by(|a, b| a.deviation.total_cmp(&b.deviation))
+        measured.min_by(|(_, a), (_, b)| a.last().deviation.total_cmp(&b.last().deviation))
+    }
+
+    /// When the column has its peak behind it by one response \[s\]: it does not move further once the vehicle has left it, but for a
+    /// vibration.
+    fn past_peak(&self, member: &Member) -> f64 {
+        let report = &member.prediction.report;
+        let left = report.release_time.unwrap_or(report.max_v1_time);
+        self.contact[0] + member.delay + left.max(report.max_v1_time) + self.period
+    }
+
+    /// The sensor that tells the peak, if its readings rise on when by most of the weighted responses the column has its peak behind it.
+    fn rises_on(&self, weights: &[f64]) -> Option<usize> {
+        let (sensor, records) = self.measured_peak()?;
+        let last = records.last();
+        let rises = self.weighted(weights).filter(|(member, _)| {
+            let peak = records.by(self.past_peak(member));
+            last.value - peak.value > RISE * peak.deviation
+        });
+        let share = rises.fold(0.0, |sum, (_, weight)| sum + weight);
+        (share > 0.5).then_some(sensor)
+    }
+
+    /// Whether the readings of a sensor stray from what the weighted responses predict for them, by more than noise and the error of the model
+    /// explain: two means one after the other, to the same side.
+    fn strays(comparison: &SensorComparison) -> bool {
+        let away = comparison
+            .means
+            .iter()
+            .map(|it| it.predicted.deviations(it.measured));
+        let away: Vec<f64> = away.collect();
+        comparison.counts
+            && away
+                .windows(2)
+                .any(|pair| pair.iter().all(|it| *it > STRAY) || pair.iter().all(|it| *it < -STRAY))
+    }
+
+    /// Names of the sensors that contradict the others, wholly or by their scale, that have failed, or whose readings stray or rise on.
+    fn sensors_in_doubt(&self, weights: &[f64]) -> Vec<String> {
+        let rises_on = self.rises_on(weights);
+        let each = self.population.compare(weights).into_iter();
+        let in_doubt = each.filter(|it| {
+            let index = it.sensor;
+            self.doubtful[index]
+                || self.off_scale[index]
+                || self.failed.get(index) == Some(&true)
+                || rises_on == Some(index)
+                || Self::strays(it)
+        });
+        in_doubt
+            .map(|it| self.sensors[it.sensor].name.clone())
+            .collect()
     }
 
     /// Peak displacement of the impact point by one response, relative to the column before the impact \[m\]: its logarithm with its
     /// standard deviation. What a sensor has measured counts, and once the response is past its peak while it reads, it is the peak.
-    fn peak_by(&self, member: &Member, measured: Option<Highest>) -> [f64; 2] {
+    fn peak_by(&self, member: &Member, measured: Option<&Records>) -> [f64; 2] {
         let [scale, scatter] = member.scale;
         let report = &member.prediction.report;
         let added = report.max_v1 - self.rest_v1;
         let mut peak = (scale * added).max(LEAST_PEAK);
         let error = libm::hypot(PEAK_ERROR, self.impact_error(member, true));
         let mut deviation = libm::hypot(scatter * added, error * added);
-        if let Some(Highest {
-            value: highest,
-            deviation: noise,
-            seen_until,
-        }) = measured
-        {
-            let since = seen_until - (self.contact[0] + member.delay);
+        if let Some(records) = measured {
+            let Highest {
+                value: highest,
+                deviation: noise,
+                ..
+            } = records.by(self.past_peak(member));
+            let since = records.seen_until - (self.contact[0] + member.delay);
             if since > report.max_v1_time {
                 // Prediction and measurement, each by its precision.
                 let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
@@ -221,14 +281,23 @@ impl Estimator {
         each.collect()
     }
 
+    /// Standard deviation of the logarithm of the peak by the scale of the sensor that tells it: the less, the better other sensors confirm
+    /// this scale, and 0 without such a sensor.
+    #[must_use]
+    pub fn peak_scale_deviation(&self) -> f64 {
+        let measured = self.measured_peak();
+        measured.map_or(0.0, |(sensor, _)| self.scale_deviation(sensor))
+    }
+
     /// What the members say of the logarithm of the peak that the impact adds.
     fn spread_of_peaks(&self, weights: &[f64]) -> Vec<Spread> {
-        let measured = self.measured_peak();
+        let scale = self.peak_scale_deviation();
+        let records = self.measured_peak().map(|(_, records)| records);
         let each = self.weighted(weights).map(|(member, weight)| {
-            let [mean, deviation] = self.peak_by(member, measured);
+            let [mean, deviation] = self.peak_by(member, records);
             Spread {
                 mean,
-                deviation,
+                deviation: libm::hypot(deviation, scale),
                 weight,
             }
         });
@@ -318,7 +387,7 @@ impl Estimator {
             action: Action::ALL.map(with_action).to_vec(),
             vehicle_probabilities: vehicles,
             effective_sample_size: effective,
-            doubtful_sensors: self.doubtful_names().map(str::to_owned).collect(),
+            doubtful_sensors: self.sensors_in_doubt(&weights),
         }
     }
 }

@@ -23,6 +23,8 @@ const ROUND: usize = 20;
 pub(crate) struct Refinement {
     stage: Stage,
     drawn: u32,
+    /// Responses that it draws in any case.
+    least: u32,
     most: u32,
     /// Whether it ends when the estimate rests on enough responses.
     until_settled: bool,
@@ -39,18 +41,24 @@ enum Stage {
 impl Refinement {
     /// Draws as many responses as are useful, at most `most`.
     pub fn at_most(most: u32) -> Self {
-        Self::new(most, true)
+        Self::new(0, most, true)
+    }
+
+    /// The same, and one round in any case: responses that explain the data may be found far from those that do so far.
+    pub fn at_last(most: u32) -> Self {
+        Self::new(ROUND as u32, most, true)
     }
 
     /// Draws exactly as many responses as another one has drawn.
     pub fn again(drawn: u32) -> Self {
-        Self::new(drawn, false)
+        Self::new(0, drawn, false)
     }
 
-    fn new(most: u32, until_settled: bool) -> Self {
+    fn new(least: u32, most: u32, until_settled: bool) -> Self {
         Self {
             stage: Stage::Plan,
             drawn: 0,
+            least,
             most,
             until_settled,
         }
@@ -73,8 +81,9 @@ impl Refinement {
     /// The next slice, unless it is over.
     pub fn step(&mut self, estimator: &mut Estimator) {
         let may_draw = self.drawn < self.most;
+        let may_settle = self.until_settled && self.drawn >= self.least;
         self.stage = match std::mem::replace(&mut self.stage, Stage::Over) {
-            Stage::Plan if may_draw && !(self.until_settled && estimator.is_settled()) => {
+            Stage::Plan if may_draw && !(may_settle && estimator.is_settled()) => {
                 let round = estimator.plan(ROUND);
                 if round.is_complete() {
                     // There is nothing to draw from.

@@ -13,9 +13,6 @@ pub(crate) const SHIFTS: usize = 13;
 /// Distance between them, in standard deviations of the detected instant.
 const SHIFT_SPACING: f64 = 0.4;
 
-/// Every so many of these instants are looked at for a first impression.
-pub(crate) const PREFILTERED_SHIFTS: usize = 3;
-
 /// What the sensors have read over a block, sensor by sensor.
 pub(crate) type Observed = (Block, Vec<Option<BlockMean>>);
 
