@@ -157,7 +157,7 @@ const CHAPTER: &str = "
 ## A base plate that slips
 
 The engineer who reviewed the verdicts put a fibre beam on elastic-plastic springs for a base plate: HEB 220 in S355, 4 m high, on 400 x 400 x 30 mm with four M24 8.8 at 140 mm from the axis, whose anchors never fracture.
-This beam has no shear of its web, as the two bars with `shear.model: none`; the last slips are those of a column whose web yields.
+This beam has no shear of its web, as the two bars with `shear.model: none`; the last slips belong to a column whose web yields.
 Neither hardening, softening nor strain rate is counted, and the cars have the front that meets a narrow object.
 Under 490 kN the plate bears 378 kN of shear, and 322 kN with the partial factor of 1.25 of the anchors. The review names both resistances, and not which one its springs had; it gives 490 kN beside the plate and 556 kN beside the hits.
 
@@ -168,6 +168,6 @@ Under 490 kN the plate bears 378 kN of shear, and 322 kN with the partial factor
 const READING: &str = "
 The slips are as uncertain as the resistance: the forces of the fronts are just above what the column bears, so that 15 % less resistance multiplies the slips by 1.3 to 4.4.
 With a web that yields, foot and web share the movement, and the weaker one takes most of it.
-The program ends a response once the anchors have slipped by 0.3 of their diameter, 7.2 mm here: in the three hits that slip its verdict says that the anchors are sheared off, as the engineer does, and knows no larger slip.
+The program ends a response once the anchors have slipped by 0.3 of their diameter, 7.2 mm here: in the three hits that slip its verdict is that the anchors are sheared off, as the engineer's, and no larger slip is computed.
 This compares two models, and no measurement.
 ";
