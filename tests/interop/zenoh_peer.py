@@ -134,6 +134,8 @@ class Program:
     def wait_to_say(self, text, times=1):
         try:
             wait_for(f"{text!r} of the program", lambda: self.said(text) >= times or self.process.poll() is not None)
+            if self.process.poll() is not None:
+                self.reading.join()
             if self.said(text) < times:
                 raise Fault(f"the program ended without {text!r}")
         except Fault as fault:
