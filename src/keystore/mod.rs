@@ -7,8 +7,8 @@
 //
 // - plan.rs: Which enclaves a keystore for some twins needs
 // - role.rs: What an enclave is for, and what its programs may therefore do
-// - zenoh.rs: The same permissions as configurations of Zenoh: of a router that grants them by certificate, and of the sessions that
-//   connect to it
+// - zenoh.rs: The same permissions as configurations of Zenoh: of a router that grants them by certificate, and of the sessions
+//   that connect to it
 
 mod plan;
 mod role;
