@@ -74,8 +74,8 @@ impl ZenohSite<'_> {
         let (certificate, key) = self.identity(own);
         written(&json!({
             "mode": "client",
-            // The router is tried for ever.
-            "connect": { "endpoints": [format!("tls/{}", self.address)], "timeout_ms": -1, "exit_on_failure": false },
+            // A start without the router fails; a router that is lost later is tried for ever.
+            "connect": { "endpoints": [format!("tls/{}", self.address)], "timeout_ms": 10_000, "exit_on_failure": true },
             "scouting": { "multicast": { "enabled": false }, "gossip": { "enabled": false } },
             // The history for late joiners needs the time of each message.
             "timestamping": { "enabled": true },

@@ -196,11 +196,20 @@ def run(program, router_program):
             print(f"not admitted: {what}")
             peer.close()
 
+        router.close()
+        twin.wait_to_say("is lost")
+        line = [program, "run", "--transport", "zenoh", "--ros-args", "-p", "state.directory:=''"]
+        lost = Program(line, name, ZENOH_SESSION_CONFIG_URI=str(session))
+        lost.wait_to_say("cannot open a Zenoh session")
+        check("exit code without a router", lost.ended(), 2)
+        router = Router(router_program, configured("secured_router.json5", keystore, port), name)
+        twin.wait_to_say("connected to the Zenoh router", 2)
         odd = folder / "odd.json5"
         odd.write_text(json.dumps(session_of("nowhere", keystore, port)))
-        lost = Program([program, "run", "--transport", "zenoh"], name, ZENOH_SESSION_CONFIG_URI=str(odd))
+        lost = Program(line, name, ZENOH_SESSION_CONFIG_URI=str(odd))
+        lost.wait_to_say("cannot open a Zenoh session")
         check("exit code with a certificate that does not exist", lost.ended(), 2)
-        print("\n".join(lost.lines))
+        print("without the router or the certificate, a twin does not start; a router that comes back is found again")
 
         check("exit code of the twin", twin.end(), 0)
         for peer in (operator, monitor, stranger):

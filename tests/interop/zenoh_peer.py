@@ -134,6 +134,8 @@ class Program:
     def wait_to_say(self, text, times=1):
         try:
             wait_for(f"{text!r} of the program", lambda: self.said(text) >= times or self.process.poll() is not None)
+            if self.process.poll() is not None:
+                self.reading.join()
             if self.said(text) < times:
                 raise Fault(f"the program ended without {text!r}")
         except Fault as fault:
@@ -392,8 +394,8 @@ def check_services(peer, types):
 
     before = load()
     check("top.load that is valid", set_load(0.5 * before).successful, True)
-    refused = set_load(-1.0e5)
-    check("top.load that is not", (refused.successful, "top.load" in refused.reason), (False, True))
+    rejected = set_load(-1.0e5)
+    check("top.load that is not", (rejected.successful, "top.load" in rejected.reason), (False, True))
     check("top.load", load(), 0.5 * before)
     check("top.load as before", set_load(before).successful, True)
 
