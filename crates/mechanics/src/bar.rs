@@ -215,7 +215,7 @@ pub struct Bar {
     pub rotational: [[f64; 2]; 2],
     /// Yield surface of both hinges.
     pub surface: YieldSurface,
-    /// What its web bears; `None` where it does not yield.
+    /// What its web or its foot bears; `None` where neither gives way.
     pub(crate) slider: Option<Slider>,
     /// `1/K` \[m/N\].
     pub(crate) axial_flexibility: f64,
