@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
 use super::properties::is_zero;
 use super::return_search::{Root, Search};
-use super::shear::{Slider, SliderStrength};
-use super::yield_surface::{Branch, CurvePoint, YieldSurface};
+use super::shear::{Slider, SliderStrength, WHOLE};
+use super::yield_surface::{Branch, CurvePoint, Jet, YieldSurface};
 
 /// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
@@ -215,7 +215,7 @@ pub struct Bar {
     pub rotational: [[f64; 2]; 2],
     /// Yield surface of both hinges.
     pub surface: YieldSurface,
-    /// What its web bears; `None` where it does not yield.
+    /// What its web or its foot bears; `None` where neither gives way.
     pub(crate) slider: Option<Slider>,
     /// `1/K` \[m/N\].
     pub(crate) axial_flexibility: f64,
@@ -370,6 +370,16 @@ impl Bar {
             let n = self.surface.relative_axial(forces.normal).abs() / weakest;
             slider.utilisation(forces.moment, strength, n)
         })
+    }
+
+    /// The share of its resistance that a normal force `n >= 0`, relative to the squash load, leaves to its web or foot.
+    pub(crate) fn web_share(&self, n: f64) -> Jet {
+        self.slider.as_ref().map_or(WHOLE, |it| it.share_jet(n))
+    }
+
+    /// Minus the derivative of that share at the squash load.
+    pub(crate) fn web_tip_slope(&self) -> f64 {
+        self.slider.as_ref().map_or(0.0, Slider::tip_slope)
     }
 
     /// Tangent of the elastic law.

@@ -246,7 +246,11 @@ impl PushDown {
             state
         };
         let loaded = force_on_top(model, &state.displacement, &state.forces);
-        let whole = model.without_bumper().without_slip();
+        let mut whole = model.without_bumper();
+        if whole.properties.shear.is_none() {
+            // A foot does not slip under a column that is only pressed.
+            whole.frame.below.slider = None;
+        }
         let plastic = plastic_before_bumper(model, &whole, &state.plastic);
         let steel = state.plastic_of_steel(model);
         let model = &whole;

@@ -173,15 +173,6 @@ impl Model {
         without
     }
 
-    /// The column without the slip of its base: of its bars only the webs yield in shear.
-    #[must_use]
-    pub(crate) fn without_slip(mut self) -> Self {
-        if self.properties.shear.is_none() {
-            self.frame.below.slider = None;
-        }
-        self
-    }
-
     /// The column whose equations are solved as exactly as those of a single impact.
     pub(crate) fn solved_exactly(mut self) -> Self {
         self.tolerance = TOLERANCE;

@@ -5,7 +5,7 @@ use super::bar::{Bar, BarForces, BarTangent, Place, Returned};
 use super::bar_strength::BarStrength;
 use super::capped_moments::{CappedMoments, Hardening, cap_moments};
 use super::return_search::{MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, RETURN_TOLERANCE};
-use super::shear::{Slider, WHOLE};
+use super::shear::WHOLE;
 use super::sheared_moments::{HingeAndWeb, Mechanisms, WebCap};
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
@@ -178,7 +178,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         axial: &Jet,
     ) -> (CappedMoments, Web) {
         let c = &self.bar.rotational;
-        let share = self.web_share(axial.value).of(axial);
+        let share = self.bar.web_share(axial.value).of(axial);
         let own = &self.strength.slider;
         let limit = self.web * share.value;
         let mut mechanisms = Mechanisms {
@@ -219,19 +219,6 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
                 .filter(|(k, _)| x[*k] != 0.0 && x[2] != 0.0),
         };
         (capped, web)
-    }
-
-    /// The share of its resistance that a normal force `n` leaves to the web.
-    fn web_share(&self, n: f64) -> Jet {
-        self.bar
-            .slider
-            .as_ref()
-            .map_or(WHOLE, |slider| slider.share_jet(n))
-    }
-
-    /// `-dv/dn` of the web at the tip.
-    fn web_tip_slope(&self) -> f64 {
-        self.bar.slider.as_ref().map_or(0.0, Slider::tip_slope)
     }
 
     /// `K V l / N_w^2` of the web \[1/rad\].
@@ -533,7 +520,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     /// The share of the web in the plastic elongation `total` \[m\] of the bar: what normality asks of its angle, and all of it
     /// where no hinge rotates.
     fn web_elongation(&self, state: &PairedState, normal: f64, total: f64) -> f64 {
-        let slope = -self.web_share((normal * self.per_axial).abs()).first;
+        let slope = -self.bar.web_share((normal * self.per_axial).abs()).first;
         if !SHEARS || state.web.angle == 0.0 || slope == 0.0 {
             return 0.0;
         }
@@ -587,7 +574,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
         let taken = |k: usize| self.scale[k] * self.integral(state, k) * slopes[k];
         let mut sum = 1.0 - self.relative + taken(0) + taken(1);
         if SHEARS {
-            sum += self.web_scale() * self.web_integral(state) * self.web_tip_slope();
+            sum += self.web_scale() * self.web_integral(state) * self.bar.web_tip_slope();
         }
         is_free(0) && is_free(1) && sum <= 0.0
     }
@@ -595,7 +582,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     /// At the tip, where neither the weaker hinge nor the web bears anything, the web takes as much of the rotations as makes the elongation that
     /// normality asks for least. A slider that is none bears what it always does, and takes what it took.
     fn divide_at_tip(&self, state: &mut PairedState) {
-        if self.web_tip_slope() == 0.0 {
+        if self.bar.web_tip_slope() == 0.0 {
             return;
         }
         let slopes = self.tip_slopes();
@@ -609,7 +596,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
                 p => slopes[k] * self.moment[k] * p,
             };
             let own = self.strength.slider.integral(angle);
-            of_hinge(0) + of_hinge(1) + self.web_tip_slope() * self.web * own
+            of_hinge(0) + of_hinge(1) + self.bar.web_tip_slope() * self.web * own
         };
         let stronger = 1 - self.strength.weaker;
         let mut least = 0.0;

@@ -349,11 +349,8 @@ impl Response {
             }
         }
         if IN_FULL && model.properties.shear.is_some() {
-            for (web, state) in self
-                .webs
-                .iter_mut()
-                .zip([&state.webs.below, &state.webs.above])
-            {
+            let states = [&state.webs.below, &state.webs.above];
+            for (web, state) in self.webs.iter_mut().zip(states) {
                 web.max_dynamic_factor = web.max_dynamic_factor.max(state.dynamic_factor());
             }
         }
