@@ -99,7 +99,7 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    /// The largest displacement by an instant \[s\]; the first one if that is earlier.
+    /// The peak displacement by an instant \[s\]; the first one if that is earlier.
     pub fn by(&self, instant: f64) -> Highest {
         let known = self.records.partition_point(|it| it.until <= instant);
         self.records[known.saturating_sub(1)]
