@@ -79,6 +79,8 @@ def described(it):
 def graph(manager, is_configured):
     """What `ros2 node info` shows: publishers, subscriptions and services with their types."""
     node = manager.node
+    # Its services may answer before it is in the graph, which makes rclpy raise an error.
+    manager.until("the node in the graph", lambda: NODE in node.get_node_names())
     services = lambda: dict(node.get_service_names_and_types_by_node(NODE, "/"))
     expected = {f"/{NODE}/{name}": [f"lifecycle_msgs/srv/{kind.__name__}"] for name, kind in LIFECYCLE.items()}
     expected |= {name: [kind] for name, kind in NODE_SERVICES.items()}
