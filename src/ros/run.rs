@@ -215,8 +215,8 @@ fn run_loaded(
     if environment.transport == Transport::Dds {
         protection(&environment.security, environment.domain_id)?;
     }
-    let log =
-        start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
+    let log = start_logging(ros, &names.logger(), env!("CARGO_CRATE_NAME"))
+        .map_err(|error| RunError::Process(error.into()))?;
     for warning in &environment.warnings {
         tracing::warn!("{warning}");
     }

@@ -100,20 +100,17 @@ fn rosout_layer() -> (RosoutLayer, RosoutQueue) {
 }
 
 /// Sets up logging for the whole program according to the ROS arguments; `RUST_LOG` overrides their levels on the terminal.
-/// Returns the queue for `/rosout`.
+/// Returns the queue for `/rosout`. `program` is the crate whose messages have these levels, as those of this crate.
 ///
 /// # Errors
 /// Logging is already set up.
 pub fn start_logging(
     arguments: &RosArguments,
     logger: &str,
+    program: &str,
 ) -> Result<Option<RosoutQueue>, TryInitError> {
     let level = arguments.level_of(logger);
-    let own = format!(
-        "off,column_twin={},rustdds={}",
-        directive(level),
-        library_directive(level)
-    );
+    let own = own_messages(level, program);
     let terminal = arguments.stdout.unwrap_or(true).then(|| {
         let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(&own));
         let form = RosFormat {
@@ -134,6 +131,13 @@ pub fn start_logging(
     Registry::default().with(terminal).with(rosout).try_init()?;
     library_log::forward();
     Ok(queue)
+}
+
+/// The messages of a program, of this crate and of the DDS library from their levels on, and no others.
+fn own_messages(level: LogLevel, program: &str) -> String {
+    let (own, library) = (directive(level), library_directive(level));
+    let this_crate = env!("CARGO_CRATE_NAME");
+    format!("off,{program}={own},{this_crate}={own},rustdds={library}")
 }
 
 /// `tracing` has no level above error.
@@ -295,6 +299,14 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What this crate logs was lost when it was taken out of the program: peers that join, fall silent or send too much.
+    #[test]
+    fn the_messages_of_this_crate_have_the_level_of_the_program() {
+        let filter = own_messages(LogLevel::Warn, "program");
+        assert_eq!(filter, "off,program=warn,ros_node=warn,rustdds=warn");
+        assert!(module_path!().starts_with("ros_node::"));
+    }
 
     fn logged(say: impl FnOnce()) -> (Vec<LogRecord>, u64) {
         let (layer, queue) = rosout_layer();
