@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use sros2_keystore::{EnclaveName, EnclavePlan};
+use sros2_keystore::{EnclaveName, EnclavePlan, IdentityFiles};
 
 use super::plan::PlannedEnclave;
 
@@ -25,7 +25,7 @@ impl ZenohSite<'_> {
     /// authority only, and grants each of them what its enclave may do. The common name of a certificate tells the enclave.
     #[must_use]
     pub fn router(&self, own: &EnclaveName, enclaves: &[PlannedEnclave]) -> String {
-        let (certificate, key) = self.identity(own);
+        let files = IdentityFiles::of(self.keystore, own);
         let mut rules = vec![
             self.graph(
                 "find nodes",
@@ -51,10 +51,10 @@ impl ZenohSite<'_> {
             // Neither other routers nor sessions are searched for.
             "scouting": { "multicast": { "enabled": false }, "gossip": { "enabled": false } },
             "transport": { "link": { "protocols": ["tls"], "tls": {
-                "root_ca_certificate": self.authority(),
+                "root_ca_certificate": files.authority.to_string_lossy(),
                 "enable_mtls": true,
-                "listen_certificate": certificate,
-                "listen_private_key": key,
+                "listen_certificate": files.certificate.to_string_lossy(),
+                "listen_private_key": files.key.to_string_lossy(),
                 "close_link_on_expiration": true,
             } } },
             "access_control": {
@@ -71,7 +71,7 @@ impl ZenohSite<'_> {
     /// there.
     #[must_use]
     pub fn session(&self, own: &EnclaveName) -> String {
-        let (certificate, key) = self.identity(own);
+        let files = IdentityFiles::of(self.keystore, own);
         written(&json!({
             "mode": "client",
             // A start without the router fails; a router that is lost later is tried for ever.
@@ -84,10 +84,10 @@ impl ZenohSite<'_> {
                 "rx": { "max_message_size": 8_388_608 },
                 "protocols": ["tls"],
                 "tls": {
-                    "root_ca_certificate": self.authority(),
+                    "root_ca_certificate": files.authority.to_string_lossy(),
                     "enable_mtls": true,
-                    "connect_certificate": certificate,
-                    "connect_private_key": key,
+                    "connect_certificate": files.certificate.to_string_lossy(),
+                    "connect_private_key": files.key.to_string_lossy(),
                     // Certificates of a keystore name enclaves and not hosts.
                     "verify_name_on_connect": false,
                     "close_link_on_expiration": true,
@@ -205,22 +205,6 @@ impl ZenohSite<'_> {
             &[format!("{TOKENS}/{}/**", self.domain_id)],
         )
     }
-
-    fn authority(&self) -> String {
-        path(self.keystore.join("public/identity_ca.cert.pem").as_path())
-    }
-
-    /// Certificate and key of an enclave.
-    fn identity(&self, enclave: &EnclaveName) -> (String, String) {
-        let folder = self
-            .keystore
-            .join("enclaves")
-            .join(enclave.as_str().trim_start_matches('/'));
-        (
-            path(&folder.join("cert.pem")),
-            path(&folder.join("key.pem")),
-        )
-    }
 }
 
 /// What the liveliness tokens of ROS 2 begin with.
@@ -234,10 +218,6 @@ const EGRESS: &str = "egress";
 
 fn rule(id: &str, flow: &str, messages: &[&str], keys: &[String]) -> Value {
     json!({ "id": id, "permission": "allow", "flows": [flow], "messages": messages, "key_exprs": keys })
-}
-
-fn path(path: &Path) -> String {
-    path.to_string_lossy().into_owned()
 }
 
 fn written(configuration: &Value) -> String {

@@ -39,6 +39,30 @@ pub(super) fn enclave_folder(keystore: &Path, name: &EnclaveName) -> PathBuf {
     keystore.join(ENCLAVES).join(name.folder())
 }
 
+/// The files by which a program of an enclave proves who it is, and knows who else does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct IdentityFiles {
+    /// Certificate of the authority.
+    pub authority: PathBuf,
+    /// Certificate of the enclave.
+    pub certificate: PathBuf,
+    /// Its private key.
+    pub key: PathBuf,
+}
+
+impl IdentityFiles {
+    /// Of an enclave of a keystore; nothing is read.
+    #[must_use]
+    pub fn of(keystore: &Path, name: &EnclaveName) -> Self {
+        let folder = enclave_folder(keystore, name);
+        Self {
+            authority: keystore.join(PUBLIC).join(IDENTITY_CA),
+            certificate: folder.join(CERTIFICATE),
+            key: folder.join(KEY),
+        }
+    }
+}
+
 /// Names of links in the folder of an enclave, and what each of them points to, relative to the folder.
 pub(super) fn links(name: &EnclaveName) -> [(&'static str, PathBuf); 3] {
     let up: PathBuf = name.folder().iter().map(|_| "..").collect();

@@ -57,6 +57,8 @@ pub use error::{KeystoreError, Remedy};
 #[cfg(feature = "openssl")]
 pub use inspection::{EnclaveSummary, KeystoreSummary, UsableEnclave, Warning, inspect};
 #[cfg(feature = "openssl")]
+pub use layout::IdentityFiles;
+#[cfg(feature = "openssl")]
 pub use policy::policy;
 pub use settings::{SecuritySettings, SecurityStrategy};
 #[cfg(feature = "openssl")]
