@@ -9,11 +9,11 @@ use crate::outgoing::RecordingHealth;
 use crate::twin::{Counts, Output, TwinPhase};
 
 use super::counters::NodeCounters;
+use super::exposition::{Histogram, Kind, Page};
 use super::live_columns::Health;
 use super::metrics_server::MetricsServer;
 use super::node::NodeError;
 use super::standing_action::StandingAction;
-use ros_node::exposition::{Histogram, Kind, Page};
 
 /// What one way of delivering alarms has done: its name, whether the last attempt succeeded, and counts by name.
 #[cfg_attr(not(feature = "alarm"), allow(dead_code))] // without alarms there is none

@@ -20,6 +20,7 @@
 // - diagnostics.rs: `/diagnostics`: the twin, its solver, its queues, its recording, its sensors and the node, for people and
 //   aggregators
 // - duplicates.rs: Warns about another node with the same name, and about another twin of the same column, on the network
+// - exposition.rs: Metrics in the text format that Prometheus reads (version 0.0.4)
 // - face.rs: The two faces of a node
 // - fleet/: What the node of a fleet does besides: topics of single columns while somebody listens there, the status of all
 //   columns in few messages, vehicles that hit several columns, and the diagnostics of many columns
@@ -83,6 +84,7 @@ mod dds_threads;
 mod detected;
 mod diagnostics;
 mod duplicates;
+mod exposition;
 mod face;
 mod fleet;
 mod fleet_view;

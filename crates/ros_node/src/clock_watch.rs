@@ -1,4 +1,4 @@
-//! Warns if the node uses simulated time, but no message arrives on `/clock`, or none any more while a column responds.
+//! Warns if the node uses simulated time, but no message arrives on `/clock`, or none any more during a response.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};

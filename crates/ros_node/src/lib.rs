@@ -4,10 +4,9 @@
 //
 // - arguments.rs: The arguments after `--ros-args`, as in rcl
 //   (<https://design.ros2.org/articles/ros_command_line_arguments.html>)
-// - clock_watch.rs: Warns if the node uses simulated time, but no message arrives on `/clock`, or none any more while a column
-//   responds
+// - clock_watch.rs: Warns if the node uses simulated time, but no message arrives on `/clock`, or none any more during a
+//   response
 // - environment.rs: The environment variables of ROS 2 for domain, discovery and namespace
-// - exposition.rs: Metrics in the text format that Prometheus reads (version 0.0.4)
 // - fresh_domain.rs: An unused DDS domain on loopback, for a demonstration or a test
 // - given_up.rs: Messages that are given up because they are too long
 // - guid_prefix.rs: The part of a GUID that names the participant
@@ -27,7 +26,6 @@
 pub mod arguments;
 pub mod clock_watch;
 pub mod environment;
-pub mod exposition;
 pub mod fresh_domain;
 pub mod given_up;
 pub mod guid_prefix;

@@ -7,7 +7,7 @@ use std::fmt::{Display, Write as _};
 
 /// Kinds of metrics.
 #[derive(Debug, Clone, Copy)]
-pub enum Kind {
+pub(super) enum Kind {
     /// Only grows.
     Counter,
     /// Goes up and down.
@@ -16,7 +16,7 @@ pub enum Kind {
 
 /// A page of metrics.
 #[derive(Debug, Default)]
-pub struct Page {
+pub(super) struct Page {
     text: String,
 }
 
@@ -95,7 +95,7 @@ const BOUNDS: [f64; 13] = [
 
 /// How often a duration was how long.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Histogram {
+pub(super) struct Histogram {
     counts: [u64; BOUNDS.len()],
     count: u64,
     sum: f64,
