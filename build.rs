@@ -323,7 +323,7 @@ fn is_in_place(ty: &Type) -> bool {
     }
 }
 
-/// The name of a field, which is no word of Rust.
+/// The name of a field in Rust, where `type` is a keyword.
 fn rust_field(field: &Field) -> &str {
     match field.name.as_str() {
         "type" => "kind",
@@ -355,7 +355,10 @@ fn default_of(of: &str, field: &Field) -> Option<String> {
         Type::BuiltIn(BuiltInType::UInt8)
             if matches!(field.name.as_str(), "outcome" | "action") =>
         {
-            Some("super::column_twin_msgs::ImpactReport::ACTION_UNKNOWN".to_owned())
+            Some(format!(
+                "ImpactReport::{}_UNKNOWN",
+                field.name.to_uppercase()
+            ))
         }
         _ => None,
     }

@@ -78,6 +78,7 @@ pub(crate) fn let_go<const D: usize, const R: usize, const Q: usize>(
     let mut secs = RELEASED_STEP;
     let mut kinetic = 0.0;
     let mut stops = 0_u32;
+    let mut forces = Vec::with_capacity(solver.pushes.len());
     stop(state);
     solver.begin();
     solver.remember(secs);
@@ -85,14 +86,15 @@ pub(crate) fn let_go<const D: usize, const R: usize, const Q: usize>(
         solver.energy_tolerance = f64::INFINITY;
         solver.tolerance = 1e-6 * beam.section.steel.yield_strength * beam.section.area;
         solver.go_on(secs);
-        let forces: Vec<f64> = solver.pushes.iter().map(|push| push.force).collect();
+        forces.clear();
+        forces.extend(solver.pushes.iter().map(|push| push.force));
         for push in &mut solver.pushes {
             push.aim(0.0);
         }
         let kind = Kind::Motion { secs };
         if !solver.solve(&slow, state, kind, None) {
-            for (push, force) in solver.pushes.iter_mut().zip(forces) {
-                push.force = force;
+            for (push, force) in solver.pushes.iter_mut().zip(&forces) {
+                push.force = *force;
             }
             secs *= 0.5;
             if secs < RELEASED_STEP / f64::from(1_u32 << MAX_HALVINGS) {
