@@ -434,7 +434,7 @@ def check_bad_input(peer, twin):
 
 
 def check_flood(peer, twin, types, settings):
-    """Messages that nobody can read, and events for another column, as fast as a sender can: the twin counts them, and answers others."""
+    """Unreadable messages, and events for another column, as fast as a sender can: the twin counts them, and answers others."""
     before, sender = len(twin.lines), Peer(types, settings)
     other = types.event("flood", **LIGHT, column_id="another")
     begun = time.monotonic()

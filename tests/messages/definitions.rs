@@ -116,7 +116,7 @@ fn constants_have_the_values_of_their_definitions() {
     assert_eq!(CorrectDamageRequest::ROTATION, 1);
 }
 
-/// NaN leaves to the parameters, or says that nothing is known; nobody turns without an orientation.
+/// NaN stands for the value of a parameter, or for one that is not known; an orientation starts as no rotation.
 #[test]
 fn structs_start_as_their_definitions_say() {
     let event = ImpactEvent::default();

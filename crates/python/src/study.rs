@@ -137,7 +137,7 @@ struct Planned {
 }
 
 impl Planned {
-    /// Why nobody can have meant the smallest mass with the vehicle of the map.
+    /// Why the smallest mass is implausible for the vehicle of the map.
     fn implausible_mass(&self) -> Option<String> {
         let smallest = self.smallest_mass?;
         self.map.variants().iter().find_map(|variant| {
@@ -148,7 +148,7 @@ impl Planned {
 }
 
 impl MapRequest {
-    /// The map of a column, which is damaged or not, with a warning of a mass that nobody can have meant. It may have thousands of
+    /// The map of a column, which is damaged or not, with a warning of an implausible mass. It may have thousands of
     /// columns, which are made without the GIL.
     fn planned(
         self,

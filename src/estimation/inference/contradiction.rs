@@ -43,7 +43,7 @@ const EXCLUSION: f64 = 25.0;
 /// Leaving out sensors has to divide the misfit of the others by this number, unless they are explained then.
 const RELIEF: f64 = 4.0;
 
-/// Largest standard deviation of the factor between column and model of a quantity that tells the scale of others.
+/// Largest standard deviation of the factor between column and model of a quantity that confirms the scale of other sensors.
 const TELLING_SCALE: f64 = 0.1;
 
 /// Standard deviations of the factor that a sensor shows, if the others are right, from which on its scale is in doubt: a right one is with a
@@ -169,7 +169,7 @@ pub(crate) fn contradictions(
     }
 }
 
-/// Whether a sensor tells the scale of others.
+/// Whether a sensor confirms the scale of others.
 fn tells_scale(sensor: &Sensor) -> bool {
     ModelError::of(sensor.quantity).scale <= TELLING_SCALE
 }
