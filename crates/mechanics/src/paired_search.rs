@@ -364,9 +364,21 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
             if inside && newton.abs() <= 0.5 * last_step {
                 last_step = newton.abs();
                 t -= newton;
-                if last_step <= (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP) {
+                if last_step > (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP) {
+                    continue;
+                }
+                let is_resolved = value.abs() <= RETURN_TOLERANCE * point.axial.first.abs();
+                let beyond = t - value.signum() * (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP);
+                if is_resolved || !self.is_before_root(branch, beyond, [low, high], value) {
                     return self.on_curves(branch, &point.moved_by(-newton));
                 }
+                [low, high] = if value < 0.0 {
+                    [beyond, high]
+                } else {
+                    [low, beyond]
+                };
+                t = 0.5 * (low + high);
+                last_step = high - low;
             } else {
                 if low == 0.0 && !vertex_excluded {
                     vertex_excluded = true;
@@ -386,6 +398,14 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
             return returned;
         }
         self.on_curves(branch, &self.point(branch, t))
+    }
+
+    /// Whether the derivative has the sign of `value` at the coordinate `t` too, so that the root lies further on. Where a hinge ceases to rotate
+    /// the derivative may be next to nothing, while its slope before that point leads nowhere else.
+    #[cold]
+    fn is_before_root(&self, branch: Branch, t: f64, [low, high]: [f64; 2], value: f64) -> bool {
+        let there = || self.at(&self.point(branch, t)).value;
+        t > low && t < high && there() * value.signum() > 0.0
     }
 
     /// The stress at the end of a bracket within which the derivative leaps from below zero to above it: caps of mechanisms
@@ -532,10 +552,13 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     }
 
     /// The stress at the vertex at which a branch begins, if the root lies closer to it than any stress is resolved.
+    ///
+    /// Next to a tip the slopes of a surface with large exponents, and with them the derivative, are too small for a number where the weaker
+    /// hinge bears no moment. A derivative of zero tells nothing there, and the tip may lie beyond the trial stress.
     #[cold]
     fn near_vertex(&self, branch: Branch) -> Option<Returned> {
         let beyond = self.at(&self.point(branch, NEGLIGIBLE_STEP)).value;
-        if beyond.is_nan() || beyond < 0.0 {
+        if beyond.is_nan() || beyond <= 0.0 {
             return None;
         }
         let mut state = self.at(&self.point(branch, 0.0));

@@ -455,6 +455,68 @@ mod tests {
         });
     }
 
+    /// A bar with exponents of 50 whose hinges differ, with the ratios of a column that gained energy: negative plastic work in a step.
+    fn nearly_square(whole: [f64; 2], moment: [f64; 2], growth: [f64; 2], trial: [f64; 3]) -> Case {
+        let exponents = YieldExponents {
+            alpha: 50.0,
+            beta: 50.0,
+            gamma: 1.0,
+        };
+        let surface = YieldSurface::new(MOMENT, AXIAL, exponents);
+        let second = if trial[2] == 0.0 { 0.0 } else { 1.190_21e7 };
+        let rotational = [[1.190_21e7, 0.0], [0.0, second]];
+        Case {
+            bar: Bar::new(1.0, 2.2568e8, rotational, surface),
+            dynamic: whole,
+            moment,
+            growth,
+            trial: BarForces {
+                normal: trial[0] * AXIAL,
+                moment: [trial[1] * MOMENT, trial[2] * MOMENT],
+            },
+        }
+    }
+
+    /// Checks that a stress is returned to the optimum wherever it is expected, and no further from zero than it was.
+    fn check_from_everywhere(case: &Case) {
+        let trial = case.trial.normal;
+        for step in 0..=400 {
+            let near = f64::from(step) / 350.0 * trial;
+            let found = return_stress(&case.bar, case.strength().as_mut(), case.trial, near);
+            let normal = found.forces.normal;
+            let at = format!("{near} {case:?} {found:?}");
+            assert!(normal.abs() <= trial.abs() * (1.0 + 1e-14), "{at}");
+            let [least, here] = [case.searched(), normal].map(|it| case.energy(it));
+            assert!(
+                here - least <= 1e-9 * least.abs(),
+                "{} J, {at}",
+                here - least
+            );
+        }
+    }
+
+    /// The search for the root stopped where the weaker hinge ceases to rotate: the derivative is next to nothing there, but its slope before
+    /// that point is not.
+    #[test]
+    fn a_hinge_that_ceases_to_rotate_is_not_taken_for_the_root() {
+        let (whole, moment) = ([1.076_18, 1.089_66], [1.0, 0.522_28]);
+        let trial = [1.073_163, 0.546_43, 0.573_95];
+        check_from_everywhere(&nearly_square(whole, moment, [4.693, 0.0], trial));
+    }
+
+    /// Next to a tip the derivative underflows where the weaker hinge bears no moment, and the tip was taken for the root.
+    #[test]
+    fn a_hinge_without_moment_does_not_draw_the_stress_to_the_tip() {
+        for n in [0.99, 0.999, 0.999_99, 1.0 - 1e-9] {
+            check_from_everywhere(&nearly_square(
+                [1.2, 1.0],
+                [0.8, 1.0],
+                [0.0; 2],
+                [-n, 2.0, 0.0],
+            ));
+        }
+    }
+
     /// What follows its tangent is where a new return would be, up to the square of the change.
     #[test]
     fn a_stress_follows_its_tangent() {

@@ -225,17 +225,11 @@ struct Seen {
     both_ways: Cell<u32>,
     slipped: Cell<u32>,
     steps: Cell<u64>,
-    /// Steps of the scheme of the paper whose plastic work was negative.
-    backwards: Cell<u64>,
 }
 
 fn add<T: Copy + std::ops::Add<Output = T>>(cell: &Cell<T>, more: T) {
     cell.set(cell.get() + more);
 }
-
-/// Negative plastic work of a step with the scheme of the paper, relative to the energies. It is open why there is any: of 150 000 random
-/// columns, one with exponents of 50, next to its squash load, had such a step (3e-5). The other scheme has none.
-const BACKWARDS: f64 = 1e-4;
 
 fn follow(
     properties: &ColumnProperties,
@@ -278,9 +272,8 @@ fn follow(
             prop_assert!(number.is_finite(), "{sample:?}");
         }
         let more = sample.plastic_work - before.plastic_work;
-        add(&seen.backwards, u64::from(more < -1e-12 * scale));
-        let least = if conserving { 1e-12 } else { BACKWARDS };
-        prop_assert!(more >= -least * scale, "plastic work {more}");
+        // With either scheme the stress that does the work is admissible, and the flow is normal to the surface.
+        prop_assert!(more >= -1e-12 * scale, "plastic work {more}");
         for (web, last) in sample.webs.iter().zip(&before.webs) {
             let more = web.work - last.work;
             prop_assert!(more >= -1e-12 * scale, "work of a web {more}");
@@ -359,7 +352,6 @@ fn midpoint_holds_on_random_columns_with_shear() {
 #[ignore = "takes minutes"]
 fn a_million_random_columns_of_both_schemes_converge() {
     let (begun, slipped, steps) = (Instant::now(), AtomicU64::new(0), AtomicU64::new(0));
-    let backwards = AtomicU64::new(0);
     let cases = check_in_parts(MANY, |index, cases, random| {
         let scheme = match index % 2 {
             0 => Scheme::ConservingMidpoint,
@@ -373,7 +365,6 @@ fn a_million_random_columns_of_both_schemes_converge() {
             |properties, impact| follow(properties, impact, &seen),
         )?;
         slipped.fetch_add(seen.slipped.get().into(), Ordering::Relaxed);
-        backwards.fetch_add(seen.backwards.get(), Ordering::Relaxed);
         let steps = steps.fetch_add(seen.steps.get(), Ordering::Relaxed) + seen.steps.get();
         println!(
             "part {index}: {steps} steps so far, {:.0?}",
@@ -383,17 +374,12 @@ fn a_million_random_columns_of_both_schemes_converge() {
     });
     let slipped = slipped.into_inner();
     let secs = begun.elapsed().as_secs_f64();
-    let backwards = backwards.into_inner();
     println!(
-        "{cases} columns, {:.0} a second, {slipped} slipped on their base, {} steps, {backwards} of them backwards",
+        "{cases} columns, {:.0} a second, {slipped} slipped on their base, {} steps",
         f64::from(cases) / secs,
         steps.into_inner()
     );
     assert!(slipped > u64::from(cases) / 50);
-    assert!(
-        backwards <= u64::from(cases) / 50_000,
-        "{backwards} steps with negative plastic work"
-    );
 }
 
 /// Push-downs end, undamaged and after an impact, and a plateau with a web is none above that without one.
