@@ -366,11 +366,12 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
             if inside && newton.abs() <= 0.5 * last_step {
                 last_step = newton.abs();
                 t -= newton;
-                if last_step > (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP) {
+                let tolerance = (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP);
+                if last_step > tolerance {
                     continue;
                 }
                 let is_resolved = value.abs() <= RETURN_TOLERANCE * point.axial.first.abs();
-                let beyond = t - value.signum() * (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP);
+                let beyond = t - value.signum() * tolerance;
                 if is_resolved || !self.is_before_root(branch, beyond, [low, high], value) {
                     return self.on_curves(branch, &point.moved_by(-newton));
                 }
@@ -406,8 +407,7 @@ impl<'a, const HARDENS: bool, const SHEARS: bool> PairSearch<'a, HARDENS, SHEARS
     /// the derivative may be next to nothing, while its slope before that point leads nowhere else.
     #[cold]
     fn is_before_root(&self, branch: Branch, t: f64, [low, high]: [f64; 2], value: f64) -> bool {
-        let there = || self.at(&self.point(branch, t)).value;
-        t > low && t < high && there() * value.signum() > 0.0
+        t > low && t < high && self.at(&self.point(branch, t)).value * value.signum() > 0.0
     }
 
     /// The stress at the end of a bracket within which the derivative leaps from below zero to above it: caps of mechanisms
