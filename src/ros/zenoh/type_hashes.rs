@@ -188,7 +188,7 @@ mod tests {
             ),
             (
                 "type_description_interfaces/srv/GetTypeDescription",
-                "69b9c19c10021405984cc60dbbb1edceb147a6538b411d812ba6afabeed962cd",
+                "69b9c19c1021405984cc60dbbb1edceb147a6538b411d812ba6afabeed962cd5",
             ),
             (
                 "std_srvs/srv/Trigger",
