@@ -157,10 +157,19 @@ impl ResidualCapacity {
             weak,
             resistance: weak.map(|weak| ratio * weak.force.min(strong.force)),
         };
-        let reserve = remaining.times_the_load(remaining.axial_capacity, strong.force);
+        remaining.counting(loads.now)
+    }
+
+    /// The same, where `N` counts with this load at least \[N\].
+    pub(super) fn counting(&self, least: f64) -> Self {
+        let counted = Self {
+            carried_load: self.carried_load.max(least),
+            ..*self
+        };
+        let reserve = counted.times_the_load(counted.axial_capacity, counted.strong.force);
         Self {
-            reserve: (loads.now > 0.0).then_some(reserve),
-            ..remaining
+            reserve: (counted.carried_load > 0.0).then_some(reserve),
+            ..counted
         }
     }
 
