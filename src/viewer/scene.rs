@@ -671,7 +671,7 @@ impl Drawing {
         edges
     }
 
-    /// The load on the top, relative to the top, with its label on the side of the vehicle in the direction 0.
+    /// The load on the top, relative to the top, with its label on the side of the vehicle.
     #[must_use]
     pub fn load_arrow(&self) -> Option<ForceArrow> {
         if self.load <= 0.0 {
@@ -686,7 +686,7 @@ impl Drawing {
             origin: [0.0, 0.0, length as f32],
             vector: [0.0, 0.0, -length as f32],
             label: Label {
-                place: in_space(place, 0.0),
+                place: self.outlook().in_space(place, 0.0),
                 text,
             },
         })

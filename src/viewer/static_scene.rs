@@ -192,11 +192,19 @@ fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
         fixed.extend(hatch(from, to, PlanePoint::new(0.0, 0.08)));
     }
     lines(stream, "supports/top", fixed, colour::SUPPORT, 0.008)?;
+    send_load(stream, drawing)
+}
+
+/// Logs the load on the top, whose label is on the side of the vehicle that hits the column last.
+///
+/// # Errors
+/// The stream rejects the data.
+pub(super) fn send_load(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let load = drawing.load_arrow();
     let arrows = Arrows3D::from_vectors(load.iter().map(|it| it.vector))
         .with_origins(load.iter().map(|it| it.origin))
         .with_colors([color(colour::TOP)])
-        .with_radii([metres(0.006 * height)]);
+        .with_radii([metres(0.006 * drawing.lengths.total())]);
     stream.log_static("top/load", &arrows)?;
     let label = Points3D::new(load.iter().map(|it| it.label.place))
         .with_labels(load.iter().map(|it| it.label.text.as_str()))

@@ -369,6 +369,9 @@ impl ViewerStream {
         let is_changed = self
             .drawing
             .change_vehicle(&self.parameters, name, mass, masses);
+        if is_turned {
+            static_scene::send_load(&self.branch, &self.drawing)?;
+        }
         if is_turned || is_changed {
             self.send_blueprint()?;
             force_crush::send_statics(&self.branch, self.drawing.springs.as_ref())?;

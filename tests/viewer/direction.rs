@@ -21,7 +21,7 @@ const DIRECTIONS: [f64; 8] = [0.0, 10.0, 45.0, 135.0, 180.0, -10.0, -45.0, -135.
 /// A lorry that begins half a metre away from an HEB220.
 fn parameters(degrees: f64) -> Arc<Parameters> {
     let values = [
-        ("vehicle.name", Value::from("lorry_16t")),
+        ("vehicle.name", Value::from("lorry_8t")),
         ("impact.mass", Value::from(0.0)),
         ("impact.velocity", Value::from(5.0)),
         ("impact.gap", Value::from(GAP)),
@@ -127,7 +127,10 @@ fn check(chunks: &[Chunk], degrees: f64) {
         ("boxes", boxes),
         ("wheels", wheels),
     ] {
-        let rows: Vec<_> = rows.iter().filter(is_there).collect();
+        let rows: Vec<_> = rows
+            .iter()
+            .filter(|it| what != "hull" || is_there(it))
+            .collect();
         for (before, after) in rows[0].iter().zip(rows[touch]) {
             let [x, y] = [0, 1].map(|k| f64::from(after[k] - before[k]));
             // The road under the vehicle stays.
@@ -189,8 +192,8 @@ fn each_impact_comes_from_its_own_direction() {
         if let ViewerItem::State(state) = item {
             state.event_id = "other".into();
             state.vehicle = Some(StrikingVehicle {
-                name: "lorry_16t".into(),
-                mass: 16_000.0,
+                name: "lorry_8t".into(),
+                mass: 8_000.0,
                 direction: 120.0_f64.to_radians(),
             });
         }
