@@ -324,7 +324,7 @@ fn a_column_that_hangs_from_its_spring_is_shored_at_least() {
                 assert!(assessment.action >= least, "{lines:?}");
                 let says = "The column alone does not bear its load of ";
                 assert!(lines[1].contains(says), "{lines:?}");
-                let hangs = lines[1].contains("it hangs from the spring at the top, which takes ");
+                let hangs = lines[1].contains("it hangs from the spring at the top, which bears ");
                 assert_eq!(hangs, load - taken <= own, "{lines:?}");
             }
         }

@@ -227,10 +227,10 @@ impl VerdictLoad {
         let how = match remaining.taken_load {
             None => "it hangs from the spring at the top".to_owned(),
             Some(taken) if self.top_load - taken <= own => format!(
-                "it hangs from the spring at the top, which takes {} of it",
+                "it hangs from the spring at the top, which bears {}",
                 force(taken)
             ),
-            Some(taken) => format!("the spring at the top takes {} of it", force(taken)),
+            Some(taken) => format!("the spring at the top bears {}", force(taken)),
         };
         let load = force(self.top_load);
         format!(" The column alone does not bear its load of {load}: {how}.")

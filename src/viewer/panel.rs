@@ -187,7 +187,7 @@ fn travel(drawing: &Drawing) -> String {
     }
     let component = match share_in_plane(direction) < 1.0 {
         true => {
-            " The two bars see the component of the hit in this plane: speed, crush, forces and displacements here are those of it, \
+            " The two bars see the component of the hit in this plane: speed, crush, forces and displacements here belong to it, \
              and the vehicle goes as far as the bars do along its path."
         }
         false => "",
