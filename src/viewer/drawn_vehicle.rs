@@ -1,50 +1,15 @@
 //! The vehicle in the scene, where it comes from: its parts and its label.
 
-use super::colour::{self, Rgb};
+use super::colour;
 use super::labels::{self, Label};
 use super::point::Point3;
-use super::scene::{Drawing, LABEL_GAP, SHOWN_LENGTH, force};
+use super::scene::{BoxMark, Drawing, HALF_WHEEL, LABEL_GAP, SHOWN_LENGTH, VehicleMark, force};
 use crate::column::{Phase, Sample, share_in_plane};
 use crate::parameters::degrees;
-use crate::shape::{CrushedVehicle, Hull, Joints, PlanePoint};
-
-/// Half the width of a wheel \[m\].
-pub const HALF_WHEEL: f64 = 0.12;
+use crate::shape::{CrushedVehicle, Joints, PlanePoint};
 
 /// Where the road ends in front of the column, and its width beside the vehicle \[m\].
 const ROAD: [f64; 2] = [0.62, 0.25];
-
-/// A box of the vehicle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BoxMark {
-    /// Its centre.
-    pub centre: Point3,
-    /// Half its length, width and height.
-    pub half_size: Point3,
-    /// Its colour.
-    pub colour: Rgb,
-}
-
-/// The vehicle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VehicleMark {
-    /// The surface of its hull.
-    pub hull: Hull,
-    /// Colour of each corner of the hull.
-    pub colours: Vec<Rgb>,
-    /// The outline of its hull on both sides, and what connects them.
-    pub edges: Vec<Vec<Point3>>,
-    /// Engine, cargo and road.
-    pub boxes: Vec<BoxMark>,
-    /// Centres of the wheels.
-    pub wheels: Vec<Point3>,
-    /// Radius of each wheel.
-    pub wheel_radii: Vec<f32>,
-    /// Name, mass, speed, direction and crush.
-    pub label: Label,
-    /// The direction \[rad\] into which its boxes and wheels are turned about their centres.
-    pub direction: f64,
-}
 
 impl Drawing {
     /// A point of the vehicle, which is given along its path, to the left of it and upwards, in space.

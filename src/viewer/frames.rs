@@ -8,10 +8,9 @@ use rerun::{
 
 use super::branch::Branch;
 use super::colour;
-use super::drawn_vehicle::{HALF_WHEEL, VehicleMark};
 use super::point::Point3;
 use super::rerun_types::{color, time_columns};
-use super::scene::{Drawing, Scene};
+use super::scene::{Drawing, HALF_WHEEL, Scene, VehicleMark};
 use super::static_scene;
 use super::timeline::Moment;
 use crate::column::HINGES;

@@ -31,6 +31,7 @@
 //   it
 // - detected_views.rs: The curves about an impact that the sensors detect: forecast, momentum and action over the time of the
 //   data, and each sensor
+// - drawn_vehicle.rs: The vehicle in the scene, where it comes from: its parts and its label
 // - error.rs: What the viewer reports to the program that runs it: errors and log lines
 // - events.rs: The events of an impact with their times: from a report if there is one, otherwise from the states
 // - file.rs: A file for the viewer, from a simulation or a recording
@@ -103,7 +104,6 @@ pub use blueprint::APPLICATION;
 pub use camera::{Camera, VIEW};
 pub use damage_map::write_map_rrd;
 pub use detected::{DetectedImpacts, DetectedUpdate, SensorCourse};
-pub use drawn_vehicle::{BoxMark, VehicleMark};
 pub use error::{RERUN_VERSION, ViewerError, ViewerLogger};
 pub use events::{Event, EventDetector, summary};
 pub use file::{from_samples, write_rrd};
@@ -114,7 +114,7 @@ pub use labels::Label;
 pub use live_viewer::{LiveViewer, VIEWER_QUEUE, VIEWER_THREAD, fleet_output_queue, output_queue};
 pub use panel::{PANEL, Told, panel};
 pub use recorded_message::{RecordedMessage, from_messages};
-pub use scene::{Drawing, FULL_ARC, ForceArrow, HingeMark, Scene};
+pub use scene::{BoxMark, Drawing, FULL_ARC, ForceArrow, HingeMark, Scene, VehicleMark};
 pub use server::{Served, serve};
 pub use stream::{StreamOptions, ViewerStream};
 pub use timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};

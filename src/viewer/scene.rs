@@ -7,13 +7,12 @@ use std::f64::consts::PI;
 
 use super::camera::{Camera, Outlook};
 use super::colour::{self, Rgb};
-use super::drawn_vehicle::VehicleMark;
 use super::labels::{self, Label, moved_apart};
 use super::point::Point3;
 use crate::column::{HINGE_NAMES, HINGES, HingeState, MAX_MASSES, Model, Sample, State, Vehicle};
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
-    BentAxis, Heading, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody, round_number,
+    BentAxis, Heading, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody, round_number,
 };
 
 /// Angle of a moment's arc at the plastic moment \[rad\].
@@ -39,6 +38,9 @@ const VEHICLE_LINES: usize = 4;
 
 /// Free space between a label and what it belongs to \[m\].
 pub(super) const LABEL_GAP: f64 = 0.06;
+
+/// Half the width of a wheel \[m\].
+pub const HALF_WHEEL: f64 = 0.12;
 
 /// Distance of hinges 1a and 1b from the impact point along their bars, as a fraction of the depth of the section.
 const HINGE_OFFSET: f64 = 0.5;
@@ -113,6 +115,38 @@ pub struct HingeMark {
     pub label: Label,
     /// The moment as an arc, from its tail to its head.
     pub arc: Vec<Point3>,
+}
+
+/// A box of the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoxMark {
+    /// Its centre.
+    pub centre: Point3,
+    /// Half its length, width and height.
+    pub half_size: Point3,
+    /// Its colour.
+    pub colour: Rgb,
+}
+
+/// The vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VehicleMark {
+    /// The surface of its hull.
+    pub hull: Hull,
+    /// Colour of each corner of the hull.
+    pub colours: Vec<Rgb>,
+    /// The outline of its hull on both sides, and what connects them.
+    pub edges: Vec<Vec<Point3>>,
+    /// Engine, cargo and road.
+    pub boxes: Vec<BoxMark>,
+    /// Centres of the wheels.
+    pub wheels: Vec<Point3>,
+    /// Radius of each wheel.
+    pub wheel_radii: Vec<f32>,
+    /// Name, mass, speed, direction and crush.
+    pub label: Label,
+    /// The direction \[rad\] into which its boxes and wheels are turned about their centres.
+    pub direction: f64,
 }
 
 /// The column at one instant.
@@ -515,7 +549,6 @@ fn at_rest(parameters: &Parameters) -> (Sample, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawn_vehicle::HALF_WHEEL;
     use super::*;
     use crate::column::{HingeSample, Phase};
     use crate::parameters::Value;
