@@ -1,7 +1,7 @@
 //! The capacity and the load of a verdict: against a fibre beam, and what must hold of every column.
 
 use column_twin::assessment::{
-    AssessmentInput, ResidualCapacity, assess, imperfection, respond_and_rest,
+    Action, AssessmentInput, ResidualCapacity, assess, imperfection, respond_and_rest,
 };
 use column_twin::column::{
     Impact, Model, Outcome, PerBar, PlasticFlow, State, capacity, carried_load, residual_state,
@@ -271,6 +271,65 @@ fn what_the_structure_above_takes_counts_up_to_its_proven_limit() {
     assert!(proven.reserve > held.reserve);
     let (wholly, shed) = remaining(1e7, 1e6);
     assert!((wholly.carried_load - (500e3 - shed)).abs() < 1e-6);
+}
+
+/// A column that stands by the spring at its top alone: whatever the structure above is proven to take, it is not judged milder than
+/// one that cannot bear its load with its partial factors, and the first lines say from what the load hangs.
+#[test]
+fn a_column_that_hangs_from_its_spring_is_shored_at_least() {
+    let judged = |load: f64, velocity: f64, limit: f64| {
+        let mut values = vec![
+            ("top.spring_stiffness", Value::from(1e8)),
+            ("top.load", load.into()),
+        ];
+        if limit > 0.0 {
+            values.push(("top.redistribution_limit", limit.into()));
+            values.push(("top.redistribution_proof", "calculation 17".into()));
+        }
+        let parameters = Parameters::from_values(values).expect("a column");
+        let properties = parameters.column_properties();
+        let model = Model::new(&properties).expect("a column");
+        let impact = Impact::rigid(1500.0, velocity);
+        let (report, rest) = respond_and_rest(&properties, &impact, 2.0).expect("a response");
+        let rest = rest?;
+        let taken = load - carried_load(&model, &rest);
+        let remaining = ResidualCapacity::compute(&parameters, &model, Some(&rest));
+        let remaining = remaining.expect("capacities");
+        let own = remaining
+            .resistance
+            .expect("known")
+            .min(remaining.axial_capacity);
+        let input = AssessmentInput::of_response(&parameters, &model, &impact, &report, remaining);
+        Some((assess(&input), own, taken, report.outcome))
+    };
+    let mut hanging = 0;
+    for load in [1.2e6, 1.8e6, 2.1e6] {
+        for velocity in [4.0, 8.0, 10.0, 12.0] {
+            for limit in [0.0, 1e5, 1e9] {
+                let Some((assessment, own, taken, outcome)) = judged(load, velocity, limit) else {
+                    continue;
+                };
+                let lines = assessment.first_lines();
+                println!("{load} {velocity} {limit}: {outcome:?} {own:.0} {taken:.0} {lines:?}");
+                if outcome != Outcome::Plastic || own >= load {
+                    assert!(!lines[1].contains("does not bear its load"), "{lines:?}");
+                    continue;
+                }
+                hanging += 1;
+                let least = if limit == 0.0 {
+                    Action::Evacuate
+                } else {
+                    Action::Shore
+                };
+                assert!(assessment.action >= least, "{lines:?}");
+                let says = "The column alone does not bear its load of ";
+                assert!(lines[1].contains(says), "{lines:?}");
+                let hangs = lines[1].contains("it hangs from the spring at the top, which bears ");
+                assert_eq!(hangs, load - taken <= own, "{lines:?}");
+            }
+        }
+    }
+    assert!(hanging > 5, "{hanging}");
 }
 
 /// Which load it is stands beside every verdict, also beside that of a column that carries nothing.

@@ -6,6 +6,7 @@ use super::base::{AT_REST, BaseDemand, ConnectedBase, FAILED_ANCHORS};
 use super::criterion::{Action, PART_OF_LENGTH};
 use super::definition::{Definition, Evaluation, NotEvaluated, Relation};
 use super::input::{AssessedShear, AssessmentInput};
+use super::remaining::ResidualCapacity;
 use super::rotation_limits::{HingeSlenderness, rotation_before_buckling};
 use super::section_class::{SectionClass, section_class};
 use crate::column::RolledSection;
@@ -53,6 +54,13 @@ const BASE_SHEAR: &str = "EN 1993-1-8:2005, 6.2.2, without partial factors";
 const BASE_MOMENT: &str = "EN 1993-1-8:2005, 6.2.8, without partial factors";
 const RESERVE: &str =
     "N_u, remaining buckling resistance about the strong axis, over the applied load N";
+
+/// Reserve below which a column is shored.
+const SHORING_RESERVE: f64 = 1.5;
+const RESERVE_OF_ALL: &str = "N_u, remaining buckling resistance about the strong axis, over the applied load N or two thirds of top.load, \
+                              whichever is larger";
+const RESISTANCE_OF_ALL: &str = "remaining buckling resistance about the weaker axis, over the applied load N or two thirds of top.load, \
+                                 whichever is larger";
 
 /// Every criterion, in the order of the names in the table of parameters: the most severe first, so that the first of
 /// equally severe ones decides.
@@ -128,7 +136,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         action: Action::Evacuate,
         value: RESERVE,
         consequence: "the column cannot carry its load",
-        evaluate: |input| reserve(input, 1.0),
+        evaluate: |input| reserve(&input.remaining, 1.0),
     },
     Definition {
         name: "remaining_resistance",
@@ -141,7 +149,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         action: Action::Evacuate,
         value: RESISTANCE,
         consequence: "the load exceeds the characteristic buckling resistance that is left",
-        evaluate: |input| resistance(input, 1.0),
+        evaluate: |input| resistance(&input.remaining, 1.0),
     },
     Definition {
         name: "damage_80",
@@ -165,9 +173,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         unit: "",
         relation: Relation::AtLeast,
         action: Action::Shore,
-        value: RESERVE,
+        value: RESERVE_OF_ALL,
         consequence: "the load must be taken off the column",
-        evaluate: |input| reserve(input, 1.5),
+        evaluate: |input| reserve(&with_all_of_the_load(input), SHORING_RESERVE),
     },
     Definition {
         name: "remaining_resistance_1_5",
@@ -178,9 +186,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         unit: "",
         relation: Relation::AtLeast,
         action: Action::Shore,
-        value: RESISTANCE,
+        value: RESISTANCE_OF_ALL,
         consequence: "less is left of the characteristic buckling resistance than a load with its partial factors needs",
-        evaluate: |input| resistance(input, 1.5),
+        evaluate: |input| resistance(&with_all_of_the_load(input), SHORING_RESERVE),
     },
     Definition {
         name: "residual_bow_100",
@@ -606,8 +614,8 @@ const TABLE_4_1_FORCE: Definition = Definition {
 };
 
 /// That there is a load with which a resistance can be compared.
-fn loaded(input: &AssessmentInput) -> Result<(), NotEvaluated> {
-    let load = input.remaining.carried_load;
+fn loaded(remaining: &ResidualCapacity) -> Result<(), NotEvaluated> {
+    let load = remaining.carried_load;
     if load > 0.0 {
         return Ok(());
     }
@@ -617,17 +625,22 @@ fn loaded(input: &AssessmentInput) -> Result<(), NotEvaluated> {
     ))))
 }
 
-fn reserve(input: &AssessmentInput, limit: f64) -> Evaluation {
-    loaded(input)?;
-    Ok((input.remaining.reserve.unwrap_or(f64::NAN), limit))
+/// The remaining capacity, where `N` counts with so much of `top.load` that a column that cannot bear all of that by itself has no
+/// more than the limit of 1.5: it is shored, even where the structure above is proven to take what it lacks.
+fn with_all_of_the_load(input: &AssessmentInput) -> ResidualCapacity {
+    input
+        .remaining
+        .counting(input.load.top_load / SHORING_RESERVE)
 }
 
-fn resistance(input: &AssessmentInput, limit: f64) -> Evaluation {
-    loaded(input)?;
-    let times = input
-        .remaining
-        .resistance_over_load()
-        .ok_or(NO_DIMENSIONS)?;
+fn reserve(remaining: &ResidualCapacity, limit: f64) -> Evaluation {
+    loaded(remaining)?;
+    Ok((remaining.reserve.unwrap_or(f64::NAN), limit))
+}
+
+fn resistance(remaining: &ResidualCapacity, limit: f64) -> Evaluation {
+    loaded(remaining)?;
+    let times = remaining.resistance_over_load().ok_or(NO_DIMENSIONS)?;
     Ok((times, limit))
 }
 

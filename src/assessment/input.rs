@@ -62,6 +62,9 @@ pub struct VerdictLoad {
     /// Whether nobody has given it.
     #[serde(default, skip_serializing_if = "is_false")]
     pub is_assumed: bool,
+    /// Whether a spring at the top bears it, too.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub has_spring: bool,
     /// Where the proof is found that the structure above takes a part of it; empty where none counts.
     pub redistribution_proof: String,
 }
@@ -208,8 +211,29 @@ impl VerdictLoad {
             top_load: top.load,
             basis: top.load_basis,
             is_assumed: assumed.contains(&AssumedInput::TopLoad),
+            has_spring: top.spring_stiffness > 0.0,
             redistribution_proof: top.redistribution_proof.clone(),
         }
+    }
+
+    /// That a column that stands does not bear the load at its top by itself, as a sentence behind a space; empty where it does, and
+    /// where there is no spring from which the load could hang.
+    pub(super) fn from_above(&self, remaining: &ResidualCapacity) -> String {
+        let own = remaining.least_resistance();
+        if !self.has_spring || own >= self.top_load {
+            return String::new();
+        }
+        let force = |newtons: f64| quantity(newtons, "N");
+        let how = match remaining.taken_load {
+            None => "it hangs from the spring at the top".to_owned(),
+            Some(taken) if self.top_load - taken <= own => format!(
+                "it hangs from the spring at the top, which bears {}",
+                force(taken)
+            ),
+            Some(taken) => format!("the spring at the top bears {}", force(taken)),
+        };
+        let load = force(self.top_load);
+        format!(" The column alone does not bear its load of {load}: {how}.")
     }
 
     /// What `N` of this column is, as a sentence.

@@ -126,6 +126,9 @@ pub struct Assessment {
     /// What has to be done, without the action that is a lower bound, and why, each as sentences.
     #[serde(skip)]
     finding: [String; 2],
+    /// What holds a column that stands and does not bear its load by itself, as a sentence behind a space, or nothing.
+    #[serde(skip)]
+    held: String,
     /// The load, and what the model does not know.
     #[serde(skip)]
     limits: String,
@@ -197,9 +200,10 @@ impl Assessment {
         };
         self.criteria = self.worse_criteria(beam);
         let why = format!(
-            "Cause, by the fibre beam: {}.{} The fibre beam counts because {because}; the two bars alone lead to {}.",
+            "Cause, by the fibre beam: {}.{}{} The fibre beam counts because {because}; the two bars alone lead to {}.",
             beam.cause,
             numbers(deciding),
+            beam.held,
             self.action
         );
         self.finding = [capitalised(beam.action.order()), why];
@@ -311,9 +315,12 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
     let cause = cause(input, deciding);
     let load = input.load.in_words(&input.remaining);
     let mut limits = format!(" {load}");
+    let mut held = String::new();
     if !(input.collapsed || input.fractured) {
         limits += &axes(input);
+        held = input.load.from_above(&input.remaining);
     }
+    let [what, why] = finding(input, action, cause, deciding);
     let mut assessment = Assessment {
         action,
         at_least: false,
@@ -321,7 +328,8 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
         deciding_criterion: deciding.name,
         cause,
         reason: String::new(),
-        finding: finding(input, action, cause, deciding),
+        finding: [what, why + &held],
+        held,
         load,
         load_basis: input.load.basis,
         criteria,

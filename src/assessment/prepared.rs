@@ -93,7 +93,11 @@ impl PreparedAssessment {
             input: AssessmentInput {
                 deciding: Vec::new(),
                 no_base: None,
-                load: VerdictLoad::default(),
+                // Empty but for the load: nothing is allocated.
+                load: VerdictLoad {
+                    top_load: input.load.top_load,
+                    ..VerdictLoad::default()
+                },
                 assumed: Vec::new(),
                 ..input
             },

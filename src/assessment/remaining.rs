@@ -33,6 +33,10 @@ pub struct ResidualCapacity {
     pub carried_load: f64,
     /// `N` of the new column \[N\].
     pub undamaged_load: f64,
+    /// What the spring at the top takes of `top.load`, whether the structure above is proven to bear it or not \[N\]; `None` without a
+    /// spring, and where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub taken_load: Option<f64>,
     /// `N_u`: `ratio` times the strong-axis resistance \[N\]. The push-down alone is too stiff for slender columns: its ratio is
     /// right, and the code knows the slenderness.
     pub axial_capacity: f64,
@@ -56,11 +60,12 @@ pub(super) struct VerdictBasis {
     redistribution_limit: f64,
 }
 
-/// `N` of the new column and of the column as it is \[N\].
+/// `N` of the new column and of the column as it is, and what the spring at the top takes of the load of the latter \[N\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VerdictLoads {
     undamaged: f64,
     now: f64,
+    taken: Option<f64>,
 }
 
 impl VerdictBasis {
@@ -74,22 +79,30 @@ impl VerdictBasis {
     /// `state` is the column at rest as it is, `None` if it carries nothing: the load is then that of the new column.
     pub fn loads(&self, model: &Model, state: Option<&State>) -> VerdictLoads {
         let undamaged = self.load(model, &State::at_rest(model));
+        let (now, taken) = match state {
+            Some(state) => (self.load(model, state), taken_load(model, state)),
+            None => (undamaged, None),
+        };
         VerdictLoads {
             undamaged,
-            now: state.map_or(undamaged, |state| self.load(model, state)),
+            now,
+            taken,
         }
     }
 
     /// The load at the top, less what the spring takes of it as far as that counts. What the spring adds to it counts wholly.
     fn load(&self, model: &Model, state: &State) -> f64 {
-        let properties = &model.properties;
-        if properties.top_spring_stiffness == 0.0 {
-            // Without the round-off of the equilibrium.
-            return properties.top_load;
-        }
-        let taken = properties.top_load - carried_load(model, state);
-        properties.top_load - taken.min(self.redistribution_limit)
+        let taken = taken_load(model, state).unwrap_or(0.0);
+        model.properties.top_load - taken.min(self.redistribution_limit)
     }
+}
+
+/// What the spring at the top takes of the load, negative where it presses on the column \[N\]; `None` without a spring, so that the load
+/// has no round-off of the equilibrium.
+fn taken_load(model: &Model, state: &State) -> Option<f64> {
+    let properties = &model.properties;
+    (properties.top_spring_stiffness != 0.0)
+        .then(|| properties.top_load - carried_load(model, state))
 }
 
 impl ResidualCapacity {
@@ -137,16 +150,26 @@ impl ResidualCapacity {
             damage: (1.0 - ratio).max(0.0),
             carried_load: loads.now,
             undamaged_load: loads.undamaged,
+            taken_load: loads.taken,
             axial_capacity: ratio * strong.force,
             reserve: None,
             strong,
             weak,
             resistance: weak.map(|weak| ratio * weak.force.min(strong.force)),
         };
-        let reserve = remaining.times_the_load(remaining.axial_capacity, strong.force);
+        remaining.counting(loads.now)
+    }
+
+    /// The same, where `N` counts with this load at least \[N\].
+    pub(super) fn counting(&self, least: f64) -> Self {
+        let counted = Self {
+            carried_load: self.carried_load.max(least),
+            ..*self
+        };
+        let reserve = counted.times_the_load(counted.axial_capacity, counted.strong.force);
         Self {
-            reserve: (loads.now > 0.0).then_some(reserve),
-            ..remaining
+            reserve: (counted.carried_load > 0.0).then_some(reserve),
+            ..counted
         }
     }
 
@@ -163,6 +186,8 @@ impl ResidualCapacity {
         let loads = VerdictLoads {
             undamaged: self.undamaged_load,
             now: self.carried_load,
+            // How far its top is lowered is not known.
+            taken: None,
         };
         Self::with(&basis, loads, capacity(undamaged), capacity(now))
     }
@@ -174,6 +199,12 @@ impl ResidualCapacity {
         let (resistance, weak) = (self.resistance?, self.weak?);
         let of_new = weak.force.min(self.strong.force);
         (self.carried_load > 0.0).then(|| self.times_the_load(resistance, of_new))
+    }
+
+    /// What the column resists about the weaker of its known axes \[N\].
+    pub(super) fn least_resistance(&self) -> f64 {
+        self.resistance
+            .map_or(self.axial_capacity, |it| it.min(self.axial_capacity))
     }
 
     /// Whether the weak axis governs; `None` where it is not known.

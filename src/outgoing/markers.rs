@@ -1,12 +1,13 @@
 //! Markers for RViz and Foxglove: the deformed column, its hinges, the vehicle, and the contact force.
 //!
-//! The frame has its origin at the base, `z` up and `x` in the vehicle's direction of travel.
+//! The frame has its origin at the base, `z` up, `x` along the web and `y` along the flanges. The two bars bend along `x`; the
+//! vehicle comes from where it comes from.
 
 use crate::column::{HingeState, Phase, Sample};
-use crate::messages::geometry_msgs::{Point, Pose, Vector3};
+use crate::messages::geometry_msgs::{Point, Pose, Quaternion, Vector3};
 use crate::messages::std_msgs::{ColorRGBA, Header};
 use crate::messages::visualization_msgs::{Marker, MarkerArray};
-use crate::shape::{Joints, PlanePoint, VehicleBody};
+use crate::shape::{Heading, Joints, PlanePoint, VehicleBody};
 use crate::twin::Lengths;
 
 /// Width of the column's line \[m\].
@@ -47,9 +48,11 @@ pub(super) fn markers(
     header: &Header,
     lengths: Lengths,
     body: &VehicleBody,
+    heading: Heading,
     sample: &Sample,
 ) -> MarkerArray {
     let joints = Joints::new(lengths, sample, 1.0);
+    let in_space = |place| in_space(place, heading);
     let mut column = marker(header, "column", 0, Marker::LINE_STRIP, STEEL);
     column.scale.x = COLUMN_WIDTH;
     column.points = [joints.base, joints.impact, joints.top]
@@ -70,8 +73,8 @@ pub(super) fn markers(
         markers.push(sphere);
     }
     let road = body.road(lengths.below);
-    markers.extend(vehicle(header, body, road, sample, &joints));
-    markers.push(force(header, sample, in_space(joints.impact)));
+    markers.extend(vehicle(header, body, heading, road, sample, &joints));
+    markers.push(force(header, sample, joints.impact, heading));
     MarkerArray { markers }
 }
 
@@ -79,12 +82,14 @@ pub(super) fn markers(
 fn vehicle(
     header: &Header,
     body: &VehicleBody,
+    heading: Heading,
     road: f64,
     sample: &Sample,
     joints: &Joints,
 ) -> Vec<Marker> {
     // Its front touches the face of the column, half a width before its axis.
-    let front = joints.impactor_front(sample, 0.5 * COLUMN_WIDTH);
+    let front = heading.front(joints, sample, 0.5 * COLUMN_WIDTH);
+    let orientation = turned(heading);
     let crushed = body.crushed(&sample.vehicle);
     let half_width = 0.5 * body.width();
     let mut boxes = crushed
@@ -107,10 +112,13 @@ fn vehicle(
                 cube.action = Marker::DELETE;
                 return cube;
             };
-            cube.pose.position = in_space(PlanePoint::new(
+            let [x, y, z] = heading.in_space([
                 front - 0.5 * (extent[0] + extent[1]),
+                0.0,
                 road + 0.5 * (heights[0] + heights[1]),
-            ));
+            ]);
+            cube.pose.position = Point { x, y, z };
+            cube.pose.orientation = orientation;
             cube.scale = vector([
                 extent[1] - extent[0],
                 2.0 * half_width,
@@ -127,16 +135,14 @@ fn between(one: ColorRGBA, other: ColorRGBA, part: f64) -> ColorRGBA {
     color(at(one.r, other.r), at(one.g, other.g), at(one.b, other.b))
 }
 
-fn force(header: &Header, sample: &Sample, at: Point) -> Marker {
+/// The force on the two bars, in their plane.
+fn force(header: &Header, sample: &Sample, at: PlanePoint, heading: Heading) -> Marker {
     let mut arrow = marker(header, "contact_force", 0, Marker::ARROW, FORCE);
     if sample.contact_force <= 0.0 {
         arrow.action = Marker::DELETE;
     }
-    let tail = Point {
-        x: at.x - sample.contact_force / FORCE_PER_METRE,
-        ..at
-    };
-    arrow.points = vec![tail, at];
+    let tail = PlanePoint::new(at.x - sample.contact_force / FORCE_PER_METRE, at.z);
+    arrow.points = [tail, at].map(|it| in_space(it, heading)).to_vec();
     arrow.scale = vector([ARROW[0], ARROW[1], 0.0]);
     arrow
 }
@@ -162,8 +168,24 @@ fn marker(header: &Header, ns: &str, id: i32, kind: i32, color: ColorRGBA) -> Ma
     }
 }
 
-fn in_space(PlanePoint { x, z }: PlanePoint) -> Point {
-    Point { x, y: 0.0, z }
+/// A point of the two bars, which bend where the vehicle travels.
+fn in_space(PlanePoint { x, z }: PlanePoint, heading: Heading) -> Point {
+    Point {
+        x: heading.of_bars() * x,
+        y: 0.0,
+        z,
+    }
+}
+
+/// The rotation about `z` that turns `x` into the direction of travel.
+fn turned(heading: Heading) -> Quaternion {
+    let half = 0.5 * heading.direction();
+    Quaternion {
+        x: 0.0,
+        y: 0.0,
+        z: libm::sin(half),
+        w: libm::cos(half),
+    }
 }
 
 fn vector([x, y, z]: [f64; 3]) -> Vector3 {
@@ -175,7 +197,7 @@ mod tests {
     use super::*;
 
     fn point(x: f64, z: f64) -> Point {
-        in_space(PlanePoint::new(x, z))
+        in_space(PlanePoint::new(x, z), Heading::default())
     }
 
     const LENGTHS: Lengths = Lengths {
@@ -189,7 +211,12 @@ mod tests {
     }
 
     fn of_body(body: &VehicleBody, sample: &Sample) -> Vec<Marker> {
-        markers(&Header::default(), LENGTHS, body, sample).markers
+        travelling(body, 0.0, sample)
+    }
+
+    fn travelling(body: &VehicleBody, direction: f64, sample: &Sample) -> Vec<Marker> {
+        let heading = Heading::new(direction);
+        markers(&Header::default(), LENGTHS, body, heading, sample).markers
     }
 
     fn by_name<'a>(markers: &'a [Marker], ns: &str) -> &'a Marker {
@@ -289,6 +316,47 @@ mod tests {
         let markers = of_body(&body, &sample);
         assert_eq!(boxes(&markers).len(), 5);
         assert!((length(&boxes(&markers)) - body.length()).abs() < 1e-9);
+    }
+
+    /// The boxes come along their direction of travel and are turned into it; the bars bend away from them.
+    #[test]
+    fn the_vehicle_comes_from_its_direction() {
+        let body = VehicleBody::assumed(8_000.0, &[0.0, 0.0]);
+        for degrees in [0.0_f64, 10.0, 45.0, 90.0, 135.0, 180.0, -45.0, -90.0] {
+            let direction = degrees.to_radians();
+            let (sin, cos) = direction.sin_cos();
+            let at = |gap: f64, phase: Phase| {
+                let mut sample = Sample {
+                    phase,
+                    v1: 0.2,
+                    gap: gap * cos.abs(),
+                    ..Sample::default()
+                };
+                sample.vehicle.masses = 2;
+                travelling(&body, direction, &sample)
+            };
+            let (far, near) = (at(0.75, Phase::Approach), at(0.0, Phase::Contact));
+            let shown = [&far, &near].map(|it| boxes(it));
+            assert_eq!((shown[0].len(), shown[1].len()), (5, 5));
+            let seen = cos.abs() > 1e-3;
+            for (before, after) in shown[0].iter().zip(&shown[1]) {
+                let [p, q] = [before, after].map(|it| it.pose.position);
+                let way = if seen { 0.75 } else { 0.0 };
+                assert!((q.x - p.x - way * cos).abs() < 1e-12, "{degrees}");
+                assert!((q.y - p.y - way * sin).abs() < 1e-12, "{degrees}");
+                // The middle of each box is behind the column on the path.
+                assert!((p.x * sin - p.y * cos).abs() < 1e-12, "{degrees}");
+                assert!(p.x * cos + p.y * sin < 0.0, "{degrees}");
+                // The rotation of the x axis by the quaternion.
+                let Quaternion { x, y, z, w } = after.pose.orientation;
+                assert_eq!((x, y), (0.0, 0.0));
+                let turned = [w * w - z * z, 2.0 * w * z];
+                assert!((turned[0] - cos).abs() < 1e-12, "{degrees}");
+                assert!((turned[1] - sin).abs() < 1e-12, "{degrees}");
+            }
+            let bent = by_name(&near, "column").points[1].x;
+            assert!(bent.abs() == 0.2 && (bent * cos > 0.0), "{degrees}: {bent}");
+        }
     }
 
     #[test]

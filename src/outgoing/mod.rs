@@ -38,7 +38,7 @@ use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
-use crate::shape::VehicleBody;
+use crate::shape::{Heading, VehicleBody};
 use crate::twin::{
     DamageCorrection, Journal, Lengths, Output, RejectionCode, ReportOutput, RestingColumn,
     StateOutput, Status, SupplementedReport, TwinPhase, WithdrawnForecast,
@@ -346,13 +346,16 @@ impl Outgoing {
         }
         if self.markers.passes(*stamp, running) {
             let lengths = lengths.unwrap_or(self.lengths);
-            let (name, mass) = match vehicle {
-                Some(it) => (&*it.name, it.mass),
-                None => ("", 0.0),
+            let (name, mass, direction) = match vehicle {
+                Some(it) => (&*it.name, it.mass, it.direction),
+                None => ("", 0.0, 0.0),
             };
             let slack = &[0.0; MAX_MASSES][..sample.vehicle.masses.min(MAX_MASSES)];
             let body = VehicleBody::named(name, mass, slack);
-            put(Message::Markers(markers(&header, lengths, &body, sample)));
+            let heading = Heading::new(direction);
+            put(Message::Markers(markers(
+                &header, lengths, &body, heading, sample,
+            )));
         }
     }
 
@@ -372,8 +375,9 @@ impl Outgoing {
         put(Message::JointStates(joints));
         if *is_unseen {
             let nothing = VehicleBody::named("", 0.0, &[]);
+            let heading = Heading::default();
             put(Message::Markers(markers(
-                &header, *lengths, &nothing, sample,
+                &header, *lengths, &nothing, heading, sample,
             )));
         }
     }

@@ -150,7 +150,7 @@ pub use settings::{
 pub use shear::{NoShear, POISSON_RATIO};
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
-pub use value::{Kind, Value, readable};
+pub use value::{Kind, Value, degrees, readable};
 pub use vehicles::{
     BumperHeight, CRUSHED_BY, CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject,
     Provenance, RIGID, Sourced, SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize,

@@ -11,13 +11,13 @@ use super::numbered_figures::Figures;
 use super::reported_impact::ReportedImpact;
 use super::second_opinion_section;
 use super::uncertainty;
-use super::words::{degrees, end_in_words, instead_of_a_residual, part_of, shortened};
+use super::words::{end_in_words, instead_of_a_residual, part_of, shortened};
 use crate::column::{
     HINGE_NAMES, HINGES, Outcome, Report, Support, WEB_NAMES, WEBS, share_in_plane,
 };
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
-use crate::parameters::{CatalogueVehicle, plate_in_words, split_crush};
+use crate::parameters::{CatalogueVehicle, degrees, plate_in_words, split_crush};
 use crate::shape::{HINGE_PLACES, WEB_PLACES};
 use crate::time::Nanos;
 

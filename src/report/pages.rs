@@ -16,9 +16,10 @@ use super::sketch;
 use super::title_block;
 use super::uncertainty;
 use super::verdict::Verdict;
-use super::words::{base_rows, degrees, described, in_kilo, short, shortened};
+use super::words::{base_rows, described, in_kilo, short, shortened};
 use crate::column::Impact;
 use crate::figures::units::{Unit, significant};
+use crate::parameters::degrees;
 
 /// Most characters of the description of an impact in a heading.
 const MAX_HEADING: usize = 110;

@@ -6,13 +6,11 @@ use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
     ForceSpectrum, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
-    Support, error_estimate, is_direction, with_half_the_step,
+    Support, error_estimate, is_direction, is_seen_by_the_bars, with_half_the_step,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
-use crate::second_opinion::{
-    BeamTask, Movement, SecondOpinion, is_out_of_plane, is_seen_by_the_bars,
-};
+use crate::second_opinion::{BeamTask, Movement, SecondOpinion, is_out_of_plane};
 use crate::time::Nanos;
 use crate::twin::{KnownBeamDamage, Lengths};
 

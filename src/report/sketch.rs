@@ -9,12 +9,12 @@ use super::svg::{
     self, FAINT, INK, ORANGE, RED, STEEL, Spot, area, area_between, arrow, circle, hatched, height,
     line, scale_bar, text, title,
 };
-use super::words::{degrees, short};
+use super::words::short;
 use crate::assessment::ConnectedBase;
-use crate::column::{BasePlate, Support, VehicleSample, is_direction};
-use crate::parameters::SectionShape;
+use crate::column::{BasePlate, Support, VehicleSample};
+use crate::parameters::{SectionShape, degrees};
 use crate::second_opinion::is_out_of_plane;
-use crate::shape::{Outline, VehicleBody};
+use crate::shape::{Heading, Outline, VehicleBody};
 
 /// Size of the drawing.
 const SIZE: (f64, f64) = (720.0, 350.0);
@@ -60,10 +60,7 @@ fn caption(impact: &ReportedImpact, base: Option<&ConnectedBase>) -> String {
 
 /// The direction of travel \[rad\]; a number that is no direction turns nothing.
 fn travel(impact: &ReportedImpact) -> f64 {
-    match is_direction(impact.direction) {
-        true => impact.direction,
-        false => 0.0,
-    }
+    Heading::new(impact.direction).direction()
 }
 
 /// How the vehicle travels \[rad\] and about which axis it bends the column.

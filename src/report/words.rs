@@ -2,7 +2,7 @@
 
 use crate::column::{BaseForces, BaseReport, End, Impact, Outcome};
 use crate::figures::units::significant;
-use crate::parameters::{Parameters, RIGID, component_in_words, readable};
+use crate::parameters::{Parameters, RIGID, component_in_words};
 
 /// The outcome of an impact, for a sentence that is a line of its own.
 #[must_use]
@@ -74,11 +74,6 @@ pub(super) fn described(
         short(3.6 * impact.velocity),
         short(length_below),
     )
-}
-
-/// An angle \[rad\] in degrees.
-pub(super) fn degrees(angle: f64) -> String {
-    format!("{}°", readable((angle.to_degrees() * 1e4).round() / 1e4))
 }
 
 /// A length in millimetres with three digits, as the second opinion has it.

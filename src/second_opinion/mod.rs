@@ -50,4 +50,4 @@ pub use column_beam::{
 pub use evaluated::{Evaluated, evaluate};
 pub use joint::{JointVerdict, JudgeError};
 pub use oblique_range::ObliqueHit;
-pub use opinion::{BAND, SecondOpinion, WhyItCounts, is_out_of_plane, is_seen_by_the_bars};
+pub use opinion::{BAND, SecondOpinion, WhyItCounts, is_out_of_plane};

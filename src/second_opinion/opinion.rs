@@ -11,7 +11,7 @@ use super::criteria::input_of;
 use crate::assessment::{
     Action, ActionRange, Assessment, AssessmentInput, OtherModel, ResidualCapacity, assess,
 };
-use crate::column::{Outcome, Report, share_in_plane};
+use crate::column::{Outcome, Report, is_seen_by_the_bars};
 use crate::parameters::{BeamMode, Parameters, readable};
 
 /// Factor by which the peak displacements of both models may differ, up or down, before the verdict of the beam counts for that
@@ -24,9 +24,6 @@ const LEAST_CAPACITY: f64 = 0.95;
 
 /// Residual bow over the height up to which the bow is no reason for the verdict of the beam to count \[A\]: that of a new column.
 const BOW_OF_NEW: f64 = 1e-3;
-
-/// Least share of the velocity in the plane of the two bars at which their peak can be compared with that of the beam.
-const LEAST_SHARE: f64 = 1e-3;
 
 /// Bow of earlier impacts from which on it is said that a hit bends the column back \[m\].
 const LEAST_BOW: f64 = 1e-3;
@@ -341,12 +338,6 @@ impl SecondOpinion {
 #[must_use]
 pub fn is_out_of_plane(direction: f64) -> bool {
     !is_in_plane(direction)
-}
-
-/// Whether the two bars see a hit in this direction \[rad\] at all: at right angles to their plane it has no component in it.
-#[must_use]
-pub fn is_seen_by_the_bars(direction: f64) -> bool {
-    share_in_plane(direction) > LEAST_SHARE
 }
 
 /// A length in millimetres with three digits.

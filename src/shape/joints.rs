@@ -15,7 +15,7 @@ pub const WEB_PLACES: [&str; WEBS] = ["below the impact", "above the impact"];
 /// A point in the plane of bending \[m\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlanePoint {
-    /// In the vehicle's direction of travel.
+    /// Where the vehicle pushes the two bars: [`Heading::of_bars`](super::Heading::of_bars) tells its sense in space.
     pub x: f64,
     /// Up, from the base.
     pub z: f64,
@@ -128,18 +128,12 @@ impl Joints {
             base,
         ]
     }
-
-    /// `x` of the front of the impactor \[m\]. The face of the column is `half_depth` in front of its axis; the distance
-    /// between the two is the true gap, whatever the magnification.
-    #[must_use]
-    pub fn impactor_front(&self, sample: &Sample, half_depth: f64) -> f64 {
-        self.impact.x - sample.gap - half_depth
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::Heading;
 
     const LENGTHS: Lengths = Lengths {
         below: 1.0,
@@ -163,8 +157,6 @@ mod tests {
         assert_eq!(joints.base, PlanePoint::default());
         assert_eq!(joints.impact, PlanePoint::new(0.25, 0.875));
         assert_eq!(joints.top, PlanePoint::new(0.0, 3.5));
-        // The face is 0.1 m in front of the axis.
-        assert_eq!(joints.impactor_front(&bent(), 0.1), 0.25 - 0.75 - 0.1);
     }
 
     #[test]
@@ -172,10 +164,8 @@ mod tests {
         let joints = Joints::new(LENGTHS, &bent(), 2.0);
         assert_eq!(joints.impact, PlanePoint::new(0.5, 0.75));
         assert_eq!(joints.top, PlanePoint::new(0.0, 3.0));
-        assert_eq!(
-            joints.impact.x - joints.impactor_front(&bent(), 0.0),
-            bent().gap
-        );
+        let front = Heading::default().front(&joints, &bent(), 0.0);
+        assert_eq!(joints.impact.x - front, bent().gap);
     }
 
     #[test]

@@ -83,6 +83,7 @@ impl ActiveResponse {
             vehicle: Some(StrikingVehicle {
                 name: Arc::clone(&striking.vehicle),
                 mass: striking.impact.mass,
+                direction: striking.direction(),
             }),
         }));
     }

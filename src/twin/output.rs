@@ -76,13 +76,15 @@ pub struct StateOutput {
     pub vehicle: Option<StrikingVehicle>,
 }
 
-/// Name and mass of the vehicle that hits the column.
+/// Name, mass and direction of the vehicle that hits the column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StrikingVehicle {
     /// Its name in the catalogue; empty: the one that the parameters give by numbers.
     pub name: Arc<str>,
     /// Its total mass \[kg\].
     pub mass: f64,
+    /// The direction in which it travels \[rad\].
+    pub direction: f64,
 }
 
 /// A forecast or a result.

@@ -6,13 +6,14 @@ use column_beam::Movement;
 use rerun::{LineStrip3D, LineStrips3D, Points3D, Radius, RecordingStreamResult};
 
 use super::branch::Branch;
+use super::camera::Outlook;
 use super::colour;
 use super::labels::{self, Label};
 use super::point::Point3;
 use super::rerun_types::{color, time_columns};
-use super::scene::{Drawing, in_space};
+use super::scene::Drawing;
 use super::timeline::Moment;
-use crate::shape::PlanePoint;
+use crate::shape::{Heading, PlanePoint};
 
 /// The entities of the beam.
 pub(super) const ENTITIES: &str = "second_opinion";
@@ -51,10 +52,10 @@ impl Drawing {
     /// The fibre beam that has moved so. All of it is shifted towards the viewer, so that the bars hide nothing of it.
     #[must_use]
     pub fn beam(&self, movement: &Movement) -> BeamMark {
-        let (sin, cos) = movement.direction.sin_cos();
+        let heading = Heading::new(movement.direction);
+        let outlook = Outlook::of(heading);
         let drawn = |place: [f64; 3], moved: [f64; 3]| {
-            let [along, across, up] = [0, 1, 2].map(|k| place[k] + self.magnification * moved[k]);
-            [cos * along - sin * across, sin * along + cos * across, up]
+            heading.in_space([0, 1, 2].map(|k| place[k] + self.magnification * moved[k]))
         };
         let axis = |nodes: &[[f64; 3]]| -> Vec<[f64; 3]> {
             let nodes = movement.heights.iter().zip(nodes);
@@ -70,11 +71,11 @@ impl Drawing {
             .collect();
         let places = peak.iter().chain(rest.iter().flatten());
         let places = places.chain(fibres.iter().map(|(place, _)| place));
-        let shift = self.front()
-            - places
-                .map(|place| place[1])
-                .fold(f64::NEG_INFINITY, f64::max);
-        let shifted = |[x, y, z]: [f64; 3]| in_space(PlanePoint::new(x, z), y + shift);
+        let farthest = places
+            .map(|place| outlook.away(place[1]))
+            .fold(f64::NEG_INFINITY, f64::max);
+        let shift = outlook.away(self.front() - farthest);
+        let shifted = |[x, y, z]: [f64; 3]| [x, y + shift, z].map(|it| it as f32);
         let points = |axis: Vec<[f64; 3]>| axis.into_iter().map(shifted).collect();
         let most = fibres.iter().map(|(_, strain)| *strain).fold(0.0, f64::max);
         let yields = match fibres.is_empty() {
@@ -92,7 +93,7 @@ impl Drawing {
                 String::new(),
             ],
         };
-        let [peak_label, rest_label] = self.beam_labels(texts);
+        let [peak_label, rest_label] = self.beam_labels(texts, outlook);
         BeamMark {
             peak: AxisMark {
                 points: points(peak),
@@ -110,7 +111,7 @@ impl Drawing {
     }
 
     /// Labels one below the other, beside the middle of the upper bar, in the column of the labels of the hinges.
-    fn beam_labels(&self, texts: [String; 2]) -> [Label; 2] {
+    fn beam_labels(&self, texts: [String; 2], outlook: Outlook) -> [Label; 2] {
         let point = self.camera().metres_per_point();
         let mut upper_end = self.lengths.below + 0.5 * self.lengths.above;
         texts.map(|text| {
@@ -118,7 +119,7 @@ impl Drawing {
             let place = PlanePoint::new(self.beside_hinges() + 0.5 * width, upper_end);
             upper_end -= height;
             Label {
-                place: in_space(place, self.front()),
+                place: outlook.in_space(place, self.front()),
                 text,
             }
         })

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::point::Point3;
+use crate::shape::{Heading, PlanePoint};
 
 /// Vertical angle of view of Rerun's camera \[rad\].
 const ANGLE_OF_VIEW: f64 = 55.0 * PI / 180.0;
@@ -12,6 +13,53 @@ pub const VIEW: [f64; 2] = [716.0, 560.0];
 
 /// Position of the eye beside and above what it looks at, relative to the distance from it.
 const OBLIQUE: [f64; 2] = [0.08, 0.09];
+
+/// Largest sine of the angle by which a vehicle may come from the side of the viewer, whose picture then is as that of a vehicle in
+/// the plane of bending. With more, it would hide the column.
+const LARGEST_LEAN: f64 = 0.1;
+
+/// The sides of a picture in space: the two bars bend towards its `x`, and its `y` leads away from the viewer, who stands where the
+/// vehicle does not come from, so that it never hides the column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlook {
+    /// Senses of `x` and `y` in space, each 1 or -1.
+    senses: [f64; 2],
+    heading: Heading,
+}
+
+impl Outlook {
+    /// For a vehicle that travels so.
+    #[must_use]
+    pub fn of(heading: Heading) -> Self {
+        let [_, across] = heading.travel();
+        let away = if across > LARGEST_LEAN { -1.0 } else { 1.0 };
+        Self {
+            senses: [heading.of_bars(), away],
+            heading,
+        }
+    }
+
+    /// A point of the plane of bending, shifted by `y` \[m\] away from the viewer, in space.
+    #[must_use]
+    pub fn in_space(self, PlanePoint { x, z }: PlanePoint, y: f64) -> Point3 {
+        let [right, away] = self.senses;
+        [right * x, away * y, z].map(|it| it as f32)
+    }
+
+    /// Turns `y` in space into the distance away from the viewer, beyond the plane of bending, and such a distance into `y` \[m\].
+    #[must_use]
+    pub fn away(self, y: f64) -> f64 {
+        self.senses[1] * y
+    }
+
+    /// The unit vector in the direction of travel along `x` and `y` of the picture.
+    #[must_use]
+    pub fn travel(self) -> [f64; 2] {
+        let [right, away] = self.senses;
+        let [along, across] = self.heading.travel();
+        [right * along, away * across]
+    }
+}
 
 /// Eye and target \[m\], with `z` up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +89,21 @@ impl Camera {
         Self { eye, target }
     }
 
+    /// The same in space, for a camera that was placed in a picture with these sides.
+    #[must_use]
+    pub fn turned(self, Outlook { senses, .. }: Outlook) -> Self {
+        let [right, away] = senses;
+        let turned = |[x, y, z]: [f64; 3]| [right * x, away * y, z];
+        Self {
+            eye: turned(self.eye),
+            target: turned(self.target),
+        }
+    }
+
     /// Size of a point of the screen in the plane `y = 0` \[m\].
     #[must_use]
     pub fn metres_per_point(&self) -> f64 {
-        -2.0 * self.eye[1] * (0.5 * ANGLE_OF_VIEW).tan() / VIEW[1]
+        2.0 * self.eye[1].abs() * (0.5 * ANGLE_OF_VIEW).tan() / VIEW[1]
     }
 
     /// Where a point in space appears, from the upper left corner of the view \[points\].

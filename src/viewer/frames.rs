@@ -147,6 +147,11 @@ fn send_vehicles(
     let wheels = Cylinders3D::update_fields()
         .with_centers(vehicles().flat_map(|it| it.wheels.iter().copied()))
         .with_radii(vehicles().flat_map(|it| it.wheel_radii.iter().copied()));
+    // One rotation for all boxes of a frame, and one for all wheels.
+    let box_turns = vehicles().map(|it| turned_box(it.direction));
+    let box_turns = Boxes3D::update_fields().with_rotation_axis_angles(box_turns);
+    let wheel_turns = vehicles().map(|it| turned_wheel(it.direction));
+    let wheel_turns = Cylinders3D::update_fields().with_rotation_axis_angles(wheel_turns);
 
     let forces = || scenes().filter_map(|it| it.contact.as_ref());
     let touching = scenes().map(|it| usize::from(it.contact.is_some()));
@@ -181,9 +186,22 @@ fn send_vehicles(
         .chain(edges.columns(lengths(&|it| it.edges.len()))?)
         .chain(boxes.columns(lengths(&|it| it.boxes.len()))?)
         .chain(wheels.columns(lengths(&|it| it.wheels.len()))?)
+        .chain(box_turns.columns(lengths(&|_| 1))?)
+        .chain(wheel_turns.columns(lengths(&|_| 1))?)
         .chain(contact.columns(touching.collect::<Vec<_>>())?)
         .chain(texts.columns(labels.iter().map(Vec::len).collect::<Vec<_>>())?);
     stream.send_columns("vehicle", times, columns.collect::<Vec<_>>())
+}
+
+/// A box that lies along `x` by itself, along the direction of travel \[rad\].
+fn turned_box(direction: f64) -> RotationAxisAngle {
+    RotationAxisAngle::new([0.0, 0.0, 1.0], Angle::from_radians(direction as f32))
+}
+
+/// A cylinder that lies along `z` by itself, as an axle of a vehicle with this direction of travel \[rad\].
+fn turned_wheel(direction: f64) -> RotationAxisAngle {
+    let (sin, cos) = direction.sin_cos();
+    RotationAxisAngle::new([cos as f32, sin as f32, 0.0], Angle::from_degrees(90.0))
 }
 
 /// Sends what all frames of one column share: colours, sizes and the triangles of the steel.
@@ -230,11 +248,8 @@ fn send_vehicle_statics(stream: &Branch, drawing: &Drawing) -> RecordingStreamRe
     stream.log_static("vehicle", &edges)?;
     let boxes = Boxes3D::update_fields().with_fill_mode(FillMode::TransparentFillMajorWireframe);
     stream.log_static("vehicle", &boxes)?;
-    // A cylinder lies along `z` by itself.
-    let across = RotationAxisAngle::new([1.0, 0.0, 0.0], Angle::from_degrees(90.0));
     let wheels = Cylinders3D::update_fields()
         .with_lengths([2.0 * HALF_WHEEL as f32])
-        .with_rotation_axis_angles([across])
         .with_colors([color(colour::WHEEL)])
         .with_fill_mode(FillMode::Solid);
     stream.log_static("vehicle", &wheels)?;

@@ -31,6 +31,7 @@
 //   it
 // - detected_views.rs: The curves about an impact that the sensors detect: forecast, momentum and action over the time of the
 //   data, and each sensor
+// - drawn_vehicle.rs: The vehicle in the scene, where it comes from: its parts and its label
 // - error.rs: What the viewer reports to the program that runs it: errors and log lines
 // - events.rs: The events of an impact with their times: from a report if there is one, otherwise from the states
 // - file.rs: A file for the viewer, from a simulation or a recording
@@ -72,6 +73,7 @@ mod damage_map;
 mod destination;
 mod detected;
 mod detected_views;
+mod drawn_vehicle;
 mod error;
 mod events;
 mod file;

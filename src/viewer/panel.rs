@@ -4,9 +4,10 @@ use super::beam;
 use super::item::Announcement;
 use super::plots;
 use super::scene::{Drawing, force};
-use crate::column::{HINGE_NAMES, HINGES};
+use crate::column::{HINGE_NAMES, HINGES, share_in_plane};
 use crate::messages::column_twin_msgs::ImpactReport;
 use crate::messages::words::verdict_in_words;
+use crate::parameters::degrees;
 use crate::shape::HINGE_PLACES;
 use crate::study::VehicleLimits;
 use printable::is_printable;
@@ -159,11 +160,12 @@ fn vehicle(drawing: &Drawing) -> String {
     let body = &drawing.vehicle;
     let [length, width, height] = body.size;
     let name = escaped(&drawing.vehicle_name);
+    let travel = travel(drawing);
     if !body.is_real() {
         return format!(
             "**Vehicle: rigid mass, as in the paper.** \
              It does not crush: forces and displacements are far above the values of a real vehicle. \
-             The block ({length} m long) is a symbol, not to scale.\n"
+             The block ({length} m long) is a symbol, not to scale.{travel}\n"
         );
     }
     let parts = match &body.names().collect::<Vec<_>>()[..] {
@@ -173,7 +175,27 @@ fn vehicle(drawing: &Drawing) -> String {
     format!(
         "**Vehicle: {name}.** \
          {parts}Body {length} m long, {width} m wide, {height} m high, to scale (size of its class, assumed). \
-         Its nose shortens by the crush of spring 1 and turns from blue to orange.\n"
+         Its nose shortens by the crush of spring 1 and turns from blue to orange.{travel}\n"
+    )
+}
+
+/// Whence a vehicle comes that does not travel in the direction 0, as sentences.
+fn travel(drawing: &Drawing) -> String {
+    let direction = drawing.heading.direction();
+    if direction == 0.0 {
+        return String::new();
+    }
+    let component = match share_in_plane(direction) < 1.0 {
+        true => {
+            " The two bars see the component of the hit in this plane: speed, crush, forces and displacements here belong to it, \
+             and the vehicle goes as far as the bars do along its path."
+        }
+        false => "",
+    };
+    format!(
+        " It travels at {} to the plane of the two bars, and the picture shows the column from the side where it does not \
+         come from.{component}",
+        degrees(direction)
     )
 }
 
@@ -195,7 +217,10 @@ fn legend(drawing: &Drawing) -> String {
         ),
         (
             "Pink arrow",
-            format!("contact force, 1 m = {}", force(drawing.force_per_metre)),
+            format!(
+                "contact force on the two bars, 1 m = {}",
+                force(drawing.force_per_metre)
+            ),
         ),
         ("Cyan arrow", "load P on the top, same scale".to_owned()),
         (

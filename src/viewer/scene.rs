@@ -5,17 +5,14 @@
 
 use std::f64::consts::PI;
 
-use super::camera::Camera;
+use super::camera::{Camera, Outlook};
 use super::colour::{self, Rgb};
 use super::labels::{self, Label, moved_apart};
 use super::point::Point3;
-use crate::column::{
-    HINGE_NAMES, HINGES, HingeState, MAX_MASSES, Model, Phase, Sample, State, Vehicle,
-};
+use crate::column::{HINGE_NAMES, HINGES, HingeState, MAX_MASSES, Model, Sample, State, Vehicle};
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
-    BentAxis, CrushedVehicle, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody,
-    round_number,
+    BentAxis, Heading, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody, round_number,
 };
 
 /// Angle of a moment's arc at the plastic moment \[rad\].
@@ -28,7 +25,7 @@ const ARC_PIECES: usize = 24;
 const RIGID_MASS: &str = "rigid mass";
 
 /// Largest length of a vehicle that is in the picture as a whole \[m\]; the rear of a longer one is outside.
-const SHOWN_LENGTH: f64 = 9.0;
+pub(super) const SHOWN_LENGTH: f64 = 9.0;
 
 /// Distance of the vehicle from the column at which it is in the picture as a whole \[m\].
 const SHOWN_GAP: f64 = 0.5;
@@ -36,17 +33,14 @@ const SHOWN_GAP: f64 = 0.5;
 /// Number of characters of the longest label of a hinge, for which all of them are placed.
 const HINGE_LABEL: usize = 31;
 
-/// Number of lines of the longest label of a vehicle.
+/// Number of lines of the longest label of a vehicle that travels in the direction 0; in another direction it has one more.
 const VEHICLE_LINES: usize = 4;
 
 /// Free space between a label and what it belongs to \[m\].
-const LABEL_GAP: f64 = 0.06;
+pub(super) const LABEL_GAP: f64 = 0.06;
 
 /// Half the width of a wheel \[m\].
 pub const HALF_WHEEL: f64 = 0.12;
-
-/// Where the road ends in front of the column, and its width beside the vehicle \[m\].
-const ROAD: [f64; 2] = [0.62, 0.25];
 
 /// Distance of hinges 1a and 1b from the impact point along their bars, as a fraction of the depth of the section.
 const HINGE_OFFSET: f64 = 0.5;
@@ -93,6 +87,8 @@ pub struct Drawing {
     pub vehicle: VehicleBody,
     /// The name of the vehicle.
     pub vehicle_name: String,
+    /// The direction in which it travels.
+    pub heading: Heading,
     /// Masses and springs of the vehicle; `None` if it is rigid, or if they are not known.
     pub springs: Option<Vehicle>,
 }
@@ -147,8 +143,10 @@ pub struct VehicleMark {
     pub wheels: Vec<Point3>,
     /// Radius of each wheel.
     pub wheel_radii: Vec<f32>,
-    /// Name, mass, speed and crush.
+    /// Name, mass, speed, direction and crush.
     pub label: Label,
+    /// The direction \[rad\] into which its boxes and wheels are turned about their centres.
+    pub direction: f64,
 }
 
 /// The column at one instant.
@@ -196,6 +194,7 @@ impl Drawing {
             magnification: settings.viewer.magnification,
             at_rest,
             struck_mass,
+            heading: Heading::new(parameters.direction()),
             springs: None,
             vehicle_name: RIGID_MASS.to_owned(),
             vehicle: VehicleBody::rigid_mass(),
@@ -244,26 +243,46 @@ impl Drawing {
         changed
     }
 
+    /// Lets the vehicle travel in this direction \[rad\] from here on; whether it is another one than before.
+    pub fn travel(&mut self, direction: f64) -> bool {
+        let heading = Heading::new(direction);
+        let changed = heading != self.heading;
+        self.heading = heading;
+        changed
+    }
+
+    /// The sides of the picture.
+    pub(super) fn outlook(&self) -> Outlook {
+        Outlook::of(self.heading)
+    }
+
     /// The camera that has the column, the vehicle and the labels in the picture.
     #[must_use]
     pub fn camera(&self) -> Camera {
+        let outlook = self.outlook();
         let height = self.lengths.total();
         let road = self.vehicle.road(self.lengths.below);
         let load = self.load.max(0.0) / self.force_per_metre;
         let top = (self.spring_end() + 0.15).max(height + load.min(height) + LABEL_GAP);
-        let left = -(self.half_depth() + SHOWN_GAP + self.vehicle.length().min(SHOWN_LENGTH));
+        // The rectangle that the vehicle covers, from its rear when it is half a metre away to its front at the column.
+        let [along, lean] = outlook.travel();
+        let rear = self.reach() + SHOWN_GAP + self.vehicle.length().min(SHOWN_LENGTH);
+        let half = 0.5 * self.vehicle.width();
+        let left = -(along * rear + half * lean.abs());
+        let right_of_front = half * lean.abs() - along * self.reach();
+        let near = half * along + rear * lean.max(0.0);
         let beside = self.beside_hinges();
-        let near = 0.5 * self.vehicle.width();
         let bottom = road.min(-0.25) - LABEL_GAP;
-        let [label, line] = [labels::width(HINGE_LABEL), labels::height(VEHICLE_LINES)];
-        let mut camera = Camera::around([left, beside], [bottom, top], near);
+        let lines = VEHICLE_LINES + usize::from(self.heading.direction() != 0.0);
+        let [label, line] = [labels::width(HINGE_LABEL), labels::height(lines)];
+        let mut camera = Camera::around([left, beside.max(right_of_front)], [bottom, top], near);
         // The labels keep their size on the screen: the farther away the camera is, the more metres they take.
         for _ in 0..8 {
             let size = camera.metres_per_point();
-            let right = beside + size * label;
+            let right = (beside + size * label).max(right_of_front);
             camera = Camera::around([left, right], [bottom - size * line, top], near);
         }
-        camera
+        camera.turned(outlook)
     }
 
     /// Half the depth of the section \[m\].
@@ -291,14 +310,19 @@ impl Drawing {
         let (joints, axis) = self.axis(sample);
         let mut solid = Solid::default();
         solid.move_to(&self.outline, &axis);
+        if self.heading.of_bars() < 0.0 {
+            // Half a turn, which the section does not show, bends the bars to the other side.
+            let corners = solid.positions.iter_mut().chain(&mut solid.normals);
+            corners.for_each(|[x, y, _]| [*x, *y] = [-*x, -*y]);
+        }
         let point = self.camera().metres_per_point();
         Scene {
             colours: self.colours(sample, solid.positions.len()),
             solid,
             hinges: self.hinges(sample, &joints, point),
-            top: in_space(joints.top, 0.0),
+            top: self.outlook().in_space(joints.top, 0.0),
             spring: self.spring(joints.top.z),
-            vehicle: self.vehicle(sample, &joints, mass, point),
+            vehicle: self.vehicle_mark(sample, &joints, mass, point),
             contact: self.contact(sample, &joints, point),
         }
     }
@@ -369,10 +393,10 @@ impl Drawing {
                 moment(hinge.moment),
             );
             HingeMark {
-                place: in_space(place, self.front()),
+                place: self.outlook().in_space(place, self.front()),
                 colour: colour::of_state(hinge.state),
                 label: Label {
-                    place: in_space(label_place, self.front()),
+                    place: self.outlook().in_space(label_place, self.front()),
                     text,
                 },
                 arc: self.arc(place, radius, hinge.moment),
@@ -386,7 +410,7 @@ impl Drawing {
         (0.06 * self.lengths.total()).max(1.5 * self.half_depth())
     }
 
-    /// `y` of what the column must not hide: in front of it \[m\].
+    /// Distance away from the viewer of what the column must not hide: in front of it \[m\].
     pub(super) fn front(&self) -> f64 {
         -0.5 * self.outline.width() - 0.02
     }
@@ -404,7 +428,8 @@ impl Drawing {
             .map(|piece| {
                 let at = angle * (piece as f64 / ARC_PIECES as f64 - 0.5);
                 let along = PlanePoint::new(at.cos(), at.sin());
-                in_space(centre.plus(radius, along), self.front())
+                self.outlook()
+                    .in_space(centre.plus(radius, along), self.front())
             })
             .collect()
     }
@@ -443,134 +468,7 @@ impl Drawing {
         SPRING_OFFSET
     }
 
-    fn vehicle(
-        &self,
-        sample: &Sample,
-        joints: &Joints,
-        mass: Option<f64>,
-        point: f64,
-    ) -> Option<VehicleMark> {
-        if sample.phase == Phase::Idle {
-            return None;
-        }
-        let body = &self.vehicle;
-        let front = joints.impactor_front(sample, self.half_depth());
-        let road = body.road(self.lengths.below);
-        let crushed = body.crushed(&sample.vehicle);
-        let hull = crushed.hull(front, road);
-        let nose = colour::mix(colour::IMPACTOR, colour::CRUSHED, crushed.crushed_share());
-        let colours = hull.is_nose.iter();
-        let colours = colours
-            .map(|is_nose| if *is_nose { nose } else { colour::IMPACTOR })
-            .collect();
-        let (wheels, wheel_radii) = self.wheels(&crushed, front, road);
-        Some(VehicleMark {
-            colours,
-            hull,
-            edges: edges(&crushed, front, road),
-            boxes: self.boxes(&crushed, front, road),
-            wheels,
-            wheel_radii,
-            label: self.vehicle_label(sample, mass, front, road, point),
-        })
-    }
-
-    /// Engine, cargo and the road on which the vehicle stands.
-    fn boxes(&self, crushed: &CrushedVehicle<'_>, front: f64, road: f64) -> Vec<BoxMark> {
-        let body = &self.vehicle;
-        let rear = body.parts.len() - 1;
-        let mut colours = vec![colour::ENGINE; usize::from(body.engine.is_some())];
-        colours.extend(&colour::CARGO[..rear.min(colour::CARGO.len())]);
-        let mut boxes: Vec<_> = crushed
-            .boxes()
-            .zip(colours)
-            .map(|((extent, heights, half_width), colour)| BoxMark {
-                centre: [
-                    (front - 0.5 * (extent[0] + extent[1])) as f32,
-                    0.0,
-                    (road + 0.5 * (heights[0] + heights[1])) as f32,
-                ],
-                half_size: [
-                    0.5 * (extent[1] - extent[0]),
-                    half_width,
-                    0.5 * (heights[1] - heights[0]),
-                ]
-                .map(|it| it as f32),
-                colour,
-            })
-            .collect();
-        if body.is_real() {
-            let [end, beside] = ROAD;
-            let length = body.length() + 1.0;
-            boxes.push(BoxMark {
-                centre: [-(end + 0.5 * length) as f32, 0.0, road as f32 - 0.02],
-                half_size: [0.5 * length, 0.5 * body.width() + beside, 0.02].map(|it| it as f32),
-                colour: colour::ROAD,
-            });
-        }
-        boxes
-    }
-
-    fn wheels(
-        &self,
-        crushed: &CrushedVehicle<'_>,
-        front: f64,
-        road: f64,
-    ) -> (Vec<Point3>, Vec<f32>) {
-        let aside = 0.5 * self.vehicle.width() - HALF_WHEEL;
-        let both = crushed.wheels().flat_map(|wheel| {
-            [-aside, aside].map(|y| {
-                let centre = [front - wheel.behind, y, road + wheel.radius];
-                (centre.map(|it| it as f32), wheel.radius as f32)
-            })
-        });
-        both.unzip()
-    }
-
-    /// The label is below the vehicle and left of the base.
-    fn vehicle_label(
-        &self,
-        sample: &Sample,
-        mass: Option<f64>,
-        front: f64,
-        road: f64,
-        point: f64,
-    ) -> Label {
-        let text = self.vehicle_text(sample, mass);
-        let half = 0.5 * point * labels::size(&text)[0];
-        let middle = front - 0.5 * self.vehicle.length().min(SHOWN_LENGTH);
-        let x = middle.min(-(ROAD[0] + half));
-        Label {
-            place: in_space(
-                PlanePoint::new(x, road - LABEL_GAP),
-                -0.5 * self.vehicle.width(),
-            ),
-            text,
-        }
-    }
-
-    /// Name, mass and speed, and one line for every spring that is crushed.
-    fn vehicle_text(&self, sample: &Sample, mass: Option<f64>) -> String {
-        let mass = mass.map_or_else(String::new, |mass| format!("{mass:.0} kg, "));
-        let speed = sample.impactor_velocity;
-        let name = &self.vehicle_name;
-        if !self.vehicle.is_real() {
-            return format!("{name} (as in the paper)\n{mass}{speed:.2} m/s");
-        }
-        let vehicle = &sample.vehicle;
-        let mut text = format!("{name}: {mass}{speed:.2} m/s");
-        for (spring, name) in self.vehicle.names().take(vehicle.masses).enumerate() {
-            let crush = 1e3 * vehicle.crush[spring].max(0.0);
-            let force = force(vehicle.force[spring]);
-            text.push_str(&match spring {
-                0 => format!("\ncrush {crush:.0} mm, {force}"),
-                _ => format!("\n{name}: crush {crush:.0} mm, {force}"),
-            });
-        }
-        text
-    }
-
-    /// The head is at the face of the column; the length is proportional to the force. The label is above it, and below that
+    /// The force on the two bars, in their plane. The head is at the face of the column; the length is proportional to the force. The label is above it, and below that
     /// of the load.
     fn contact(&self, sample: &Sample, joints: &Joints, point: f64) -> Option<ForceArrow> {
         if sample.contact_force <= 0.0 {
@@ -585,16 +483,18 @@ impl Drawing {
             (joints.impact.z + LABEL_GAP + height).min(joints.top.z + LABEL_GAP),
         );
         Some(ForceArrow {
-            origin: in_space(PlanePoint::new(face - length, joints.impact.z), 0.0),
-            vector: [length as f32, 0.0, 0.0],
+            origin: self
+                .outlook()
+                .in_space(PlanePoint::new(face - length, joints.impact.z), 0.0),
+            vector: self.outlook().in_space(PlanePoint::new(length, 0.0), 0.0),
             label: Label {
-                place: in_space(place, 0.0),
+                place: self.outlook().in_space(place, 0.0),
                 text,
             },
         })
     }
 
-    /// The load on the top, relative to the top, with its label on the left.
+    /// The load on the top, relative to the top, with its label on the side of the vehicle.
     #[must_use]
     pub fn load_arrow(&self) -> Option<ForceArrow> {
         if self.load <= 0.0 {
@@ -609,28 +509,11 @@ impl Drawing {
             origin: [0.0, 0.0, length as f32],
             vector: [0.0, 0.0, -length as f32],
             label: Label {
-                place: in_space(place, 0.0),
+                place: self.outlook().in_space(place, 0.0),
                 text,
             },
         })
     }
-}
-
-/// The outline of the hull on both sides, connected at the corners of its roof.
-fn edges(crushed: &CrushedVehicle<'_>, front: f64, road: f64) -> Vec<Vec<Point3>> {
-    let half = 0.5 * crushed.body().width();
-    let [left, right] = [-half, half].map(|y| {
-        let outline = crushed.outline(front, road, y);
-        outline
-            .into_iter()
-            .map(|point| point.map(|it| it as f32))
-            .collect::<Vec<_>>()
-    });
-    let across = left.iter().zip(&right);
-    let mut edges: Vec<_> = across.map(|(one, other)| vec![*one, *other]).collect();
-    edges.dedup();
-    edges.extend([left, right]);
-    edges
 }
 
 /// A point of the plane of bending, shifted to `y` \[m\].
@@ -667,7 +550,7 @@ fn at_rest(parameters: &Parameters) -> (Sample, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::column::HingeSample;
+    use crate::column::{HingeSample, Phase};
     use crate::parameters::Value;
     use crate::viewer::VIEW;
 
@@ -832,6 +715,125 @@ mod tests {
         states
     }
 
+    /// Directions of travel from all sides \[degrees\].
+    const DIRECTIONS: [f64; 12] = [
+        0.0, 5.0, 10.0, 45.0, 90.0, 135.0, 175.0, 180.0, -10.0, -45.0, -90.0, -135.0,
+    ];
+
+    /// Each of these states in each direction.
+    fn in_directions(states: &[Sample]) -> Vec<(Sample, f64)> {
+        let of = |degrees: f64| states.iter().map(move |sample| (*sample, degrees));
+        DIRECTIONS.into_iter().flat_map(of).collect()
+    }
+
+    /// From where the column is looked at, no part of a vehicle that travels out of the plane of bending is in front of it.
+    #[test]
+    fn an_oblique_vehicle_does_not_hide_the_column() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        for (total, masses) in [(1_719.0, 1), (36_000.0, 3)] {
+            drawing.vehicle = VehicleBody::assumed(total, &[0.0; 3][..masses]);
+            let is_oblique = |it: &f64| it.to_radians().sin().abs() > 0.1;
+            for degrees in DIRECTIONS.into_iter().filter(is_oblique) {
+                drawing.travel(degrees.to_radians());
+                let [eye_x, eye_y, _] = drawing.camera().eye;
+                let sight = [eye_x, eye_y, 0.0];
+                let back = Heading::new(-degrees.to_radians());
+                let hides = (1..1000).any(|part| {
+                    let place = sight.map(|it| it * f64::from(part) / 1000.0);
+                    // Along the path of the vehicle, and across it.
+                    let [along, across, _] = back.in_space(place);
+                    along < -drawing.reach() && across.abs() < 0.5 * drawing.vehicle.width()
+                });
+                assert!(!hides, "{total} {degrees}");
+            }
+        }
+    }
+
+    /// The front of the vehicle touches the section on its path, and its boxes and wheels stand as its hull does.
+    #[test]
+    fn the_vehicle_comes_from_its_direction() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        drawing.vehicle = VehicleBody::assumed(8_000.0, &[0.0, 0.0]);
+        for degrees in DIRECTIONS {
+            let direction = degrees.to_radians();
+            drawing.travel(direction);
+            let mut sample = hit();
+            (sample.v1, sample.vehicle.masses) = (0.0, 2);
+            let scene = drawing.scene(&sample, None);
+            let vehicle = scene.vehicle.expect("there");
+            let (sin, cos) = direction.sin_cos();
+            let along = |[x, y, _]: [f32; 3]| f64::from(x) * cos + f64::from(y) * sin;
+            let across = |[x, y, _]: [f32; 3]| f64::from(y) * cos - f64::from(x) * sin;
+            let most = |of: &dyn Fn([f32; 3]) -> f64, places: &[[f32; 3]]| {
+                let values = places.iter().map(|it| of(*it));
+                values.fold(f64::NEG_INFINITY, f64::max)
+            };
+            // Nothing of the column is beyond the plane of the front, and some of it is on it.
+            let front = most(&along, &vehicle.hull.positions);
+            let nearest = -most(&|it| -along(it), &scene.solid.positions);
+            assert!(
+                (front - nearest).abs() < 1e-6,
+                "{degrees}: {front} {nearest}"
+            );
+            let half = 0.5 * drawing.vehicle.width();
+            for side in [1.0, -1.0] {
+                let reached = most(&|it| side * across(it), &vehicle.hull.positions);
+                assert!((reached - half).abs() < 1e-5, "{degrees}: {reached}");
+                let wheels = most(&|it| side * across(it), &vehicle.wheels);
+                assert!((wheels - (half - HALF_WHEEL)).abs() < 1e-5, "{degrees}");
+            }
+            for it in &vehicle.boxes {
+                assert!(across(it.centre).abs() < 1e-5 && along(it.centre) < front);
+            }
+            assert_eq!(vehicle.direction, direction);
+            let outwards = vehicle.hull.normals.last().expect("corners");
+            assert!(
+                (along(*outwards) + 1.0).abs() < 1e-6,
+                "the rear: {outwards:?}"
+            );
+        }
+    }
+
+    /// A vehicle from the other side bends the bars to the other side, as the fibre beam does.
+    #[test]
+    fn the_bars_bend_away_from_the_vehicle() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        let ahead = drawing.scene(&hit(), None);
+        drawing.travel(PI);
+        let back = drawing.scene(&hit(), None);
+        let turned = |[x, y, z]: [f32; 3]| [-x, -y, z];
+        for (one, other) in ahead.solid.positions.iter().zip(&back.solid.positions) {
+            assert_eq!(turned(*one), *other);
+        }
+        for (one, other) in ahead.hinges.iter().zip(&back.hinges) {
+            assert_eq!(
+                [-one.place[0], one.place[2]],
+                [other.place[0], other.place[2]]
+            );
+        }
+        let [one, other] = [ahead, back].map(|it| it.contact.expect("a contact force"));
+        assert_eq!(-one.vector[0], other.vector[0]);
+        assert_eq!(-one.origin[0], other.origin[0]);
+    }
+
+    /// The speed of an oblique vehicle is that of the two bars, and its label says so.
+    #[test]
+    fn the_label_names_the_direction() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        let mut first_lines = |degrees: f64| {
+            drawing.travel(degrees.to_radians());
+            let vehicle = drawing.scene(&hit(), None).vehicle.expect("there");
+            vehicle.label.text
+        };
+        let plain = "rigid mass (as in the paper)\n0.50 m/s";
+        assert_eq!(first_lines(0.0), plain);
+        assert_eq!(
+            first_lines(-10.0),
+            format!("{plain}\nat -10°, speed in the plane")
+        );
+        assert_eq!(first_lines(180.0), format!("{plain}\nat 180°"));
+    }
+
     #[test]
     fn no_label_covers_another() {
         for (below, above) in [
@@ -859,7 +861,8 @@ mod tests {
                     slack => VehicleBody::assumed(total, slack),
                 };
                 drawing.vehicle_name = "articulated_36t".to_owned();
-                for sample in states(slack.len()) {
+                for (sample, degrees) in in_directions(&states(slack.len())) {
+                    drawing.travel(degrees.to_radians());
                     let labels = labels_of(&drawing, &sample);
                     assert!(labels.len() >= 6);
                     let places = labels.iter().map(|it| (it, rectangle(&drawing, it)));
@@ -873,7 +876,7 @@ mod tests {
                             };
                             assert!(
                                 apart(0) || apart(1),
-                                "{below} {above} {total} {:?}: {label:?} {other:?}",
+                                "{below} {above} {total} {:?} {degrees}: {label:?} {other:?}",
                                 sample.phase
                             );
                         }
@@ -889,7 +892,8 @@ mod tests {
         let mut drawing = Drawing::new(&Parameters::default());
         for (total, masses) in [(1_719.0, 1), (8_000.0, 2)] {
             drawing.vehicle = VehicleBody::assumed(total, &[0.0; 3][..masses]);
-            for sample in states(masses) {
+            for (sample, degrees) in in_directions(&states(masses)) {
+                drawing.travel(degrees.to_radians());
                 let scene = drawing.scene(&sample, Some(total));
                 let vehicle = scene.vehicle.expect("there");
                 let column = scene.solid.positions.iter().chain(&scene.spring);
@@ -899,11 +903,11 @@ mod tests {
                     let [x, y] = drawing.camera().project(*place);
                     assert!(
                         (-10.0..VIEW[0] + 10.0).contains(&x),
-                        "{total}: {place:?} {x}"
+                        "{total} {degrees}: {place:?} {x}"
                     );
                     assert!(
                         (-10.0..VIEW[1] + 10.0).contains(&y),
-                        "{total}: {place:?} {y}"
+                        "{total} {degrees}: {place:?} {y}"
                     );
                 }
                 for label in labels_of(&drawing, &sample) {

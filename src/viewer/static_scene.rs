@@ -100,15 +100,16 @@ fn hatch(from: PlanePoint, to: PlanePoint, away: PlanePoint) -> Vec<Vec<Point3>>
     strips
 }
 
-/// An arc about a pin.
-fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point3> {
-    (0..=24)
-        .map(|piece| {
-            let angle = from + (to - from) * f64::from(piece) / 24.0;
+/// A pin of this radius, which ends on both sides of the web.
+fn pin(radius: f64) -> [Vec<Point3>; 2] {
+    [-0.02, 0.02].map(|y| {
+        let points = (0..=24).map(|piece| {
+            let angle = std::f64::consts::TAU * f64::from(piece) / 24.0;
             let offset = PlanePoint::new(angle.cos(), angle.sin());
-            in_space(centre.plus(radius, offset), -0.02)
-        })
-        .collect()
+            in_space(PlanePoint::default().plus(radius, offset), y)
+        });
+        points.collect()
+    })
 }
 
 /// Draws the base: built in as a block, pinned as a triangle with a pin, semi-rigid as a block with a spiral.
@@ -125,12 +126,7 @@ fn base(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
         let apex = in_space(PlanePoint::default(), 0.0);
         let feet = [-0.2, 0.2].map(|x| in_space(PlanePoint::new(x, -0.3), 0.0));
         strips.push(vec![apex, feet[0], feet[1], apex]);
-        strips.push(circle(
-            PlanePoint::default(),
-            0.05,
-            0.0,
-            std::f64::consts::TAU,
-        ));
+        strips.extend(pin(0.05));
         -0.3
     } else {
         let block = Boxes3D::from_centers_and_half_sizes(
@@ -178,12 +174,7 @@ fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     stream.log_static("top/plate", &plate)?;
     let mut moving = Vec::new();
     match drawing.top {
-        SupportKind::Pinned => moving.push(circle(
-            PlanePoint::default(),
-            0.06,
-            0.0,
-            std::f64::consts::TAU,
-        )),
+        SupportKind::Pinned => moving.extend(pin(0.06)),
         SupportKind::SemiRigid => moving.push(spiral(PlanePoint::default(), drawing.half_depth())),
         SupportKind::BuiltIn | SupportKind::Free => {}
     }
@@ -201,11 +192,19 @@ fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
         fixed.extend(hatch(from, to, PlanePoint::new(0.0, 0.08)));
     }
     lines(stream, "supports/top", fixed, colour::SUPPORT, 0.008)?;
+    send_load(stream, drawing)
+}
+
+/// Logs the load on the top, whose label is on the side of the vehicle that hits the column last.
+///
+/// # Errors
+/// The stream rejects the data.
+pub(super) fn send_load(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let load = drawing.load_arrow();
     let arrows = Arrows3D::from_vectors(load.iter().map(|it| it.vector))
         .with_origins(load.iter().map(|it| it.origin))
         .with_colors([color(colour::TOP)])
-        .with_radii([metres(0.006 * height)]);
+        .with_radii([metres(0.006 * drawing.lengths.total())]);
     stream.log_static("top/load", &arrows)?;
     let label = Points3D::new(load.iter().map(|it| it.label.place))
         .with_labels(load.iter().map(|it| it.label.text.as_str()))

@@ -74,8 +74,8 @@ struct ImpactProgress {
     stamp: i64,
     /// When its result was shown.
     ended: Option<Moment>,
-    /// Name and number of masses of what strikes, as it is drawn.
-    vehicle: Option<(Arc<str>, usize)>,
+    /// Name, number of masses and direction of what strikes, as it is drawn.
+    vehicle: Option<(Arc<str>, usize, f64)>,
 }
 
 /// A Rerun stream to which items are written.
@@ -310,10 +310,14 @@ impl ViewerStream {
 
     /// Whether what strikes is another vehicle than the one that is drawn, where the states tell it.
     fn is_other_vehicle(&self, state: &StateOutput) -> bool {
-        let (Some((name, masses)), Some(vehicle)) = (&self.progress.vehicle, &state.vehicle) else {
+        let (Some((name, masses, direction)), Some(vehicle)) =
+            (&self.progress.vehicle, &state.vehicle)
+        else {
             return false;
         };
-        *name != vehicle.name || *masses != state.sample.vehicle.masses
+        *name != vehicle.name
+            || *masses != state.sample.vehicle.masses
+            || *direction != vehicle.direction
     }
 
     /// Begins another impact.
@@ -349,19 +353,26 @@ impl ViewerStream {
         let first = state.sample;
         let masses = first.vehicle.masses;
         let vehicle = state.vehicle.as_ref();
-        self.progress.vehicle = vehicle.map(|it| (Arc::clone(&it.name), masses));
+        self.progress.vehicle = vehicle.map(|it| (Arc::clone(&it.name), masses, it.direction));
         let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
         // A running twin tells what hits the column with every state, a recording with the report.
-        let (name, given) = match (&state.vehicle, &self.progress.forecast) {
-            (Some(it), _) => (&*it.name, Some(it.mass)),
-            (None, Some(it)) => (it.report.vehicle.as_str(), Some(it.report.mass)),
-            (None, None) => ("", None),
+        let report = self.progress.forecast.as_ref().map(|it| &it.report);
+        let (name, given, direction) = match (&state.vehicle, report) {
+            (Some(it), _) => (&*it.name, Some(it.mass), it.direction),
+            (None, Some(it)) if it.mass > 0.0 => (&*it.vehicle, Some(it.mass), it.direction),
+            // It does not tell what hits the column.
+            (None, Some(it)) => (&*it.vehicle, None, self.parameters.direction()),
+            (None, None) => ("", None, self.parameters.direction()),
         };
         let mass = given.filter(|it| *it > 0.0).or(mass);
-        if self
+        let is_turned = self.drawing.travel(direction);
+        let is_changed = self
             .drawing
-            .change_vehicle(&self.parameters, name, mass, masses)
-        {
+            .change_vehicle(&self.parameters, name, mass, masses);
+        if is_turned {
+            static_scene::send_load(&self.branch, &self.drawing)?;
+        }
+        if is_turned || is_changed {
             self.send_blueprint()?;
             force_crush::send_statics(&self.branch, self.drawing.springs.as_ref())?;
         }

@@ -5,6 +5,7 @@
 
 mod beam;
 mod detected;
+mod direction;
 #[cfg(all(feature = "cli", feature = "ros"))]
 #[path = "../ros/domain.rs"]
 mod domain;

@@ -52,6 +52,15 @@ pub fn share_in_plane(direction: f64) -> f64 {
     }
 }
 
+/// Least share of a motion in the plane of the two bars from which they tell anything of it.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// Whether the two bars see a hit in this direction \[rad\] at all: at right angles to their plane it has no component in it.
+#[must_use]
+pub fn is_seen_by_the_bars(direction: f64) -> bool {
+    share_in_plane(direction) > LEAST_SHARE
+}
+
 /// The two bars need a velocity above 0 also where the vehicle travels at right angles to their plane \[m/s\].
 const LEAST_VELOCITY_IN_PLANE: f64 = 1e-6;
 

@@ -173,7 +173,7 @@ pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{
     Impact, ImpactError, ImpactSpecification, MAX_TRANSVERSE_ACCELERATION, is_direction,
-    share_in_plane,
+    is_seen_by_the_bars, share_in_plane,
 };
 pub use ledger::{Energies, Ledger};
 pub use model::{MAX_BUMPER_SHARE, Model, ModelError, RestState};
