@@ -38,6 +38,8 @@
 // - main.rs: The program `column-twin`
 // - messages/: The messages that the twin exchanges with other programs, as Rust types
 // - numerics/: Numerical methods that know nothing of columns and give the same bits on every processor
+// - observables.rs: What can be observed of a column at an instant, and at which hinges and webs: one table of quantities and one of
+//   places
 // - outgoing/: Converts the outputs of the twin to messages
 // - parameters/: Parameters: declaration, validation and documentation follow from one table
 // - recording/: The crate `rosbag2_mcap` with the names, message definitions and parameters of this program
@@ -82,6 +84,7 @@ pub mod keystore;
 pub mod live;
 pub mod messages;
 mod numerics;
+pub mod observables;
 pub mod outgoing;
 pub mod parameters;
 #[cfg(feature = "record")]

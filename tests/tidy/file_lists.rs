@@ -200,7 +200,7 @@ const RECIPES: [Recipe; 5] = [
     Recipe {
         task: "a column of the history",
         example: "`base_moment_Nm`",
-        names: &["base_moment_Nm"],
+        names: &["BASE_MOMENT"],
         besides: "`crates/mechanics/src/sample.rs`, where the mechanics show the quantity",
     },
 ];
