@@ -368,11 +368,7 @@ impl Replayer {
             Ok(message) => message,
             Err(error) => {
                 found.topics[topic.index()].unexpected += 1;
-                return found.note_difference(place.difference(
-                    "the message",
-                    format!("not readable ({error})"),
-                    "a message of this type",
-                ));
+                return found.note_difference(place.unreadable(&error));
             }
         };
         let place = Place {
