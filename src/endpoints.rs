@@ -121,7 +121,12 @@ impl Endpoint {
     /// Whether the node of a fleet has it, or that of a single twin.
     #[must_use]
     pub fn is_of(&self, is_fleet: bool) -> bool {
-        self.owner != if is_fleet { Owner::Single } else { Owner::Fleet }
+        self.owner
+            != if is_fleet {
+                Owner::Single
+            } else {
+                Owner::Fleet
+            }
     }
 
     /// Package and bare name of the type.

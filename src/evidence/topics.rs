@@ -12,7 +12,9 @@ pub(super) const INPUTS: [&Endpoint; 2] = [&endpoints::IMPACT_EVENT, &endpoints:
 /// The endpoints that are recorded of a single twin or of a fleet: those that it has.
 fn recorded(of_fleet: bool) -> Vec<&'static Endpoint> {
     let all = std::iter::once(&endpoints::JOURNAL).chain(ENDPOINTS);
-    let mut recorded: Vec<_> = all.filter(|it| it.is_recorded && it.is_of(of_fleet)).collect();
+    let mut recorded: Vec<_> = all
+        .filter(|it| it.is_recorded && it.is_of(of_fleet))
+        .collect();
     // The log is the last one, as in all recordings.
     recorded.sort_by_key(|it| it.name == endpoints::ROSOUT.name);
     recorded

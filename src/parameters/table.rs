@@ -7,11 +7,13 @@ use super::parameter::Admissible::{
     Choice, Processors, RealOrOpen, SectionName, Sender, SteelGrade, Switch, VehicleName,
     WholeNanoseconds,
 };
-use super::parameter::{Applies, DefaultValue, Parameter, integer, list, or_zero, parameters, real, text};
+use super::parameter::{
+    Applies, DefaultValue, Parameter, integer, list, or_zero, parameters, real, text,
+};
 use super::ranges::{
-    ALARM_ACTION, BUCKLING_FACTOR, CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION, HINGE_STIFFNESS, IDENTIFIER,
-    LENGTH, OPTIONAL_PATH, ORIGINS, SELECTED_COLUMNS, SENSOR_NAMES, SITE, SLACK, SUPPORT, SUPPORT_STIFFNESS,
-    TOP_SUPPORT, UNLOADING_STIFFNESS, VEHICLE_MASS,
+    ALARM_ACTION, BUCKLING_FACTOR, CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION,
+    HINGE_STIFFNESS, IDENTIFIER, LENGTH, OPTIONAL_PATH, ORIGINS, SELECTED_COLUMNS, SENSOR_NAMES,
+    SITE, SLACK, SUPPORT, SUPPORT_STIFFNESS, TOP_SUPPORT, UNLOADING_STIFFNESS, VEHICLE_MASS,
 };
 use crate::column::MAX_MASSES;
 

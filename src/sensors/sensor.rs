@@ -44,7 +44,7 @@ quantities! {
     Displacement "displacement" "m" "mm" 1e3 "Transverse displacement at a height.";
     Rotation "rotation" "rad" "mrad" 1e3 "Rotation of the axis at a height.";
     BendingStrain "bending_strain" "" "µm/m" 1e6
-        "Strain of a fibre at a height that bending alone causes, without that of the axial force.";
+        "Strain of a fibre at a height that bending alone causes, without the strain of the axial force.";
     AxialStrain "axial_strain" "" "µm/m" 1e6 "Strain of the centroid at a height, which the axial force causes.";
     ContactForce "contact_force" "N" "kN" 1e-3 "Force between vehicle and column, compression positive.";
 }

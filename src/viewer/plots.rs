@@ -67,7 +67,10 @@ impl Plot {
                 .iter_mut()
                 .skip(1)
                 .for_each(|it| it.insert_str(0, "+ "));
-            names.extend(names.pop().map(|it| it + " = total"));
+            names
+                .last_mut()
+                .into_iter()
+                .for_each(|it| it.push_str(" = total"));
         }
         names
     }
