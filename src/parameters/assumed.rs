@@ -66,6 +66,7 @@ impl AssumedInput {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameter::Parameter;
     use super::super::{Override, Parameters, Source, Value, parse_override};
     use super::*;
 
