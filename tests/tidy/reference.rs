@@ -73,7 +73,9 @@ fn endpoints() -> Vec<Endpoint> {
         let mut qos = qos.trim_end_matches(';');
         // The properties behind it.
         while let Some((before, property)) = qos.rsplit_once(", ")
-            && property.bytes().all(|it| it == b'_' || it.is_ascii_lowercase())
+            && property
+                .bytes()
+                .all(|it| it == b'_' || it.is_ascii_lowercase())
         {
             qos = before;
         }
