@@ -11,6 +11,23 @@ pub struct Endpoint {
     pub direction: Direction,
     /// Quality of service; for a service, that of requests and replies.
     pub qos: Qos,
+    /// Which nodes have it.
+    pub owner: Owner,
+    /// Whether its messages are recorded.
+    pub is_recorded: bool,
+    /// Whether it shows columns at rest as well, again and again. The others tell what follows from an impact.
+    pub shows_rest: bool,
+}
+
+/// The nodes that have an endpoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner {
+    /// All.
+    Every,
+    /// Those of a single twin; in a fleet it is in the namespaces of the columns, if anywhere.
+    Single,
+    /// Those of a fleet.
+    Fleet,
 }
 
 /// The direction of messages, from the point of view of the node.
@@ -67,7 +84,49 @@ impl Endpoint {
             type_name,
             direction,
             qos,
+            owner: Owner::Every,
+            is_recorded: false,
+            shows_rest: false,
         }
+    }
+
+    const fn single(self) -> Self {
+        Self {
+            owner: Owner::Single,
+            ..self
+        }
+    }
+
+    const fn fleet(self) -> Self {
+        Self {
+            owner: Owner::Fleet,
+            ..self
+        }
+    }
+
+    const fn recorded(self) -> Self {
+        Self {
+            is_recorded: true,
+            ..self
+        }
+    }
+
+    const fn at_rest(self) -> Self {
+        Self {
+            shows_rest: true,
+            ..self
+        }
+    }
+
+    /// Whether the node of a fleet has it, or that of a single twin.
+    #[must_use]
+    pub fn is_of(&self, is_fleet: bool) -> bool {
+        self.owner
+            != if is_fleet {
+                Owner::Single
+            } else {
+                Owner::Fleet
+            }
     }
 
     /// Package and bare name of the type.
@@ -120,8 +179,8 @@ impl Endpoint {
 }
 
 macro_rules! endpoints {
-    ($($(#[$doc:meta])* $constant:ident = $name:literal $type_name:literal $direction:ident $qos:expr;)*) => {
-        $($(#[$doc])* pub const $constant: Endpoint = Endpoint::new($name, $type_name, Direction::$direction, $qos);)*
+    ($($(#[$doc:meta])* $constant:ident = $name:literal $type_name:literal $direction:ident $qos:expr $(, $property:ident)*;)*) => {
+        $($(#[$doc])* pub const $constant: Endpoint = Endpoint::new($name, $type_name, Direction::$direction, $qos)$(.$property())*;)*
 
         /// All endpoints.
         pub const ENDPOINTS: &[Endpoint] = &[$($constant),*];
@@ -142,44 +201,44 @@ const SERVICE: Qos = Qos::reliable(2000);
 
 endpoints! {
     /// Impact events.
-    IMPACT_EVENT = "impact_event" "column_twin_msgs/msg/ImpactEvent" In Qos::reliable(100);
+    IMPACT_EVENT = "impact_event" "column_twin_msgs/msg/ImpactEvent" In Qos::reliable(100), recorded;
     /// Impacts of one vehicle on several columns of a fleet.
-    ROW_IMPACT_EVENT = "row_impact_event" "column_twin_msgs/msg/RowImpactEvent" In Qos::reliable(100);
+    ROW_IMPACT_EVENT = "row_impact_event" "column_twin_msgs/msg/RowImpactEvent" In Qos::reliable(100), fleet;
     /// Parameters of the column.
-    COLUMN_PARAMETERS = "column_parameters" "column_twin_msgs/msg/ColumnParameters" In Qos::reliable(10);
+    COLUMN_PARAMETERS = "column_parameters" "column_twin_msgs/msg/ColumnParameters" In Qos::reliable(10), recorded;
     /// Samples of the sensors on the column.
-    MEASUREMENTS = "measurements" "column_twin_msgs/msg/Measurement" In SENSOR_DATA;
+    MEASUREMENTS = "measurements" "column_twin_msgs/msg/Measurement" In SENSOR_DATA, recorded;
     /// Simulated time.
     CLOCK = "/clock" "rosgraph_msgs/msg/Clock" In Qos { reliable: false, ..Qos::reliable(1) };
     /// State at `publish_rate`.
-    COLUMN_STATE = "column_state" "column_twin_msgs/msg/ColumnState" Out Qos::reliable(1000);
+    COLUMN_STATE = "column_state" "column_twin_msgs/msg/ColumnState" Out Qos::reliable(1000), recorded;
     /// Hinge forces at `publish_rate`.
-    HINGE_FORCES = "hinge_forces" "column_twin_msgs/msg/HingeForces" Out Qos::reliable(1000);
+    HINGE_FORCES = "hinge_forces" "column_twin_msgs/msg/HingeForces" Out Qos::reliable(1000), recorded;
     /// Predicted outcome of an impact.
-    IMPACT_FORECAST = "impact_forecast" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10);
+    IMPACT_FORECAST = "impact_forecast" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10), recorded;
     /// Outcome of an impact.
-    IMPACT_REPORT = "impact_report" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10);
+    IMPACT_REPORT = "impact_report" "column_twin_msgs/msg/ImpactReport" Out Qos::latched(10), recorded;
     /// An impact, estimated from the sensors; latched, so that a late subscriber has the newest estimate, and no stale one.
-    IMPACT_ESTIMATE = "impact_estimate" "column_twin_msgs/msg/ImpactEstimate" Out Qos::latched(1);
+    IMPACT_ESTIMATE = "impact_estimate" "column_twin_msgs/msg/ImpactEstimate" Out Qos::latched(1), recorded;
     /// State of the twin.
-    TWIN_STATUS = "twin_status" "column_twin_msgs/msg/TwinStatus" Out Qos::latched(1);
+    TWIN_STATUS = "twin_status" "column_twin_msgs/msg/TwinStatus" Out Qos::latched(1), recorded, at_rest;
     /// Status of the columns of a fleet; as many messages are kept for late joiners as one round of all columns takes.
-    FLEET_STATUS = "fleet_status" "column_twin_msgs/msg/FleetStatus" Out Qos::latched(20);
+    FLEET_STATUS = "fleet_status" "column_twin_msgs/msg/FleetStatus" Out Qos::latched(20), recorded, at_rest, fleet;
     /// The hinges as joints.
-    JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10);
+    JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10), recorded, at_rest, single;
     /// The deformed column; latched, so that late viewers show it as the last response left it. At rest it is published once per second
     /// until the first response.
-    MARKERS = "markers" "visualization_msgs/msg/MarkerArray" Out Qos::latched(1);
+    MARKERS = "markers" "visualization_msgs/msg/MarkerArray" Out Qos::latched(1), recorded, at_rest, single;
     /// Health of the node.
-    DIAGNOSTICS = "/diagnostics" "diagnostic_msgs/msg/DiagnosticArray" Out Qos::reliable(10);
+    DIAGNOSTICS = "/diagnostics" "diagnostic_msgs/msg/DiagnosticArray" Out Qos::reliable(10), recorded;
     /// Log messages, published as rcl does.
-    ROSOUT = "/rosout" "rcl_interfaces/msg/Log" Out Qos { lifespan: Some(10), ..Qos::latched(1000) };
+    ROSOUT = "/rosout" "rcl_interfaces/msg/Log" Out Qos { lifespan: Some(10), ..Qos::latched(1000) }, recorded;
     /// Parameter changes, published as rclcpp does.
-    PARAMETER_EVENTS = "/parameter_events" "rcl_interfaces/msg/ParameterEvent" Out Qos::reliable(1000);
+    PARAMETER_EVENTS = "/parameter_events" "rcl_interfaces/msg/ParameterEvent" Out Qos::reliable(1000), recorded;
     /// Returns to the undamaged column.
-    RESET = "~/reset" "std_srvs/srv/Trigger" Service SERVICE;
+    RESET = "~/reset" "std_srvs/srv/Trigger" Service SERVICE, single;
     /// Returns to one undamaged column of a fleet.
-    RESET_COLUMN = "~/reset_column" "column_twin_msgs/srv/ResetColumn" Service SERVICE;
+    RESET_COLUMN = "~/reset_column" "column_twin_msgs/srv/ResetColumn" Service SERVICE, fleet;
     /// Predicts the outcome of an impact without executing it.
     PREDICT = "~/predict" "column_twin_msgs/srv/PredictImpact" Service SERVICE;
     /// Accepts or rejects the newest impact that the sensors have detected.
@@ -220,4 +279,5 @@ pub const JOURNAL: Endpoint = Endpoint::new(
     "std_msgs/msg/String",
     Direction::Out,
     Qos::latched(1),
-);
+)
+.recorded();

@@ -38,13 +38,15 @@
 // - main.rs: The program `column-twin`
 // - messages/: The messages that the twin exchanges with other programs, as Rust types
 // - numerics/: Numerical methods that know nothing of columns and give the same bits on every processor
+// - observables.rs: What can be observed of a column at an instant, and at which hinges and webs: one table of quantities and
+//   one of places
 // - outgoing/: Converts the outputs of the twin to messages
 // - parameters/: Parameters: declaration, validation and documentation follow from one table
 // - recording/: The crate `rosbag2_mcap` with the names, message definitions and parameters of this program
 // - report/: The report for people: one HTML file about one impact, all impacts of a recording, or an impact that was estimated
 //   from the readings of sensors, with everything inside it
-// - results/: Results under the names that programs see, which are a stable interface: the JSON and the CSV of the command
-//   line, and the Python package
+// - results/: Results under the names that programs see, which are a stable interface: the JSON of the command line, and the
+//   Python package
 // - ros/: The ROS 2 node: the twin's interface over ros2-client and RustDDS
 // - second_opinion/: The second opinion on an impact: the same hit on the same column, computed with the fibre beam of
 //   `column_beam` beside the two bars
@@ -82,6 +84,7 @@ pub mod keystore;
 pub mod live;
 pub mod messages;
 mod numerics;
+pub mod observables;
 pub mod outgoing;
 pub mod parameters;
 #[cfg(feature = "record")]

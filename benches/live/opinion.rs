@@ -1,8 +1,11 @@
-//! Time from a forecast to the same forecast with the second opinion of the fibre beam, and what the beam costs the forecast itself.
+//! Time from a forecast to the same forecast with the second opinion of the fibre beam, to the one with the range of its verdict, which
+//! contains the beam with a second hardening, and what the beam costs the forecast itself.
 
 use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin_msgs::{ImpactEvent, ImpactReport, SecondOpinion};
+use column_twin::messages::column_twin_msgs::{
+    ImpactEvent, ImpactReport, SecondOpinion, TwinStatus,
+};
 use column_twin::ros::qos;
 
 use super::domain::{Domain, PATIENCE};
@@ -28,11 +31,13 @@ const ROUNDS: usize = 5;
 /// Between two looks at what has arrived, each with its time.
 const POLL: Duration = Duration::from_millis(1);
 
-/// The times of all hits \[ms\]: from the event to the forecast, and from the forecast to the one with the beam.
+/// The times of all hits \[ms\]: from the event to the forecast, from the forecast to the one with the beam, and to the one with the
+/// range of the verdict.
 struct Times {
     forecast: Ranked,
     in_plane: Ranked,
     oblique: Ranked,
+    range: Ranked,
 }
 
 fn measured(mode: &str) -> Times {
@@ -58,6 +63,7 @@ fn measured(mode: &str) -> Times {
     let events = peer.publisher::<ImpactEvent>(&qos::IMPACT_EVENT);
     let millis = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
     let (mut forecast_times, mut in_plane, mut oblique) = (vec![], vec![], vec![]);
+    let mut range_times = vec![];
     for number in 0..ROUNDS * HITS.len() {
         let (degrees, velocity, vehicle) = HITS[number % HITS.len()];
         let id = format!("impact-{number:06}");
@@ -70,13 +76,13 @@ fn measured(mode: &str) -> Times {
                 ..event(&id, now(), mass, velocity)
             })
             .expect("room for one");
-        let (mut forecast, mut known, mut is_over) = (None, None, false);
+        let (mut forecast, mut known, mut range, mut is_over) = (None, None, None, false);
         let end = Instant::now() + PATIENCE;
         // The beam comes with the forecast, or with the result where the response is over by then.
-        while forecast.is_none() || known.is_none() || !is_over {
+        while forecast.is_none() || known.is_none() || range.is_none() || !is_over {
             assert!(
                 Instant::now() < end,
-                "no forecast, result or second opinion on {id}"
+                "no forecast, result, second opinion or range of the verdict on {id}"
             );
             for (reader, is_result) in [(&forecasts, false), (&reports, true)] {
                 for (at, it) in reader.arrivals.try_iter() {
@@ -85,6 +91,9 @@ fn measured(mode: &str) -> Times {
                     }
                     is_over |= is_result;
                     forecast.get_or_insert(at);
+                    if it.range_most != TwinStatus::ACTION_UNKNOWN {
+                        range.get_or_insert(at);
+                    }
                     if it.beam.state != SecondOpinion::PENDING {
                         known.get_or_insert((at, it.beam));
                     }
@@ -103,12 +112,14 @@ fn measured(mode: &str) -> Times {
             };
             times.push(millis(received, at));
         }
+        range_times.push(millis(received, range.expect("it was awaited")));
         reset();
     }
     Times {
         forecast: Ranked::new(forecast_times),
         in_plane: Ranked::new(in_plane),
         oblique: Ranked::new(oblique),
+        range: Ranked::new(range_times),
     }
 }
 
@@ -124,6 +135,7 @@ pub fn run(_: Duration) {
         ("event to forecast, with the beam", &with.forecast),
         ("forecast to second opinion, in the plane", &with.in_plane),
         ("forecast to second opinion, oblique", &with.oblique),
+        ("forecast to the range of the verdict", &with.range),
     ] {
         let columns = [50.0, 95.0, 99.0, 100.0].map(|percent| times.percentile(percent));
         row(name, columns.map(number));

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use crate::column::{HINGES, Report, Sample, WEBS};
+use crate::observables::{HINGE_PLACES, WEB_PLACES};
 
 /// The part of the column that has come closest to its strength.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -76,24 +77,21 @@ impl Display for Utilisation {
 
 impl Display for UtilisedPart {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        const HINGES: [&str; 4] = [
-            "below the impact point (hinge 1a)",
-            "above the impact point (hinge 1b)",
-            "at the top (hinge 2)",
-            "at the base (hinge 3)",
-        ];
-        const WEBS: [&str; 2] = ["below the impact point", "above the impact point"];
-        let place = |places: &[&'static str], index: u8| {
-            places
-                .get(usize::from(index))
-                .copied()
-                .unwrap_or("somewhere")
+        let (what, place) = match *self {
+            Self::Hinge(index) => (
+                "bending with normal force",
+                HINGE_PLACES.get(usize::from(index)),
+            ),
+            Self::Web(index) => ("shear of the web", WEB_PLACES.get(usize::from(index))),
         };
-        match *self {
-            Self::Hinge(index) => {
-                write!(f, "bending with normal force {}", place(&HINGES, index))
-            }
-            Self::Web(index) => write!(f, "shear of the web {}", place(&WEBS, index)),
+        write!(
+            f,
+            "{what} {}",
+            place.map_or("somewhere", |it| it.in_sentence)
+        )?;
+        match (self, place) {
+            (Self::Hinge(_), Some(hinge)) => write!(f, " (hinge {})", hinge.name),
+            _ => Ok(()),
         }
     }
 }

@@ -3,14 +3,14 @@
 use std::io::{self, Write};
 
 use column_twin::column::Sample;
-use column_twin::results::HistoryColumns;
+use column_twin::observables::history;
 
 /// Writes samples as CSV: a header with the unit in every name, then one row per sample. Numbers read back to the same
 /// bits.
 pub struct HistoryWriter<W: Write> {
     table: csv::Writer<W>,
     row: csv::StringRecord,
-    columns: HistoryColumns,
+    masses: usize,
 }
 
 impl<W: Write> HistoryWriter<W> {
@@ -20,12 +20,14 @@ impl<W: Write> HistoryWriter<W> {
     /// The target cannot be written to.
     pub fn new(target: W, masses: usize) -> io::Result<Self> {
         let mut table = csv::Writer::from_writer(target);
-        let columns = HistoryColumns::new(masses);
-        table.write_record(columns.names()).map_err(cause)?;
+        let names = history(masses).map(|(it, index)| it.in_histories(index));
+        table
+            .write_record(names.collect::<Vec<_>>())
+            .map_err(cause)?;
         Ok(Self {
             table,
             row: csv::StringRecord::new(),
-            columns,
+            masses,
         })
     }
 
@@ -35,9 +37,9 @@ impl<W: Write> HistoryWriter<W> {
     /// The target cannot be written to.
     pub fn write(&mut self, sample: &Sample) -> io::Result<()> {
         self.row.clear();
-        let row = &mut self.row;
-        self.columns
-            .values(sample, |value| row.push_field(&exact(value)));
+        for (it, index) in history(self.masses) {
+            self.row.push_field(&exact(it.value(sample, index)));
+        }
         self.table.write_record(&self.row).map_err(cause)
     }
 
@@ -89,7 +91,7 @@ mod tests {
         let text = writer.finish().unwrap();
         let mut table = csv::Reader::from_reader(&text[..]);
         let header = table.headers().unwrap().clone();
-        assert_eq!(header.len(), HistoryColumns::new(0).names().len());
+        assert_eq!(header.len(), history(0).count());
         let place = |name: &str| header.iter().position(|column| column == name).unwrap();
         let rows: Vec<_> = table.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), samples.len());

@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use column_twin::assessment::{ActionRange, ImpactEvaluation};
 use column_twin::column::{
-    ForceSpectrum, HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_IMPACT_IMPULSES, Outcome, Report,
+    ForceSpectrum, HINGES, HingeReport, MAX_ELASTIC_IMPACT_IMPULSES, Outcome, Report,
 };
 use column_twin::figures::units::{Unit, significant};
+use column_twin::observables::{HINGE_PLACES, WEB_PLACES};
 use column_twin::parameters::{NoShear, readable};
 use column_twin::report::{
     EnergyBalance, base_rows, end_in_words, in_kilo, instead_of_a_residual, outcome_in_words,
 };
 use column_twin::results::{BeamAnswer, ImpactFields, Travel};
 use column_twin::second_opinion::{NoSecondOpinion, SecondOpinion};
-use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
 
 /// Width of a terminal \[characters\].
 const WIDTH: usize = 80;
@@ -396,8 +396,8 @@ impl Summary<'_> {
             writeln!(
                 f,
                 "  {:<3}{:<19}{:>14}{:>24}{:>16}",
-                HINGE_NAMES[hinge],
-                HINGE_PLACES[hinge],
+                HINGE_PLACES[hinge].name,
+                HINGE_PLACES[hinge].words,
                 first_yield.map_or("never".into(), |time| self.time(time)),
                 format!(
                     "{:.5} rad {:>6.2}°",
@@ -430,7 +430,7 @@ impl Summary<'_> {
             writeln!(
                 f,
                 "  {:<22}{:>14}{:>24}{:>16}",
-                place,
+                place.words,
                 web.first_yield
                     .map_or("never".into(), |time| self.time(time)),
                 format!(

@@ -106,9 +106,7 @@ impl Columns {
                 Err(error) => {
                     // It may be of any column.
                     self.lose_measurements(UNREADABLE, found);
-                    let read = format!("not readable ({error})");
-                    let own = "a message of this type";
-                    return found.note_difference(place.difference("the message", read, own));
+                    return found.note_difference(place.unreadable(&error));
                 }
             }
         }

@@ -100,6 +100,12 @@ impl Place<'_> {
         }
     }
 
+    /// The message cannot be read.
+    pub fn unreadable(&self, error: &impl fmt::Display) -> Difference {
+        let read = format!("not readable ({error})");
+        self.difference("the message", read, "a message of this type")
+    }
+
     /// The first field that differs. Numbers are compared in their JSON form, which is exact except for the bits of a
     /// NaN.
     pub fn first_difference<T: Serialize>(&self, recorded: &T, computed: &T) -> Option<Difference> {

@@ -35,11 +35,7 @@ impl FleetStatuses {
             Ok(status) => status,
             Err(error) => {
                 found.fleet_statuses.unexpected += 1;
-                return found.note_difference(place.difference(
-                    "the message",
-                    format!("not readable ({error})"),
-                    "a message of this type",
-                ));
+                return found.note_difference(place.unreadable(&error));
             }
         };
         let place = &Place {

@@ -263,11 +263,7 @@ impl Inputs {
                         ..difference
                     })
             }
-            Err(error) => Some(first.place_in(place).difference(
-                "the message",
-                format!("not readable ({error})"),
-                "a message of this type",
-            )),
+            Err(error) => Some(first.place_in(place).unreadable(&error)),
         };
         if let Some(difference) = difference {
             found.inputs_of[index].differing += 1;

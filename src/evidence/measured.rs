@@ -77,11 +77,7 @@ impl Measured {
             Ok(measurement) => measurement,
             Err(error) => {
                 self.lose(UNREADABLE);
-                return found.note_difference(place.difference(
-                    "the message",
-                    format!("not readable ({error})"),
-                    "a message of this type",
-                ));
+                return found.note_difference(place.unreadable(&error));
             }
         };
         let Ok(intake) = &mut self.intake else {

@@ -81,6 +81,6 @@ pub use lines::{MAX_DELAY, MAX_LEAD};
 pub use losses::LOSS_SHOWS_WITHIN;
 pub use node_recording::{NodeRecording, WallClock};
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
-pub use topics::{RECORDED, RECORDED_OF_FLEET, Topics};
+pub use topics::Topics;
 pub use verification::{ColumnCheck, LEAST_SHARE, NOT_RECOMPUTED, TopicCheck, Verification};
 pub use verify::{Observed, VerifyError, verify, verify_column, verify_observed, verify_reader};

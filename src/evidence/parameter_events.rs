@@ -31,11 +31,7 @@ impl ParameterEvents {
             Ok(event) => event,
             Err(error) => {
                 found.parameter_events.unexpected += 1;
-                return found.note_difference(place.difference(
-                    "the message",
-                    format!("not readable ({error})"),
-                    "a message of this type",
-                ));
+                return found.note_difference(place.unreadable(&error));
             }
         };
         self.take(event, place, found);

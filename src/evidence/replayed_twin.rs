@@ -65,17 +65,12 @@ impl Due {
                     && it.event_id() == recorded.event_id()
             }
             Self::State(it) => {
-                is_of_state(recorded.topic())
+                recorded.topic().is_of_state()
                     && recorded.stamp() == Some(it.stamp)
                     && recorded.event_id().is_none_or(|id| *id == *it.event_id)
             }
         }
     }
-}
-
-fn is_of_state(topic: Topic) -> bool {
-    use Topic::{ColumnState, HingeForces, JointStates, Markers};
-    matches!(topic, ColumnState | HingeForces | JointStates | Markers)
 }
 
 /// Whether a state is the last one of its response.

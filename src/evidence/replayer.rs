@@ -118,8 +118,7 @@ impl Replayer {
         replayed.unexpected.retain(|(topic, _)| {
             let is_excused = match topic {
                 Topic::TwinStatus => excused > 0,
-                Topic::JointStates | Topic::Markers => missing_lines > 0,
-                _ => false,
+                _ => topic.endpoint().shows_rest && missing_lines > 0,
             };
             if is_excused {
                 excused -= u64::from(*topic == Topic::TwinStatus);
@@ -369,11 +368,7 @@ impl Replayer {
             Ok(message) => message,
             Err(error) => {
                 found.topics[topic.index()].unexpected += 1;
-                return found.note_difference(place.difference(
-                    "the message",
-                    format!("not readable ({error})"),
-                    "a message of this type",
-                ));
+                return found.note_difference(place.unreadable(&error));
             }
         };
         let place = Place {

@@ -79,18 +79,11 @@ impl Selection for SingleRecording {
         if !self.events_only {
             return true;
         }
-        // Joint states and markers come with the status, too.
-        let periodic = [
-            endpoints::TWIN_STATUS.name,
-            endpoints::DIAGNOSTICS.name,
-            endpoints::JOINT_STATES.name,
-            endpoints::MARKERS.name,
-        ];
-        if !periodic.contains(&endpoint.name) {
-            return true;
-        }
         if endpoint.name == endpoints::DIAGNOSTICS.name {
             return self.levels.change(bytes) || self.is_active;
+        }
+        if !endpoint.shows_rest {
+            return true;
         }
         let was_active = self.is_active;
         if endpoint.name == endpoints::TWIN_STATUS.name && is_at_rest(bytes) {

@@ -2,49 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use crate::endpoints::{self, Endpoint};
+use crate::endpoints::{self, ENDPOINTS, Endpoint};
 use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// The topics whose messages become commands.
 pub(super) const INPUTS: [&Endpoint; 2] = [&endpoints::IMPACT_EVENT, &endpoints::COLUMN_PARAMETERS];
 
-/// The endpoints that are recorded of a single twin.
-pub const RECORDED: [&Endpoint; 15] = [
-    &endpoints::JOURNAL,
-    &endpoints::IMPACT_EVENT,
-    &endpoints::COLUMN_PARAMETERS,
-    &endpoints::MEASUREMENTS,
-    &endpoints::COLUMN_STATE,
-    &endpoints::HINGE_FORCES,
-    &endpoints::IMPACT_FORECAST,
-    &endpoints::IMPACT_REPORT,
-    &endpoints::IMPACT_ESTIMATE,
-    &endpoints::TWIN_STATUS,
-    &endpoints::JOINT_STATES,
-    &endpoints::MARKERS,
-    &endpoints::DIAGNOSTICS,
-    &endpoints::PARAMETER_EVENTS,
-    &endpoints::ROSOUT,
-];
-
-/// The endpoints that are recorded of a fleet: those that it has.
-pub const RECORDED_OF_FLEET: [&Endpoint; 14] = [
-    &endpoints::JOURNAL,
-    &endpoints::IMPACT_EVENT,
-    &endpoints::COLUMN_PARAMETERS,
-    &endpoints::MEASUREMENTS,
-    &endpoints::COLUMN_STATE,
-    &endpoints::HINGE_FORCES,
-    &endpoints::IMPACT_FORECAST,
-    &endpoints::IMPACT_REPORT,
-    &endpoints::IMPACT_ESTIMATE,
-    &endpoints::TWIN_STATUS,
-    &endpoints::FLEET_STATUS,
-    &endpoints::DIAGNOSTICS,
-    &endpoints::PARAMETER_EVENTS,
-    &endpoints::ROSOUT,
-];
+/// The endpoints that are recorded of a single twin or of a fleet: those that it has.
+fn recorded(of_fleet: bool) -> Vec<&'static Endpoint> {
+    let all = std::iter::once(&endpoints::JOURNAL).chain(ENDPOINTS);
+    let mut recorded: Vec<_> = all
+        .filter(|it| it.is_recorded && it.is_of(of_fleet))
+        .collect();
+    // The log is the last one, as in all recordings.
+    recorded.sort_by_key(|it| it.name == endpoints::ROSOUT.name);
+    recorded
+}
 
 /// Name of the node in recordings made without a node.
 const NODE: &str = "column_twin";
@@ -52,7 +26,7 @@ const NODE: &str = "column_twin";
 /// The topics of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topics {
-    endpoints: &'static [&'static Endpoint],
+    endpoints: Vec<&'static Endpoint>,
     /// In the order of the endpoints.
     names: Vec<String>,
 }
@@ -63,7 +37,7 @@ impl Topics {
     /// # Errors
     /// The first error of `resolve`.
     pub fn resolved<E>(resolve: impl FnMut(&Endpoint) -> Result<String, E>) -> Result<Self, E> {
-        Self::of(&RECORDED, resolve)
+        Self::of(false, resolve)
     }
 
     /// The topics of a fleet with the names that `resolve` returns.
@@ -73,13 +47,14 @@ impl Topics {
     pub fn resolved_of_fleet<E>(
         resolve: impl FnMut(&Endpoint) -> Result<String, E>,
     ) -> Result<Self, E> {
-        Self::of(&RECORDED_OF_FLEET, resolve)
+        Self::of(true, resolve)
     }
 
     fn of<E>(
-        endpoints: &'static [&'static Endpoint],
+        of_fleet: bool,
         resolve: impl FnMut(&Endpoint) -> Result<String, E>,
     ) -> Result<Self, E> {
+        let endpoints = recorded(of_fleet);
         let names: Result<_, E> = endpoints.iter().copied().map(resolve).collect();
         Ok(Self {
             endpoints,
@@ -90,20 +65,19 @@ impl Topics {
     /// The topics of a node `/column_twin` without remapping.
     #[must_use]
     pub fn of_default_node() -> Self {
-        Self {
-            endpoints: &RECORDED,
-            names: RECORDED.iter().copied().map(default_name).collect(),
-        }
+        Self::of_default(false)
     }
 
     /// The topics of the node `/column_twin` of a fleet without remapping.
     #[must_use]
     pub fn of_default_fleet() -> Self {
-        let names = RECORDED_OF_FLEET.iter().copied().map(default_name);
-        Self {
-            endpoints: &RECORDED_OF_FLEET,
-            names: names.collect(),
-        }
+        Self::of_default(true)
+    }
+
+    fn of_default(of_fleet: bool) -> Self {
+        let endpoints = recorded(of_fleet);
+        let names = endpoints.iter().copied().map(default_name).collect();
+        Self { endpoints, names }
     }
 
     /// The topics as the recorder needs them.

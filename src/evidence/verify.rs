@@ -296,10 +296,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             match inputs::column_of(input, &message.data) {
                 Ok(id) => column_id = id,
                 Err(error) => {
-                    let read = format!("not readable ({error})");
-                    let difference =
-                        place.difference("the message", read, "a message of this type");
-                    return self.found.note_difference(difference);
+                    return self.found.note_difference(place.unreadable(&error));
                 }
             }
         }
@@ -354,9 +351,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 decoded.column_id().filter(|_| of_fleet)
             }
             Err(error) if of_fleet => {
-                let read = format!("not readable ({error})");
-                let difference = place.difference("the message", read, "a message of this type");
-                return self.found.note_difference(difference);
+                return self.found.note_difference(place.unreadable(&error));
             }
             Err(_) => None,
         };

@@ -116,15 +116,12 @@ pub(super) fn displacements(response: &ResponseHistory<'_>, beam: &Movement) -> 
         },
         unit,
         span: (0.0, end),
-        bands: Vec::new(),
         curves,
-        marks: Vec::new(),
-        arrows: Vec::new(),
         keys: vec![(
             LegendKey::Line(Stroke::dashed(colour::FAINT, 10)),
             "dashed: what remains".to_owned(),
         )],
-        events: Vec::new(),
+        ..TimeChart::default()
     }
     .draw()
 }

@@ -107,6 +107,7 @@ pub(super) struct ImpulseArrow {
 }
 
 /// Quantities of one kind against time.
+#[derive(Default)]
 pub(super) struct TimeChart<'a> {
     pub title: &'a str,
     pub lines: [&'a str; 2],

@@ -1,31 +1,26 @@
 //! The energy ledger as a stack over time.
 
-use super::chart::{Curve, Mark, TimeChart};
+use plotters::style::RGBColor;
+
+use super::chart::{Curve, TimeChart};
 use super::page::{Drawn, Stroke, colour};
 use super::response_history::ResponseHistory;
 use super::units::Unit;
 use crate::column::Sample;
+use crate::observables::{
+    CRUSH_WORK, DAMPING_WORK, ELASTIC_ENERGY, IMPACT_LOSS, KINETIC_ENERGY, Observable,
+    PLASTIC_WORK, SPRING_ENERGY,
+};
 
 /// The entries of the stack from the bottom: dissipated energy is below stored energy.
-type LedgerEntry = (&'static str, plotters::style::RGBColor, fn(&Sample) -> f64);
-const LEDGER_ENTRIES: [LedgerEntry; 7] = [
-    ("lost in impact impulses", colour::IMPACT_LOSS, |sample| {
-        sample.impact_loss
-    }),
-    ("plastic work", colour::PLASTIC, |sample| {
-        sample.plastic_work
-    }),
-    ("crush of the vehicle", colour::CRUSH, |sample| {
-        sample.vehicle.dissipated.iter().sum()
-    }),
-    ("damping", colour::DAMPING, |sample| sample.damping_work),
-    ("elastic", colour::ELASTIC, |sample| sample.elastic_energy),
-    (
-        "elastic in the vehicle",
-        colour::VEHICLE_ELASTIC,
-        |sample| sample.vehicle.elastic_energy,
-    ),
-    ("kinetic", colour::KINETIC, |sample| sample.kinetic_energy),
+const LEDGER_ENTRIES: [(Observable, RGBColor); 7] = [
+    (IMPACT_LOSS, colour::IMPACT_LOSS),
+    (PLASTIC_WORK, colour::PLASTIC),
+    (CRUSH_WORK, colour::CRUSH),
+    (DAMPING_WORK, colour::DAMPING),
+    (ELASTIC_ENERGY, colour::ELASTIC),
+    (SPRING_ENERGY, colour::VEHICLE_ELASTIC),
+    (KINETIC_ENERGY, colour::KINETIC),
 ];
 
 /// The energy ledger: at every instant the stack of all entries reaches the energy supplied until then.
@@ -40,24 +35,35 @@ pub(super) fn energy_ledger(response: &ResponseHistory<'_>) -> Drawn<String> {
         .map_or((0.0, 0.0), |first| (first.load_work, first.elastic_energy));
     let start = report.input_energy + preload;
     let supply = |sample: &Sample| start + (sample.load_work - first_load);
-    let unit = Unit::energy(response.largest(|sample| [supply(sample), sample.kinetic_energy]));
+    let supplied = response.over_time(supply);
+    let finite = supplied
+        .iter()
+        .map(|point| point.1.abs())
+        .filter(|it| it.is_finite());
+    let unit = Unit::energy(finite.fold(response.largest(&[KINETIC_ENERGY]), f64::max));
 
     let mut sum: Vec<f64> = vec![0.0; response.samples.len()];
     let mut curves = Vec::new();
-    for (name, colour, entry) in LEDGER_ENTRIES {
-        if response.largest(|sample| [entry(sample)]) == 0.0 {
+    for (entry, colour) in LEDGER_ENTRIES {
+        if response.largest(&[entry]) == 0.0 {
             continue;
         }
         let values = response.samples.iter().zip(&mut sum);
         let points = values
             .map(|(sample, sum)| {
-                *sum += entry(sample);
+                *sum += entry.value(sample, 0);
                 (sample.time, *sum)
             })
             .collect();
         let name = format!(
-            "{name} {}",
-            unit.show(response.samples.last().map_or(0.0, entry))
+            "{} {}",
+            entry.in_figures(0),
+            unit.show(
+                response
+                    .samples
+                    .last()
+                    .map_or(0.0, |last| entry.value(last, 0))
+            )
         );
         let stroke = Stroke::solid(colour, 0);
         curves.push(Curve {
@@ -77,7 +83,7 @@ pub(super) fn energy_ledger(response: &ResponseHistory<'_>) -> Drawn<String> {
     ));
     curves.push(Curve::line(
         "plus the work of the load since then",
-        response.over_time(supply),
+        supplied,
         Stroke::dashed(colour::INK, 10),
     ));
     let last = response.samples.last();
@@ -89,17 +95,8 @@ pub(super) fn energy_ledger(response: &ResponseHistory<'_>) -> Drawn<String> {
         report.ledger_residual,
     );
     TimeChart {
-        title: "Energy ledger (values at the end)",
-        lines: [response.title, &key],
-        quantity: "energy",
-        unit,
-        span: response.span(),
-        bands: Vec::new(),
         curves,
-        marks: Vec::<Mark>::new(),
-        arrows: Vec::new(),
-        keys: Vec::new(),
-        events: response.events(),
+        ..response.chart("Energy ledger (values at the end)", &key, "energy", unit)
     }
     .draw()
 }

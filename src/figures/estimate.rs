@@ -246,10 +246,7 @@ fn forecast(title: &str, estimates: &[TimedEstimate<'_>]) -> Drawn<String> {
             mean("peak", &peak, Stroke::solid(colour::IMPACT_POINT, 14)),
             mean("residual", &residual, Stroke::solid(colour::IMPACTOR, 14)),
         ],
-        marks: Vec::new(),
-        arrows: Vec::new(),
-        keys: Vec::new(),
-        events: Vec::new(),
+        ..TimeChart::default()
     }
     .draw()
 }

@@ -6,6 +6,7 @@ use super::path_chart::{PathAxis, PathChart, PathLine};
 use super::response_history::ResponseHistory;
 use super::units::Unit;
 use crate::column::Vehicle;
+use crate::observables::{CRUSH, OPEN_OR_CRUSHED, SPRING_FORCE};
 
 /// Draws the path of every spring and its envelope; `None` for a rigid vehicle.
 pub(super) fn force_crush(response: &ResponseHistory<'_>) -> Option<Drawn<String>> {
@@ -17,7 +18,7 @@ fn draw(response: &ResponseHistory<'_>, vehicle: &Vehicle) -> Drawn<String> {
     let springs = vehicle.springs();
     let crushed = response.report.vehicle;
     let largest_crush = crushed.max_crush.iter().fold(0.0_f64, |a, b| a.max(*b));
-    let largest_force = response.largest(|sample| sample.vehicle.force);
+    let largest_force = response.largest(&[SPRING_FORCE]);
     // Where nothing was crushed, the figure shows the beginning of the envelope.
     let shown = match largest_crush > 0.0 {
         true => 1.15 * largest_crush,
@@ -46,8 +47,9 @@ fn draw(response: &ResponseHistory<'_>, vehicle: &Vehicle) -> Drawn<String> {
             stroke,
         ));
         let path = response.samples.iter().map(|sample| {
-            let vehicle = &sample.vehicle;
-            (vehicle.crush[number].max(0.0), vehicle.force[number])
+            [OPEN_OR_CRUSHED, SPRING_FORCE]
+                .map(|it| it.value(sample, number))
+                .into()
         });
         paths.push(PathLine::new(
             name,
@@ -72,12 +74,12 @@ fn draw(response: &ResponseHistory<'_>, vehicle: &Vehicle) -> Drawn<String> {
         title: "Crush force of the vehicle (ring: permanent crush)",
         lines: [response.title, &facts.join("; ")],
         x: PathAxis {
-            name: "crush d",
+            name: &CRUSH.in_figures(0),
             unit: length,
             includes: &[0.0],
         },
         y: PathAxis {
-            name: "force of the spring",
+            name: &SPRING_FORCE.in_figures(0),
             unit: Unit::force(largest_force),
             includes: &[0.0],
         },

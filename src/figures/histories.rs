@@ -4,13 +4,15 @@ use super::chart::{Curve, ImpulseArrow, Mark, TimeChart};
 use super::page::{Drawn, LegendKey, Stroke, colour};
 use super::response_history::ResponseHistory;
 use super::units::{Unit, significant};
-use crate::column::{HINGE_NAMES, HINGES, Sample};
-use crate::shape::HINGE_PLACES;
+use crate::column::{HINGE_NAMES, HINGES};
+use crate::observables::{
+    CONTACT_FORCE, IMPACT_IMPULSE, IMPACTOR, MOMENT, NORMAL_FORCE, U1, U2, V1, WEB_PLACES,
+};
 
 /// Figure 5: `v1` and the impactor's position `v_c`.
 pub(super) fn horizontal_displacement(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
-    let unit = Unit::length(response.largest(|sample| [sample.v1]));
+    let unit = Unit::length(response.largest(&[V1]));
     let residual = report
         .residual_v1
         .map_or("none".into(), |value| unit.show(value));
@@ -20,24 +22,11 @@ pub(super) fn horizontal_displacement(response: &ResponseHistory<'_>) -> Drawn<S
         response.time_unit().show(report.max_v1_time),
         significant(report.impactor_velocity, 4),
     );
+    let title = "Horizontal displacement of the impact point and the impactor";
     TimeChart {
-        title: "Horizontal displacement of the impact point and the impactor",
-        lines: [response.title, &key],
-        quantity: "displacement v",
-        unit,
-        span: response.span(),
-        bands: Vec::new(),
         curves: vec![
-            Curve::line(
-                "v₁ impact point",
-                response.over_time(|sample| sample.v1),
-                Stroke::solid(colour::IMPACT_POINT, 18),
-            ),
-            Curve::line(
-                "v_c impactor",
-                response.over_time(|sample| sample.impactor_position),
-                Stroke::dashed(colour::IMPACTOR, 12),
-            ),
+            response.curve(&V1, 0, Stroke::solid(colour::IMPACT_POINT, 18)),
+            response.curve(&IMPACTOR, 0, Stroke::dashed(colour::IMPACTOR, 12)),
         ],
         marks: vec![peak(
             report.max_v1_time,
@@ -45,9 +34,7 @@ pub(super) fn horizontal_displacement(response: &ResponseHistory<'_>) -> Drawn<S
             unit,
             colour::IMPACT_POINT,
         )],
-        arrows: Vec::new(),
-        keys: Vec::new(),
-        events: response.events(),
+        ..response.chart(title, &key, "displacement v", unit)
     }
     .draw()
 }
@@ -55,7 +42,7 @@ pub(super) fn horizontal_displacement(response: &ResponseHistory<'_>) -> Drawn<S
 /// Figure 6: `u1` and `u2`.
 pub(super) fn vertical_displacement(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
-    let unit = Unit::length(response.largest(|sample| [sample.u1, sample.u2]));
+    let unit = Unit::length(response.largest(&[U1, U2]));
     let residual = report
         .residual_u2
         .map_or("none".into(), |value| unit.show(value));
@@ -68,78 +55,57 @@ pub(super) fn vertical_displacement(response: &ResponseHistory<'_>) -> Drawn<Str
         .samples
         .iter()
         .max_by(|one, other| one.u2.total_cmp(&other.u2));
+    let title = "Vertical displacement of the impact point and the top";
     TimeChart {
-        title: "Vertical displacement of the impact point and the top",
-        lines: [response.title, &key],
-        quantity: "displacement u, positive down",
-        unit,
-        span: response.span(),
-        bands: Vec::new(),
         curves: vec![
-            Curve::line(
-                "u₁ impact point",
-                response.over_time(|sample| sample.u1),
-                Stroke::solid(colour::IMPACT_POINT, 14),
-            ),
-            Curve::line(
-                "u₂ top",
-                response.over_time(|sample| sample.u2),
-                Stroke::solid(colour::TOP, 14),
-            ),
+            response.curve(&U1, 0, Stroke::solid(colour::IMPACT_POINT, 14)),
+            response.curve(&U2, 0, Stroke::solid(colour::TOP, 14)),
         ],
         marks: highest
             .map(|sample| peak(sample.time, sample.u2, unit, colour::TOP))
             .into_iter()
             .collect(),
-        arrows: Vec::new(),
-        keys: Vec::new(),
-        events: response.events(),
+        ..response.chart(title, &key, "displacement u, positive down", unit)
     }
     .draw()
 }
 
 /// Figure 7: the normal forces of the bars, tension positive.
 pub(super) fn normal_forces(response: &ResponseHistory<'_>) -> Drawn<String> {
-    let bar_a = |sample: &Sample| sample.normal_forces()[0];
-    let bar_b = |sample: &Sample| sample.normal_forces()[1];
-    let unit = Unit::force(response.largest(|sample| [bar_a(sample), bar_b(sample)]));
-    let range = |bar: &dyn Fn(&Sample) -> f64| {
-        let values = || response.samples.iter().map(bar);
+    let unit = Unit::force(response.largest(&[NORMAL_FORCE]));
+    let ranges = WEB_PLACES.iter().enumerate().map(|(bar, place)| {
+        let values = || {
+            response
+                .samples
+                .iter()
+                .map(|it| NORMAL_FORCE.value(it, bar))
+        };
         format!(
-            "{} to {}",
+            "bar {} {} to {}",
+            place.name,
             significant(unit.of(values().fold(f64::INFINITY, f64::min)), 4),
             unit.show(values().fold(f64::NEG_INFINITY, f64::max)),
         )
-    };
+    });
     let key = format!(
-        "bar a {}, bar b {}; squash load {}",
-        range(&bar_a),
-        range(&bar_b),
+        "{}; squash load {}",
+        ranges.collect::<Vec<_>>().join(", "),
         unit.show(response.resistance_axial)
     );
+    let strokes = colour::BARS
+        .map(|colour| Stroke::solid(colour, 12))
+        .into_iter()
+        .enumerate();
     TimeChart {
-        title: "Normal forces of the bars",
-        lines: [response.title, &key],
-        quantity: "normal force N, tension positive",
-        unit,
-        span: response.span(),
-        bands: Vec::new(),
-        curves: vec![
-            Curve::line(
-                "N_a below the impact (hinges 1a, 3)",
-                response.over_time(bar_a),
-                Stroke::solid(colour::BAR_A, 12),
-            ),
-            Curve::line(
-                "N_b above the impact (hinges 1b, 2)",
-                response.over_time(bar_b),
-                Stroke::solid(colour::BAR_B, 12),
-            ),
-        ],
-        marks: Vec::new(),
-        arrows: Vec::new(),
-        keys: Vec::new(),
-        events: response.events(),
+        curves: strokes
+            .map(|(bar, stroke)| response.curve(&NORMAL_FORCE, bar, stroke))
+            .collect(),
+        ..response.chart(
+            "Normal forces of the bars",
+            &key,
+            "normal force N, tension positive",
+            unit,
+        )
     }
     .draw()
 }
@@ -148,19 +114,18 @@ pub(super) fn normal_forces(response: &ResponseHistory<'_>) -> Drawn<String> {
 ///
 /// The moments of 1a and 1b are equal: 1b is dashed over 1a.
 pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
-    let largest = response.largest(|sample| sample.hinges.map(|hinge| hinge.moment));
-    let unit = Unit::moment(largest.max(response.resistance_moment));
-    let strokes = [
-        Stroke::solid(colour::HINGES[0], 24),
-        Stroke::dashed(colour::HINGES[1], 12),
-        Stroke::solid(colour::HINGES[2], 12),
-        Stroke::solid(colour::HINGES[3], 12),
-    ];
-    let curves = (0..HINGES).map(|hinge| {
-        let name = format!("hinge {} {}", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
-        let points = response.over_time(|sample| sample.hinges[hinge].moment);
-        Curve::line(name, points, strokes[hinge])
-    });
+    let unit = Unit::moment(response.largest(&[MOMENT]).max(response.resistance_moment));
+    let curves = colour::HINGES
+        .into_iter()
+        .enumerate()
+        .map(|(hinge, colour)| {
+            let stroke = match hinge {
+                0 => Stroke::solid(colour, 24),
+                1 => Stroke::dashed(colour, 12),
+                _ => Stroke::solid(colour, 12),
+            };
+            response.curve(&MOMENT, hinge, stroke)
+        });
     let plastic_moment = [1.0, -1.0].map(|sign| {
         let level = sign * response.resistance_moment;
         let (from, to) = response.span();
@@ -183,18 +148,17 @@ pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
     } else {
         vec![(LegendKey::Ring(colour::INK), "first yield".to_owned())]
     };
+    let order = order_of_yield(response);
     TimeChart {
-        title: "Bending moments of the hinges",
-        lines: [response.title, &order_of_yield(response)],
-        quantity: "bending moment M",
-        unit,
-        span: response.span(),
-        bands: Vec::new(),
         curves: plastic_moment.into_iter().chain(curves).collect(),
         marks,
-        arrows: Vec::new(),
         keys,
-        events: response.events(),
+        ..response.chart(
+            "Bending moments of the hinges",
+            &order,
+            "bending moment M",
+            unit,
+        )
     }
     .draw()
 }
@@ -202,7 +166,7 @@ pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
 /// The smooth contact force as a curve, impact impulses as arrows.
 pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
-    let unit = Unit::force(response.largest(|sample| [sample.contact_force]));
+    let unit = Unit::force(response.largest(&[CONTACT_FORCE]));
     let key = if report.first_contact_time.is_none() {
         "no contact".to_owned()
     } else {
@@ -215,11 +179,7 @@ pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
             if report.impact_impulses == 1 { "" } else { "s" },
         )
     };
-    let mut force = Curve::line(
-        "contact force",
-        response.over_time(|sample| sample.contact_force),
-        Stroke::solid(colour::CONTACT, 12),
-    );
+    let mut force = response.curve(&CONTACT_FORCE, 0, Stroke::solid(colour::CONTACT, 12));
     force.fill = Some(plotters::style::RGBColor(219, 234, 244));
     let arrows = impact_impulses(response);
     let keys = if arrows.is_empty() {
@@ -227,24 +187,19 @@ pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
     } else {
         vec![(
             LegendKey::Arrow(colour::IMPACT_IMPULSE),
-            "impact impulse (instantaneous impulse, not to scale)".to_owned(),
+            IMPACT_IMPULSE.in_figures(0),
         )]
     };
     let marks = report
         .peak_contact_force_time
         .map(|time| peak(time, report.peak_contact_force, unit, colour::CONTACT));
+    let title = "Contact force between impactor and column";
     TimeChart {
-        title: "Contact force between impactor and column",
-        lines: [response.title, &key],
-        quantity: "contact force",
-        unit,
-        span: response.span(),
-        bands: Vec::new(),
         curves: vec![force],
         marks: marks.into_iter().collect(),
         arrows,
         keys,
-        events: response.events(),
+        ..response.chart(title, &key, "contact force", unit)
     }
     .draw()
 }

@@ -171,6 +171,31 @@ fn write_all(folder: &Path, drawings: Vec<(String, String)>) -> Result<Vec<PathB
     Ok(files)
 }
 
+type Draw<T> = fn(&ResponseHistory<'_>) -> T;
+
+/// The figures of every response.
+const FIGURES: [(&str, Draw<page::Drawn<String>>); 7] = [
+    (
+        "fig5_horizontal_displacement",
+        histories::horizontal_displacement,
+    ),
+    (
+        "fig6_vertical_displacement",
+        histories::vertical_displacement,
+    ),
+    ("fig7_normal_forces", histories::normal_forces),
+    ("fig8_bending_moments", histories::bending_moments),
+    ("contact_force", histories::contact_force),
+    ("energy_ledger", energy_ledger::energy_ledger),
+    ("deformed_shape", deformed_shape::deformed_shape),
+];
+
+/// The figures of some responses.
+const FIGURES_OF_SOME: [(&str, Draw<Option<page::Drawn<String>>>); 2] = [
+    ("contact_force_spectrum", force_spectrum::force_spectrum),
+    ("force_crush", force_crush::force_crush),
+];
+
 /// Every figure as SVG, by its name. There is no figure `force_crush` of a rigid vehicle, and no figure `contact_force_spectrum`
 /// where nothing has touched the column or [`ResponseHistory::spectrum`] is `None`. The figures of the fibre beam are drawn where
 /// [`ResponseHistory::beam`] is known.
@@ -181,44 +206,11 @@ pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>,
     if response.samples.is_empty() {
         return Err(FigureError::NoSamples);
     }
-    let mut figures = vec![
-        (
-            "fig5_horizontal_displacement".to_owned(),
-            histories::horizontal_displacement(response),
-        ),
-        (
-            "fig6_vertical_displacement".to_owned(),
-            histories::vertical_displacement(response),
-        ),
-        (
-            "fig7_normal_forces".to_owned(),
-            histories::normal_forces(response),
-        ),
-        (
-            "fig8_bending_moments".to_owned(),
-            histories::bending_moments(response),
-        ),
-        (
-            "contact_force".to_owned(),
-            histories::contact_force(response),
-        ),
-        (
-            "energy_ledger".to_owned(),
-            energy_ledger::energy_ledger(response),
-        ),
-        (
-            "deformed_shape".to_owned(),
-            deformed_shape::deformed_shape(response),
-        ),
-    ];
-    for (name, figure) in [
-        (
-            "contact_force_spectrum",
-            force_spectrum::force_spectrum(response),
-        ),
-        ("force_crush", force_crush::force_crush(response)),
-    ] {
-        figures.extend(figure.map(|svg| (name.to_owned(), svg)));
+    let mut figures: Vec<_> = FIGURES
+        .map(|(name, draw)| (name.to_owned(), draw(response)))
+        .into();
+    for (name, draw) in FIGURES_OF_SOME {
+        figures.extend(draw(response).map(|svg| (name.to_owned(), svg)));
     }
     if let Some(beam) = response.beam {
         figures.extend([

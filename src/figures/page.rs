@@ -44,8 +44,8 @@ pub(super) mod colour {
     pub const IMPACT_POINT: RGBColor = RGBColor(0, 114, 178);
     pub const IMPACTOR: RGBColor = RGBColor(213, 94, 0);
     pub const TOP: RGBColor = RGBColor(0, 158, 115);
-    pub const BAR_A: RGBColor = RGBColor(0, 114, 178);
-    pub const BAR_B: RGBColor = RGBColor(230, 159, 0);
+    /// Colours of the bars, the lower one first.
+    pub const BARS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(230, 159, 0)];
     pub const CONTACT: RGBColor = RGBColor(0, 114, 178);
     pub const IMPACT_IMPULSE: RGBColor = RGBColor(213, 94, 0);
 

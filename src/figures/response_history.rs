@@ -2,8 +2,11 @@
 
 use column_beam::Movement;
 
+use super::chart::{Curve, TimeChart};
+use super::page::Stroke;
 use super::units::Unit;
-use crate::column::{ForceSpectrum, Outcome, Report, Sample, Vehicle, YieldExponents};
+use crate::column::{ForceSpectrum, MAX_MASSES, Outcome, Report, Sample, Vehicle, YieldExponents};
+use crate::observables::{Observable, each};
 use crate::twin::Lengths;
 
 /// The history of a response with its outcome and what is known of the hinges.
@@ -46,13 +49,41 @@ impl ResponseHistory<'_> {
             .collect()
     }
 
-    /// The largest magnitude of some quantities.
-    pub(super) fn largest<const N: usize>(&self, quantities: impl Fn(&Sample) -> [f64; N]) -> f64 {
-        self.samples
-            .iter()
-            .flat_map(|sample| quantities(sample).map(f64::abs))
+    /// What is observed over time, as a curve with its name.
+    pub(super) fn curve(&self, what: &Observable, index: usize, stroke: Stroke) -> Curve {
+        let points = self.over_time(|sample| what.value(sample, index));
+        Curve::line(what.in_figures(index), points, stroke)
+    }
+
+    /// The largest magnitude of what is observed \[SI unit\].
+    pub(super) fn largest(&self, what: &[Observable]) -> f64 {
+        let of_all =
+            |(it, index): (&Observable, usize)| self.over_time(|sample| it.value(sample, index));
+        let values = each(what, MAX_MASSES)
+            .flat_map(of_all)
+            .map(|(_, value)| value);
+        values
             .filter(|value| value.is_finite())
-            .fold(0.0, f64::max)
+            .fold(0.0, |largest, value| largest.max(value.abs()))
+    }
+
+    /// A chart without curves over the whole history.
+    pub(super) fn chart<'a>(
+        &'a self,
+        title: &'a str,
+        key: &'a str,
+        quantity: &'a str,
+        unit: Unit,
+    ) -> TimeChart<'a> {
+        TimeChart {
+            title,
+            lines: [self.title, key],
+            quantity,
+            unit,
+            span: self.span(),
+            events: self.events(),
+            ..TimeChart::default()
+        }
     }
 
     /// First contact, last separation, collapse and the fracturing of a hinge, as far as they have happened.

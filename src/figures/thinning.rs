@@ -1,6 +1,11 @@
 //! Thins long histories to what the pixels of a figure can show, without losing an extreme value.
 
-use crate::column::Sample;
+use crate::column::{MAX_MASSES, Sample};
+use crate::observables::{
+    CONTACT_FORCE, CRUSH, DAMPING_WORK, ELASTIC_ENERGY, IMPACT_IMPULSE, IMPACT_LOSS, IMPACTOR,
+    KINETIC_ENERGY, LOAD_WORK, MOMENT, NORMAL_FORCE, Observable, PLASTIC_WORK, SPRING_FORCE, U1,
+    U2, V1, each,
+};
 
 /// Keeps the samples of a history that a figure needs: in each of many equal intervals of time the first, the last, and
 /// those with the lowest and the highest value of every quantity drawn.
@@ -65,14 +70,14 @@ impl HistoryThinning {
             return;
         };
         let mut chosen = vec![0, last];
-        for quantity in 0..QUANTITIES {
+        for (quantity, index) in each(&DRAWN, MAX_MASSES) {
+            let value = |place: usize| quantity.value(&self.pending[place], index);
             let (mut lowest, mut highest) = (0, 0);
-            for (place, sample) in self.pending.iter().enumerate() {
-                let value = drawn(sample)[quantity];
-                if value < drawn(&self.pending[lowest])[quantity] {
+            for place in 0..=last {
+                if value(place) < value(lowest) {
                     lowest = place;
                 }
-                if value > drawn(&self.pending[highest])[quantity] {
+                if value(place) > value(highest) {
                     highest = place;
                 }
             }
@@ -86,38 +91,25 @@ impl HistoryThinning {
     }
 }
 
-const QUANTITIES: usize = 24;
-
-/// The quantities of a sample that the figures draw.
-fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
-    let [hinge_1a, hinge_1b, hinge_2, hinge_3] = &sample.hinges;
-    [
-        sample.v1,
-        sample.impactor_position,
-        sample.u1,
-        sample.u2,
-        sample.contact_force,
-        sample.impact_impulse,
-        sample.kinetic_energy,
-        sample.elastic_energy,
-        sample.plastic_work,
-        sample.impact_loss,
-        sample.damping_work,
-        sample.load_work,
-        hinge_1a.normal_force,
-        hinge_1b.normal_force,
-        hinge_1a.moment,
-        hinge_1b.moment,
-        hinge_2.moment,
-        hinge_3.moment,
-        sample.vehicle.crush[0],
-        sample.vehicle.crush[1],
-        sample.vehicle.crush[2],
-        sample.vehicle.force[0],
-        sample.vehicle.force[1],
-        sample.vehicle.force[2],
-    ]
-}
+/// What the figures draw of a sample.
+const DRAWN: [Observable; 16] = [
+    V1,
+    IMPACTOR,
+    U1,
+    U2,
+    CONTACT_FORCE,
+    IMPACT_IMPULSE,
+    KINETIC_ENERGY,
+    ELASTIC_ENERGY,
+    PLASTIC_WORK,
+    IMPACT_LOSS,
+    DAMPING_WORK,
+    LOAD_WORK,
+    NORMAL_FORCE,
+    MOMENT,
+    CRUSH,
+    SPRING_FORCE,
+];
 
 /// The first, lowest, highest and last point in each of `columns` equal intervals of x, in order.
 ///
@@ -199,16 +191,16 @@ mod tests {
         assert!(few.len() < 20_000, "{}", few.len());
         assert_eq!((few[0], few.last()), (samples[0], samples.last()));
         assert!(few.is_sorted_by(|left, right| left.time < right.time));
-        for quantity in 0..QUANTITIES {
+        for (quantity, index) in each(&DRAWN, MAX_MASSES) {
             let range = |samples: &[Sample]| {
                 samples
                     .iter()
-                    .map(|sample| drawn(sample)[quantity])
+                    .map(|sample| quantity.value(sample, index))
                     .fold((f64::MAX, f64::MIN), |(low, high), value| {
                         (low.min(value), high.max(value))
                     })
             };
-            assert_eq!(range(&few), range(&samples), "quantity {quantity}");
+            assert_eq!(range(&few), range(&samples), "{quantity:?} {index}");
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::sensors::Quantity;
 
 /// A unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Unit {
     /// Symbol behind a number.
     pub symbol: &'static str,

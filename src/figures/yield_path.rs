@@ -10,8 +10,8 @@ use super::chart::{PlotArea, axes};
 use super::page::{self, Area, CANVAS, Drawn, LegendKey, Stroke, colour};
 use super::response_history::ResponseHistory;
 use super::units::{Unit, significant};
-use crate::column::HINGE_NAMES;
-use crate::shape::{HINGE_PLACES, yield_curve};
+use crate::observables::HINGE_PLACES;
+use crate::shape::yield_curve;
 
 /// Draws the whole surface on the left and the part around the path on the right.
 pub(super) fn yield_path(response: &ResponseHistory<'_>, hinge: usize) -> Drawn<String> {
@@ -41,8 +41,8 @@ pub(super) fn yield_path(response: &ResponseHistory<'_>, hinge: usize) -> Drawn<
         colour: colour::HINGES[hinge],
     };
     let title = format!(
-        "Moment and normal force of hinge {} ({}) in its yield surface",
-        HINGE_NAMES[hinge], HINGE_PLACES[hinge]
+        "Moment and normal force of hinge {} in its yield surface",
+        HINGE_PLACES[hinge]
     );
     page::draw(|page| {
         let top = page::heading(

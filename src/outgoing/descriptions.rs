@@ -1,49 +1,33 @@
 //! What the entries of the arrays about hinges and webs stand for.
 
-use crate::column::{HINGE_NAMES, WEB_NAMES};
 use crate::messages::column_twin_msgs::HingeDescription;
-use crate::shape::{HINGE_PLACES, WEB_PLACES};
+use crate::observables::{BarEnd, HINGE_PLACES, Place, WEB_PLACES};
 use crate::twin::Lengths;
 
-/// The two bars, from the base upwards.
-const LOWER_BAR: u8 = 0;
-const UPPER_BAR: u8 = 1;
-
-/// The hinges, in the order of [`HINGE_NAMES`].
+/// The hinges, in the order of [`HINGE_PLACES`].
 pub(super) fn hinges(lengths: Lengths) -> Vec<HingeDescription> {
-    let (impact, top) = (lengths.below, lengths.below + lengths.above);
-    let places = [
-        (impact, LOWER_BAR, HingeDescription::UPPER_END),
-        (impact, UPPER_BAR, HingeDescription::LOWER_END),
-        (top, UPPER_BAR, HingeDescription::UPPER_END),
-        (0.0, LOWER_BAR, HingeDescription::LOWER_END),
-    ];
-    described(HINGE_NAMES, HINGE_PLACES, places)
+    described(&HINGE_PLACES, lengths)
 }
 
-/// The webs, in the order of [`WEB_NAMES`].
+/// The webs, in the order of [`WEB_PLACES`].
 pub(super) fn webs(lengths: Lengths) -> Vec<HingeDescription> {
-    let places = [
-        (0.0, LOWER_BAR, HingeDescription::WHOLE_BAR),
-        (lengths.below, UPPER_BAR, HingeDescription::WHOLE_BAR),
-    ];
-    described(WEB_NAMES, WEB_PLACES, places)
+    described(&WEB_PLACES, lengths)
 }
 
-fn described<const N: usize>(
-    names: [&str; N],
-    words: [&str; N],
-    places: [(f64, u8, u8); N],
-) -> Vec<HingeDescription> {
-    let all = names.into_iter().zip(words).zip(places);
-    all.map(|((name, place), (height, bar, end))| HingeDescription {
-        name: name.to_owned(),
-        place: place.to_owned(),
-        height,
-        bar,
-        end,
-    })
-    .collect()
+fn described(places: &[Place], lengths: Lengths) -> Vec<HingeDescription> {
+    let joints = [0.0, lengths.below, lengths.below + lengths.above];
+    let described = |place: &Place| HingeDescription {
+        name: place.name.to_owned(),
+        place: place.words.to_owned(),
+        height: joints[place.joint()],
+        bar: place.bar,
+        end: match place.end {
+            BarEnd::Lower => HingeDescription::LOWER_END,
+            BarEnd::Upper => HingeDescription::UPPER_END,
+            BarEnd::Whole => HingeDescription::WHOLE_BAR,
+        },
+    };
+    places.iter().map(described).collect()
 }
 
 #[cfg(test)]

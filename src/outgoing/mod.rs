@@ -60,175 +60,119 @@ const MARKERS_PERIOD: i64 = 40_000_000;
 /// somewhat less than the period of the status, with which they come.
 const AT_REST_PERIOD: i64 = 900_000_000;
 
-/// A topic on which the twin publishes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Topic {
-    /// `column_state`
-    ColumnState,
-    /// `hinge_forces`
-    HingeForces,
-    /// `impact_forecast`
-    ImpactForecast,
-    /// `impact_report`
-    ImpactReport,
-    /// `impact_estimate`
-    ImpactEstimate,
-    /// `twin_status`
-    TwinStatus,
-    /// `joint_states`
-    JointStates,
-    /// `markers`
-    Markers,
+/// The header of a message; the column and the impact to which it belongs, if its type has fields for them.
+type About<'a> = (Option<&'a Header>, Option<[&'a str; 2]>);
+
+// The topics with the types of their messages, their endpoints, and what a message says about itself.
+macro_rules! topics {
+    ($($topic:ident($type:ty) $endpoint:ident $about:expr;)*) => {
+        /// A topic on which the twin publishes.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Topic {
+            $(#[doc = concat!("See [`", stringify!($endpoint), "`](endpoints::", stringify!($endpoint), ").")] $topic),*
+        }
+
+        impl Topic {
+            /// Number of topics.
+            pub const COUNT: usize = [$(endpoints::$endpoint.name),*].len();
+
+            /// All topics, each at its [`index`](Self::index).
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$topic),*];
+
+            /// Name, type and quality of service.
+            #[must_use]
+            pub const fn endpoint(self) -> &'static Endpoint {
+                match self { $(Self::$topic => &endpoints::$endpoint),* }
+            }
+        }
+
+        /// A message of the twin, on the topic of the same name. A status is without the state of threads and queues, which the node adds.
+        #[derive(Debug, Clone, PartialEq, Serialize)]
+        #[serde(untagged)]
+        pub enum Message {
+            $(#[doc = concat!("See [`", stringify!($endpoint), "`](endpoints::", stringify!($endpoint), ").")] $topic($type)),*
+        }
+
+        impl Message {
+            /// The topic of the message.
+            #[must_use]
+            pub fn topic(&self) -> Topic {
+                match self { $(Self::$topic(_) => Topic::$topic),* }
+            }
+
+            /// Encodes the message, with its encapsulation header.
+            ///
+            /// # Errors
+            /// See [`cdr::encode`].
+            pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
+                match self { $(Self::$topic(message) => cdr::encode(message)),* }
+            }
+
+            /// Decodes a message of a topic.
+            ///
+            /// # Errors
+            /// See [`cdr::decode`].
+            pub fn decode(topic: Topic, bytes: &[u8]) -> Result<Self, CdrError> {
+                match topic { $(Topic::$topic => cdr::decode(bytes).map(Self::$topic)),* }
+            }
+
+            fn about(&self) -> About<'_> {
+                match self {
+                    $(Self::$topic(message) => {
+                        let about: fn(&$type) -> About<'_> = $about;
+                        about(message)
+                    })*
+                }
+            }
+        }
+    };
+}
+
+topics! {
+    ColumnState(ColumnState) COLUMN_STATE |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    HingeForces(HingeForces) HINGE_FORCES |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    ImpactForecast(ImpactReport) IMPACT_FORECAST |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    ImpactReport(ImpactReport) IMPACT_REPORT |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    ImpactEstimate(ImpactEstimate) IMPACT_ESTIMATE |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    TwinStatus(TwinStatus) TWIN_STATUS |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    JointStates(JointState) JOINT_STATES |it| (Some(&it.header), None);
+    Markers(MarkerArray) MARKERS |it| (it.markers.first().map(|it| &it.header), None);
 }
 
 impl Topic {
-    /// Number of topics.
-    pub const COUNT: usize = 8;
-
-    /// All topics, each at its [`index`](Self::index).
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::ColumnState,
-        Self::HingeForces,
-        Self::ImpactForecast,
-        Self::ImpactReport,
-        Self::ImpactEstimate,
-        Self::TwinStatus,
-        Self::JointStates,
-        Self::Markers,
-    ];
-
     /// Index of the topic in [`ALL`](Self::ALL).
     #[must_use]
     pub const fn index(self) -> usize {
         self as usize
     }
 
-    /// Name, type and quality of service.
+    /// Whether each of its messages shows a state of a response.
     #[must_use]
-    pub const fn endpoint(self) -> &'static Endpoint {
-        match self {
-            Self::ColumnState => &endpoints::COLUMN_STATE,
-            Self::HingeForces => &endpoints::HINGE_FORCES,
-            Self::ImpactForecast => &endpoints::IMPACT_FORECAST,
-            Self::ImpactReport => &endpoints::IMPACT_REPORT,
-            Self::ImpactEstimate => &endpoints::IMPACT_ESTIMATE,
-            Self::TwinStatus => &endpoints::TWIN_STATUS,
-            Self::JointStates => &endpoints::JOINT_STATES,
-            Self::Markers => &endpoints::MARKERS,
-        }
+    pub const fn is_of_state(self) -> bool {
+        matches!(
+            self,
+            Self::ColumnState | Self::HingeForces | Self::JointStates | Self::Markers
+        )
     }
-}
-
-/// A message of the twin.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Message {
-    /// On `column_state`.
-    ColumnState(ColumnState),
-    /// On `hinge_forces`.
-    HingeForces(HingeForces),
-    /// On `impact_forecast`.
-    ImpactForecast(ImpactReport),
-    /// On `impact_report`.
-    ImpactReport(ImpactReport),
-    /// On `impact_estimate`.
-    ImpactEstimate(ImpactEstimate),
-    /// On `twin_status`, without the state of threads and queues, which the node adds.
-    TwinStatus(TwinStatus),
-    /// On `joint_states`.
-    JointStates(JointState),
-    /// On `markers`.
-    Markers(MarkerArray),
 }
 
 impl Message {
-    /// The topic of the message.
-    #[must_use]
-    pub fn topic(&self) -> Topic {
-        match self {
-            Self::ColumnState(_) => Topic::ColumnState,
-            Self::HingeForces(_) => Topic::HingeForces,
-            Self::ImpactForecast(_) => Topic::ImpactForecast,
-            Self::ImpactReport(_) => Topic::ImpactReport,
-            Self::ImpactEstimate(_) => Topic::ImpactEstimate,
-            Self::TwinStatus(_) => Topic::TwinStatus,
-            Self::JointStates(_) => Topic::JointStates,
-            Self::Markers(_) => Topic::Markers,
-        }
-    }
-
-    /// Encodes the message, with its encapsulation header.
-    ///
-    /// # Errors
-    /// See [`cdr::encode`].
-    pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
-        match self {
-            Self::ColumnState(message) => cdr::encode(message),
-            Self::HingeForces(message) => cdr::encode(message),
-            Self::ImpactForecast(message) | Self::ImpactReport(message) => cdr::encode(message),
-            Self::ImpactEstimate(message) => cdr::encode(message),
-            Self::TwinStatus(message) => cdr::encode(message),
-            Self::JointStates(message) => cdr::encode(message),
-            Self::Markers(message) => cdr::encode(message),
-        }
-    }
-
-    /// Decodes a message of a topic.
-    ///
-    /// # Errors
-    /// See [`cdr::decode`].
-    pub fn decode(topic: Topic, bytes: &[u8]) -> Result<Self, CdrError> {
-        Ok(match topic {
-            Topic::ColumnState => Self::ColumnState(cdr::decode(bytes)?),
-            Topic::HingeForces => Self::HingeForces(cdr::decode(bytes)?),
-            Topic::ImpactForecast => Self::ImpactForecast(cdr::decode(bytes)?),
-            Topic::ImpactReport => Self::ImpactReport(cdr::decode(bytes)?),
-            Topic::ImpactEstimate => Self::ImpactEstimate(cdr::decode(bytes)?),
-            Topic::TwinStatus => Self::TwinStatus(cdr::decode(bytes)?),
-            Topic::JointStates => Self::JointStates(cdr::decode(bytes)?),
-            Topic::Markers => Self::Markers(cdr::decode(bytes)?),
-        })
-    }
-
     /// The stamp \[ns since 1970\]; `None` if it is not valid.
     #[must_use]
     pub fn stamp(&self) -> Option<i64> {
-        let header = match self {
-            Self::ColumnState(message) => &message.header,
-            Self::HingeForces(message) => &message.header,
-            Self::ImpactForecast(message) | Self::ImpactReport(message) => &message.header,
-            Self::ImpactEstimate(message) => &message.header,
-            Self::TwinStatus(message) => &message.header,
-            Self::JointStates(message) => &message.header,
-            Self::Markers(message) => &message.markers.first()?.header,
-        };
-        header.stamp.to_nanos()
+        self.about().0?.stamp.to_nanos()
     }
 
     /// The column to which the message belongs; `None` if its type has no such field.
     #[must_use]
     pub fn column_id(&self) -> Option<&str> {
-        match self {
-            Self::ColumnState(message) => Some(&message.column_id),
-            Self::HingeForces(message) => Some(&message.column_id),
-            Self::ImpactForecast(message) | Self::ImpactReport(message) => Some(&message.column_id),
-            Self::ImpactEstimate(message) => Some(&message.column_id),
-            Self::TwinStatus(message) => Some(&message.column_id),
-            Self::JointStates(_) | Self::Markers(_) => None,
-        }
+        self.about().1.map(|[column_id, _]| column_id)
     }
 
     /// The impact to which the message belongs; `None` if its type has no such field.
     #[must_use]
     pub fn event_id(&self) -> Option<&str> {
-        match self {
-            Self::ColumnState(message) => Some(&message.event_id),
-            Self::HingeForces(message) => Some(&message.event_id),
-            Self::ImpactForecast(message) | Self::ImpactReport(message) => Some(&message.event_id),
-            Self::ImpactEstimate(message) => Some(&message.event_id),
-            Self::TwinStatus(message) => Some(&message.event_id),
-            Self::JointStates(_) | Self::Markers(_) => None,
-        }
+        self.about().1.map(|[_, event_id]| event_id)
     }
 }
 

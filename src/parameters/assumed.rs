@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::parameter::{Admissible, list};
 
 /// An input that is assumed where nobody has given it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,22 +24,8 @@ pub enum AssumedInput {
 /// The parameters that give them.
 const NAMES: [&str; 4] = ["steel.grade", "top.load", "support.base", "support.top"];
 
-/// What nobody has given.
-pub(super) const ASSUMED: Parameter = Parameter {
-    name: "assessment.assumed",
-    unit: "",
-    default: DefaultValue::Texts(&[]),
-    admissible: Admissible::List {
-        of: &Admissible::Choice(&NAMES),
-        min_len: 0,
-        max_len: NAMES.len(),
-    },
-    applies: Applies::AtOnce,
-    meaning: "inputs of the column that nobody has given and whose defaults are assumed: the action is then a lower bound, and its range \
-              reaches `evacuate`. Unless this list is given, it holds those that are left out where column_id, section.name or section.area is \
-              given. \
-              Another value of one of them removes it from the list; to confirm the assumed value, give this list without it",
-};
+/// The values of the list of what nobody has given.
+pub(super) const ASSUMED_INPUTS: Admissible = list(&Admissible::Choice(&NAMES), 0, NAMES.len());
 
 impl AssumedInput {
     /// All of them.
@@ -80,6 +66,7 @@ impl AssumedInput {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameter::Parameter;
     use super::super::{Override, Parameters, Source, Value, parse_override};
     use super::*;
 

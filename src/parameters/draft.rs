@@ -8,7 +8,6 @@ use std::path::PathBuf;
 use super::consistency::{SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
-use super::hinge_rows::{HARDENING_OF_NAMED, HARDENING_WITH_RATE};
 use super::inconsistency::Inconsistency;
 use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;
@@ -17,7 +16,7 @@ use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_requir
 use super::settings::{RateLawKind, SensorSettings, Settings};
 use super::spelling::nearest_word;
 use super::steel::strength_ratio;
-use super::table::PARAMETERS;
+use super::table::{HARDENING_OF_NAMED, HARDENING_WITH_RATE, PARAMETERS};
 use super::value::Value;
 use super::vehicles::{
     CatalogueVehicle, RIGID, bumper_by_default, impact_point_of, narrow_by_default, split_crush,

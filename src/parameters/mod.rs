@@ -23,10 +23,8 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - alarm_rows.rs: The rows of the table about alarms, metrics and Foxglove
 // - assumed.rs: Inputs of a column on which every verdict depends, and which are assumed where nobody has given them
 // - base.rs: The connection of the column's base, as given and as assumed
-// - beam.rs: The rows of the table about the direction of a hit and the fibre beam, and what follows from them
 // - catalogue.rs: The catalogue of rolled sections: HEA, HEB, HEM and IPE of EN 10365, from `config/sections.csv`
 // - check.rs: Checks what was given for a parameter against its entry in the table
 // - consistency.rs: Consistency between parameters whose values are admissible one by one
@@ -41,10 +39,10 @@
 // - fleet_selection.rs: Columns of a fleet that a person names: by their `column_id`, or by their names with the wildcards of
 //   parameter files
 // - given.rs: What was given for a parameter, with its place, before it is checked
-// - hinge_rows.rs: The rows of the table about the strength of a hinge over its rotation
 // - inconsistency.rs: Parameters that are not compatible
 // - lookup.rs: Parameters by their names, also misspelt and old ones
 // - node_name.rs: Names of nodes, and the patterns by which parameter files refer to them
+// - oblique.rs: What the two bars see of an oblique hit
 // - overrides.rs: Parameters given on the command line
 // - parameter.rs: A parameter: its type, its admissible values, when a change applies
 // - processors.rs: Lists of processors, as `taskset` and `cpuset` write them
@@ -62,14 +60,11 @@
 // - table.rs: The one table of parameters, from which declaration, validation and documentation follow
 // - value.rs: Values of parameters, with the types of ROS 2 that the table uses
 // - vehicles.rs: The catalogue of vehicles, from `config/vehicles.json`, and the vehicle that the parameters describe
-// - verdict_rows.rs: The rows of the table about the load and the buckling lengths with which a verdict is made
 // - yaml.rs: YAML text as a tree that knows the place of every node, keeps duplicate keys and bounds its own depth
 // - yaml_1_1.rs: Values as programs send them that read YAML 1.1, such as `ros2 param`
 
-mod alarm_rows;
 mod assumed;
 mod base;
-mod beam;
 mod catalogue;
 mod check;
 mod consistency;
@@ -82,10 +77,10 @@ mod flat_file;
 mod fleet;
 mod fleet_selection;
 mod given;
-mod hinge_rows;
 mod inconsistency;
 mod lookup;
 mod node_name;
+mod oblique;
 mod overrides;
 mod parameter;
 mod processors;
@@ -103,7 +98,6 @@ mod steel;
 mod table;
 mod value;
 mod vehicles;
-mod verdict_rows;
 mod yaml;
 mod yaml_1_1;
 
@@ -114,7 +108,6 @@ use serde::{Deserialize, Serialize};
 
 pub use assumed::AssumedInput;
 pub use base::{assumed_plate, plate_in_words, resistance_of_base};
-pub use beam::component_in_words;
 pub use catalogue::{CatalogueSection, catalogue};
 pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
@@ -126,6 +119,7 @@ pub use fleet::{
 };
 pub use fleet_selection::{SelectionError, select_columns};
 pub use node_name::NodeName;
+pub use oblique::component_in_words;
 pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};

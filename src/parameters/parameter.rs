@@ -20,6 +20,21 @@ pub struct Parameter {
     pub meaning: &'static str,
 }
 
+// Rows of the table: name, unit, default, admissible values, when a change applies; meaning.
+macro_rules! parameters {
+    ($($name:literal, $unit:literal, $default:ident $value:tt, $admissible:expr, $applies:ident, $meaning:literal;)*) => {
+        &[$(Parameter {
+            name: $name,
+            unit: $unit,
+            default: DefaultValue::$default $value,
+            admissible: $admissible,
+            applies: Applies::$applies,
+            meaning: $meaning,
+        }),*]
+    };
+}
+pub(super) use parameters;
+
 /// Default of a parameter, in a form that a constant can hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DefaultValue {
@@ -117,6 +132,33 @@ pub enum Admissible {
         /// Maximum number of elements.
         max_len: usize,
     },
+}
+
+pub(super) const fn integer(min: i64, max: i64) -> Admissible {
+    Admissible::Integer { min, max }
+}
+
+pub(super) const fn real(min: f64, max: f64) -> Admissible {
+    Admissible::Real { min, max }
+}
+
+pub(super) const fn or_zero(min: f64, max: f64, zero: &'static str) -> Admissible {
+    Admissible::RealOrZero { min, max, zero }
+}
+
+pub(super) const fn text(min_chars: usize, max_chars: usize) -> Admissible {
+    Admissible::Text {
+        min_chars,
+        max_chars,
+    }
+}
+
+pub(super) const fn list(of: &'static Admissible, min_len: usize, max_len: usize) -> Admissible {
+    Admissible::List {
+        of,
+        min_len,
+        max_len,
+    }
 }
 
 /// A parameter that a set of parameters has.

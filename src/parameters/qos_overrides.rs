@@ -4,47 +4,21 @@
 
 use std::collections::BTreeMap;
 
-use super::parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
+use super::parameter::Admissible::Choice;
+use super::parameter::{Applies, DeclaredParameter, DefaultValue, Parameter, integer, parameters};
 use super::value::{Kind, Value};
 
 /// The policies that can be overridden, once for each end of each topic. A parameter exists only if it is given.
-pub const QOS_PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "qos_overrides.<topic>.<end>.history",
-        unit: "",
-        default: DefaultValue::Required(Kind::String),
-        admissible: Admissible::Choice(&["keep_last"]),
-        applies: Applies::Restart,
-        meaning: "the node bounds every history, so that keep_all is not offered",
-    },
-    Parameter {
-        name: "qos_overrides.<topic>.<end>.depth",
-        unit: "",
-        default: DefaultValue::Required(Kind::Integer),
-        admissible: Admissible::Integer {
-            min: 1,
-            max: MAX_DEPTH,
-        },
-        applies: Applies::Restart,
-        meaning: "number of messages in the history",
-    },
-    Parameter {
-        name: "qos_overrides.<topic>.<end>.reliability",
-        unit: "",
-        default: DefaultValue::Required(Kind::String),
-        admissible: Admissible::Choice(&["reliable", "best_effort"]),
-        applies: Applies::Restart,
-        meaning: "whether lost messages are sent again",
-    },
-    Parameter {
-        name: "qos_overrides.<topic>.<end>.durability",
-        unit: "",
-        default: DefaultValue::Required(Kind::String),
-        admissible: Admissible::Choice(&["volatile", "transient_local"]),
-        applies: Applies::Restart,
-        meaning: "whether late subscribers receive the messages in the history",
-    },
-];
+pub const QOS_PARAMETERS: &[Parameter] = parameters! {
+    "qos_overrides.<topic>.<end>.history", "", Required(Kind::String), Choice(&["keep_last"]), Restart,
+        "the node bounds every history, so that keep_all is not offered";
+    "qos_overrides.<topic>.<end>.depth", "", Required(Kind::Integer), integer(1, MAX_DEPTH), Restart,
+        "number of messages in the history";
+    "qos_overrides.<topic>.<end>.reliability", "", Required(Kind::String), Choice(&["reliable", "best_effort"]), Restart,
+        "whether lost messages are sent again";
+    "qos_overrides.<topic>.<end>.durability", "", Required(Kind::String), Choice(&["volatile", "transient_local"]), Restart,
+        "whether late subscribers receive the messages in the history";
+};
 
 /// Longest history: as many messages as RustDDS allows to be unacknowledged.
 const MAX_DEPTH: i64 = 8192;

@@ -1,7 +1,8 @@
 //! The parameters that exist once for each sensor in `sensors.names`, and the sensors that they describe.
 
 use super::inconsistency::Inconsistency;
-use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::parameter::Admissible::{self, Choice, Sign};
+use super::parameter::{Applies, DefaultValue, Parameter, or_zero, parameters, real, text};
 use super::section::{or_else, section_of};
 use super::settings::{SensorAxis, SensorMessage, SensorSettings, Settings};
 use super::value::{Kind, Value, readable};
@@ -9,135 +10,37 @@ use crate::sensors::{Quantity, Sensor};
 
 /// The parameters of each sensor, which continue [`PARAMETERS`](super::PARAMETERS): each exists once for every element of
 /// `sensors.names`, with the element in the place of `<name>`.
-pub const SENSOR_PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "sensors.<name>.quantity",
-        unit: "",
-        default: DefaultValue::Required(Kind::String),
-        admissible: Admissible::Choice(&Quantity::WORDS),
-        applies: Applies::Restart,
-        meaning: "quantity that the sensor measures: transverse acceleration [m/s^2] or displacement [m], positive in the vehicle's direction; \
-                  rotation of the axis [rad], positive if it leans in this direction; bending strain of a fibre, positive for tension on \
-                  the side away from the vehicle; axial strain, tension positive; or contact force [N]",
-    },
-    Parameter {
-        name: "sensors.<name>.height",
-        unit: "m",
-        default: DefaultValue::Required(Kind::Double),
-        admissible: Admissible::Real {
-            min: 0.0,
-            max: 200.0,
-        },
-        applies: Applies::Restart,
-        meaning: "height of the sensor above the base, within the column; a contact force does not need it",
-    },
-    Parameter {
-        name: "sensors.<name>.range",
-        unit: "",
-        default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero {
-            min: 1e-12,
-            max: 1e12,
-            zero: "no clipping",
-        },
-        applies: Applies::Restart,
-        meaning: "largest magnitude before the sensor clips, in the unit of its quantity",
-    },
-    Parameter {
-        name: "sensors.<name>.noise",
-        unit: "",
-        default: DefaultValue::Double(0.0),
-        admissible: ERROR,
-        applies: Applies::Restart,
-        meaning: "root mean square of the noise, in the unit of the quantity",
-    },
-    Parameter {
-        name: "sensors.<name>.bias",
-        unit: "",
-        default: DefaultValue::Double(0.0),
-        admissible: ERROR,
-        applies: Applies::Restart,
-        meaning: "standard deviation of the unknown constant offset, in the unit of the quantity",
-    },
-    Parameter {
-        name: "sensors.<name>.gain_error",
-        unit: "",
-        default: DefaultValue::Double(0.0),
-        admissible: Admissible::Real { min: 0.0, max: 1.0 },
-        applies: Applies::Restart,
-        meaning: "standard deviation of the unknown gain from 1",
-    },
-    Parameter {
-        name: "sensors.<name>.rate",
-        unit: "Hz",
-        default: DefaultValue::Double(10_000.0),
-        admissible: Admissible::Real { min: 1.0, max: 1e6 },
-        applies: Applies::Restart,
-        meaning: "number of samples per second",
-    },
-    Parameter {
-        name: "sensors.<name>.bandwidth",
-        unit: "Hz",
-        default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero {
-            min: 0.1,
-            max: 1e6,
-            zero: "half the rate",
-        },
-        applies: Applies::Restart,
-        meaning: "cut-off frequency of the anti-alias filter; more than half the rate has the effect of half the rate",
-    },
-    Parameter {
-        name: "sensors.<name>.sign",
-        unit: "",
-        default: DefaultValue::Integer(1),
-        admissible: Admissible::Sign,
-        applies: Applies::Restart,
-        meaning: "-1 if the sensor is mounted in the opposite direction, so that its readings have the opposite sign",
-    },
-    Parameter {
-        name: "sensors.<name>.fibre",
-        unit: "m",
-        default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero {
-            min: 1e-4,
-            max: 10.0,
-            zero: "half the section height",
-        },
-        applies: Applies::Restart,
-        meaning: "distance of the strained fibre from the centroid, on either side; for a bending strain only",
-    },
-    Parameter {
-        name: "sensors.<name>.topic",
-        unit: "",
-        default: DefaultValue::Text(""),
-        admissible: Admissible::Text {
-            min_chars: 0,
-            max_chars: 255,
-        },
-        applies: Applies::Restart,
-        meaning: "topic on which the sensor's messages arrive; empty: the topic measurements, which all sensors share. Sensors may \
-                  share another topic, too, if they have the same message",
-    },
-    Parameter {
-        name: "sensors.<name>.message",
-        unit: "",
-        default: DefaultValue::Text("measurement"),
-        admissible: Admissible::Choice(&["measurement", "imu", "accel_stamped"]),
-        applies: Applies::Restart,
-        meaning: "type of its messages: column_twin_msgs/msg/Measurement with a batch of samples, or one sample in the linear acceleration \
-                  of sensor_msgs/msg/Imu or of geometry_msgs/msg/AccelStamped",
-    },
-    Parameter {
-        name: "sensors.<name>.axis",
-        unit: "",
-        default: DefaultValue::Text("x"),
-        admissible: Admissible::Choice(&["x", "y", "z"]),
-        applies: Applies::Restart,
-        meaning: "component of the linear acceleration in the vehicle's direction, or against it with the sign -1; for imu and \
-                  accel_stamped only",
-    },
-];
+pub const SENSOR_PARAMETERS: &[Parameter] = parameters! {
+    "sensors.<name>.quantity", "", Required(Kind::String), Choice(&Quantity::WORDS), Restart,
+        "quantity that the sensor measures: transverse acceleration [m/s^2] or displacement [m], positive in the vehicle's direction; \
+         rotation of the axis [rad], positive if it leans in this direction; bending strain of a fibre, positive for tension on the side \
+         away from the vehicle; axial strain, tension positive; or contact force [N]";
+    "sensors.<name>.height", "m", Required(Kind::Double), real(0.0, 200.0), Restart,
+        "height of the sensor above the base, within the column; a contact force does not need it";
+    "sensors.<name>.range", "", Double(0.0), or_zero(1e-12, 1e12, "no clipping"), Restart,
+        "largest magnitude before the sensor clips, in the unit of its quantity";
+    "sensors.<name>.noise", "", Double(0.0), ERROR, Restart,
+        "root mean square of the noise, in the unit of the quantity";
+    "sensors.<name>.bias", "", Double(0.0), ERROR, Restart,
+        "standard deviation of the unknown constant offset, in the unit of the quantity";
+    "sensors.<name>.gain_error", "", Double(0.0), real(0.0, 1.0), Restart,
+        "standard deviation of the unknown gain from 1";
+    "sensors.<name>.rate", "Hz", Double(10_000.0), real(1.0, 1e6), Restart, "number of samples per second";
+    "sensors.<name>.bandwidth", "Hz", Double(0.0), or_zero(0.1, 1e6, "half the rate"), Restart,
+        "cut-off frequency of the anti-alias filter; more than half the rate has the effect of half the rate";
+    "sensors.<name>.sign", "", Integer(1), Sign, Restart,
+        "-1 if the sensor is mounted in the opposite direction, so that its readings have the opposite sign";
+    "sensors.<name>.fibre", "m", Double(0.0), or_zero(1e-4, 10.0, "half the section height"), Restart,
+        "distance of the strained fibre from the centroid, on either side; for a bending strain only";
+    "sensors.<name>.topic", "", Text(""), text(0, 255), Restart,
+        "topic on which the sensor's messages arrive; empty: the topic measurements, which all sensors share. Sensors may share another \
+         topic, too, if they have the same message";
+    "sensors.<name>.message", "", Text("measurement"), Choice(&["measurement", "imu", "accel_stamped"]), Restart,
+        "type of its messages: column_twin_msgs/msg/Measurement with a batch of samples, or one sample in the linear acceleration of \
+         sensor_msgs/msg/Imu or of geometry_msgs/msg/AccelStamped";
+    "sensors.<name>.axis", "", Text("x"), Choice(&["x", "y", "z"]), Restart,
+        "component of the linear acceleration in the vehicle's direction, or against it with the sign -1; for imu and accel_stamped only";
+};
 
 /// Where the messages of a sensor come from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -150,10 +53,7 @@ pub struct SensorSource {
     pub axis: SensorAxis,
 }
 
-const ERROR: Admissible = Admissible::Real {
-    min: 0.0,
-    max: 1e12,
-};
+const ERROR: Admissible = real(0.0, 1e12);
 
 /// What the name of a row has in the place of the name of a sensor.
 pub(super) const PLACEHOLDER: &str = "<name>";

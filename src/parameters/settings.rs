@@ -48,7 +48,7 @@ pub struct Settings {
     pub capacity: CapacitySettings,
     pub assessment: AssessmentSettings,
     // Left out where nothing differs from the defaults, as in the recordings and states of programs that know no beam.
-    #[serde(default, skip_serializing_if = "BeamSettings::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub beam: BeamSettings,
     pub state: StateSettings,
     pub publish_rate: f64,
@@ -58,11 +58,11 @@ pub struct Settings {
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
     // Left out where nothing differs from the defaults, as in the recordings and states of programs that know no alarms.
-    #[serde(default, skip_serializing_if = "AlarmSettings::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub alarm: AlarmSettings,
-    #[serde(default, skip_serializing_if = "MetricsSettings::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub metrics: MetricsSettings,
-    #[serde(default, skip_serializing_if = "FoxgloveSettings::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub foxglove: FoxgloveSettings,
     // Left out where there are none, as in the recordings and states of programs that know no sensors.
     #[serde(default, skip_serializing_if = "SensorsSettings::is_empty")]
@@ -115,7 +115,7 @@ groups! {
         web_thickness: f64,
         flange_thickness: f64,
         // Left out for an I or H section, as in the recordings and states of programs that know no others.
-        #[serde(default, skip_serializing_if = "SectionShape::is_default")]
+        #[serde(default, skip_serializing_if = "is_default")]
         shape: SectionShape,
     }
     /// The steel as given: a grade, numbers that override its properties, or numbers alone.
@@ -164,7 +164,7 @@ groups! {
         #[serde(default)]
         transverse_force: f64,
         // Left out where it is 0, as in the recordings and states of programs that know no directions.
-        #[serde(default, skip_serializing_if = "is_zero")]
+        #[serde(default, skip_serializing_if = "is_default")]
         direction: f64,
     }
     /// The vehicle as given: a name, or numbers alone.
@@ -261,7 +261,7 @@ groups! {
         bow: f64,
         bow_axes: BowAxes,
         // Left out for bilinear steel, as in the recordings and states of programs whose beam knows no other.
-        #[serde(default, skip_serializing_if = "BeamSteel::is_default")]
+        #[serde(default, skip_serializing_if = "is_default")]
         steel: BeamSteel,
     }
     /// The file that preserves the damage across restarts.
@@ -549,9 +549,9 @@ words! {
     }
 }
 
-/// For what is left out where it is 0.
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
+/// For what is left out where it has its default.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 impl LoadBasis {
@@ -562,18 +562,6 @@ impl LoadBasis {
             Self::Present => "the present load",
             Self::Accidental => "the accidental combination of EN 1990 with its psi factors",
         }
-    }
-}
-
-impl BeamSteel {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl SectionShape {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
     }
 }
 

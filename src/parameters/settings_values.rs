@@ -2,73 +2,28 @@
 
 use serde_json::{Map, Value as Json};
 
-use super::base::FRICTION;
 use super::parameter::Parameter;
 use super::sensors::{SENSOR_PARAMETERS, field};
 use super::settings::{
-    AlarmSettings, BaseConnection, BaseSettings, FoxgloveSettings, MetricsSettings, SensorSettings,
+    AlarmSettings, BaseSettings, BeamSettings, FoxgloveSettings, MetricsSettings, SensorSettings,
     Settings,
 };
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
 use super::vehicles::impact_point_of;
 
-impl Default for BaseSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        Self {
-            connection: BaseConnection::None,
-            plate_thickness: 0.0,
-            plate_length: 0.0,
-            plate_width: 0.0,
-            anchor_count: 0,
-            anchor_diameter: 0.0,
-            anchor_grade: "none".to_owned(),
-            anchor_distance: 0.0,
-            concrete: "none".to_owned(),
-            friction: FRICTION,
+macro_rules! defaults {
+    ($($group:ident $name:literal),*) => {$(
+        impl Default for $group {
+            /// The defaults of the table.
+            fn default() -> Self {
+                defaults($name)
+            }
         }
-    }
+    )*};
 }
 
-impl Default for AlarmSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        defaults("alarm")
-    }
-}
-
-impl Default for MetricsSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        defaults("metrics")
-    }
-}
-
-impl Default for FoxgloveSettings {
-    /// The defaults of the table.
-    fn default() -> Self {
-        defaults("foxglove")
-    }
-}
-
-impl AlarmSettings {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl MetricsSettings {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl FoxgloveSettings {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
+defaults!(BaseSettings "base", BeamSettings "beam", AlarmSettings "alarm", MetricsSettings "metrics", FoxgloveSettings "foxglove");
 
 /// A group of settings with the defaults of the table.
 fn defaults<T: serde::de::DeserializeOwned>(group: &str) -> T {

@@ -12,13 +12,11 @@ use super::reported_impact::ReportedImpact;
 use super::second_opinion_section;
 use super::uncertainty;
 use super::words::{end_in_words, instead_of_a_residual, part_of, shortened};
-use crate::column::{
-    HINGE_NAMES, HINGES, Outcome, Report, Support, WEB_NAMES, WEBS, share_in_plane,
-};
+use crate::column::{Outcome, Report, Support, share_in_plane};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
+use crate::observables::{HINGE_PLACES, WEB_PLACES};
 use crate::parameters::{CatalogueVehicle, degrees, plate_in_words, split_crush};
-use crate::shape::{HINGE_PLACES, WEB_PLACES};
 use crate::time::Nanos;
 
 /// The annex about one impact; `number` among several impacts.
@@ -374,10 +372,9 @@ fn hinges(impact: &ReportedImpact) -> Markup {
                     @if dynamic { th.number { "strength by strain rate" } } }
             }
             tbody {
-                @for index in 0..HINGES {
-                    @let hinge = &report.hinges[index];
+                @for (index, (hinge, place)) in report.hinges.iter().zip(HINGE_PLACES).enumerate() {
                     tr {
-                        th scope="row" { (HINGE_NAMES[index]) ", " (HINGE_PLACES[index]) }
+                        th scope="row" { (place.name) ", " (place.words) }
                         td.number { (hinge.first_yield.map_or("never".to_owned(), |secs| time.show(secs))) }
                         td.number {
                             (significant(hinge.plastic_rotation, 3)) " rad (" (format!("{:.2}", hinge.plastic_rotation.to_degrees())) "°)"
@@ -409,11 +406,10 @@ fn webs(impact: &ReportedImpact) -> Markup {
                             th.number { "utilisation" } }
                     }
                     tbody {
-                        @for index in 0..WEBS {
-                            @let web = &report.webs[index];
+                        @for (index, (web, place)) in report.webs.iter().zip(WEB_PLACES).enumerate() {
                             @let length = impact.model.properties.clear_lengths()[index];
                             tr {
-                                th scope="row" { (WEB_NAMES[index]) ", " (WEB_PLACES[index]) }
+                                th scope="row" { (place.name) ", " (place.words) }
                                 td.number { (Unit::force(shear.resistance(length)).show(shear.resistance(length))) }
                                 td.number { (web.first_yield.map_or("never".to_owned(), |secs| time.show(secs))) }
                                 td.number {

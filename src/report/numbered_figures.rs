@@ -2,8 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::column::HINGE_NAMES;
-use crate::shape::HINGE_PLACES;
+use crate::observables::HINGE_PLACES;
 
 /// The figures of the section about one impact, numbered in the order in which they appear.
 pub(super) struct Figures {
@@ -43,9 +42,9 @@ impl Figures {
     /// The path of a hinge in its yield surface.
     pub(super) fn yield_path(&mut self, hinge: usize) -> Markup {
         let caption = format!(
-            "Moment and normal force of hinge {} ({}), the most severely strained one, in its yield surface.",
-            HINGE_NAMES[hinge], HINGE_PLACES[hinge]
+            "Moment and normal force of hinge {}, the most severely strained one, in its yield surface.",
+            HINGE_PLACES[hinge]
         );
-        self.markup(&format!("mn_path_{}", HINGE_NAMES[hinge]), &caption)
+        self.markup(&format!("mn_path_{}", HINGE_PLACES[hinge].name), &caption)
     }
 }

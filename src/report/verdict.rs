@@ -13,7 +13,7 @@ use crate::assessment::{
 };
 use crate::column::{End, Outcome};
 use crate::figures::units::Unit;
-use crate::shape::WEB_PLACES;
+use crate::observables::WEB_PLACES;
 
 /// The verdict on one impact.
 pub(super) struct Verdict {
@@ -253,7 +253,7 @@ fn outcome(impact: &ReportedImpact) -> String {
             }
             (None, Some(web)) => format!(
                 "The web {} fractures in shear {end} after the event.",
-                WEB_PLACES[web]
+                WEB_PLACES[web].words
             ),
             (None, None) => format!("A hinge fractures {end} after the event."),
         },

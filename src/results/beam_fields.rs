@@ -17,29 +17,6 @@ pub enum BeamAnswer {
     None(String),
 }
 
-/// Displacements are those of the impact point, along the hit and at right angles to it, as magnitudes.
-#[derive(Debug, Serialize)]
-pub struct BeamFields {
-    max_displacement_m: f64,
-    max_sideways_m: f64,
-    residual_displacement_m: f64,
-    residual_sideways_m: f64,
-    /// Largest distance of the axis at rest from that of the undamaged column, and its height above the base.
-    residual_bow_m: f64,
-    residual_bow_height_m: f64,
-    max_displacement_time_s: f64,
-    outcome: Outcome,
-    /// Bowed about the axes of `beam.bow_axes`.
-    undamaged_capacity_n: f64,
-    residual_capacity_n: f64,
-    base_shear_n: f64,
-    base_moment_n_m: f64,
-    error_estimate: f64,
-    elements: usize,
-    solve_time_s: f64,
-    ratio_to_two_bars: Option<f64>,
-}
-
 impl BeamAnswer {
     /// Of an opinion that has taken this long to compute.
     #[must_use]
@@ -51,27 +28,28 @@ impl BeamAnswer {
     }
 }
 
-impl BeamFields {
-    fn of(opinion: &SecondOpinion, solve_time: Duration) -> Self {
+fields! {
+    /// Displacements are those of the impact point, along the hit and at right angles to it, as magnitudes.
+    pub struct BeamFields of(opinion: &SecondOpinion, solve_time: Duration) {
         let beam = &opinion.beam;
         let [undamaged, residual] = opinion.capacity;
-        Self {
-            max_displacement_m: beam.max_displacement_m,
-            max_sideways_m: beam.max_sideways_m,
-            residual_displacement_m: beam.residual_displacement_m,
-            residual_sideways_m: beam.residual_sideways_m,
-            residual_bow_m: beam.residual_bow_m,
-            residual_bow_height_m: beam.residual_bow_height_m,
-            max_displacement_time_s: beam.max_displacement_time_s,
-            outcome: opinion.outcome(),
-            undamaged_capacity_n: undamaged,
-            residual_capacity_n: residual,
-            base_shear_n: beam.base_shear_n,
-            base_moment_n_m: beam.base_moment_n_m,
-            error_estimate: beam.error_estimate,
-            elements: beam.elements,
-            solve_time_s: solve_time.as_secs_f64(),
-            ratio_to_two_bars: opinion.ratio_to_two_bars,
-        }
     }
+    max_displacement_m: f64 = beam.max_displacement_m;
+    max_sideways_m: f64 = beam.max_sideways_m;
+    residual_displacement_m: f64 = beam.residual_displacement_m;
+    residual_sideways_m: f64 = beam.residual_sideways_m;
+    /// Largest distance of the axis at rest from that of the undamaged column, and its height above the base.
+    residual_bow_m: f64 = beam.residual_bow_m;
+    residual_bow_height_m: f64 = beam.residual_bow_height_m;
+    max_displacement_time_s: f64 = beam.max_displacement_time_s;
+    outcome: Outcome = opinion.outcome();
+    /// Bowed about the axes of `beam.bow_axes`.
+    undamaged_capacity_n: f64 = undamaged;
+    residual_capacity_n: f64 = residual;
+    base_shear_n: f64 = beam.base_shear_n;
+    base_moment_n_m: f64 = beam.base_moment_n_m;
+    error_estimate: f64 = beam.error_estimate;
+    elements: usize = beam.elements;
+    solve_time_s: f64 = solve_time.as_secs_f64();
+    ratio_to_two_bars: Option<f64> = opinion.ratio_to_two_bars;
 }

@@ -169,12 +169,7 @@ impl NodeFoxglove {
 
 /// Whether a topic shows all columns or the node; its lifecycle is left to the programs that manage it.
 fn is_published(endpoint: &Endpoint, is_fleet: bool) -> bool {
-    let of_one = [qos::JOINT_STATES.name, qos::MARKERS.name];
-    let is_left_out = match is_fleet {
-        true => of_one.contains(&endpoint.name),
-        false => endpoint.name == qos::FLEET_STATUS.name,
-    };
-    !is_left_out && endpoint.name != qos::TRANSITION_EVENT.name
+    endpoint.is_of(is_fleet) && endpoint.name != qos::TRANSITION_EVENT.name
 }
 
 /// The services that are offered; those that change something only under control.

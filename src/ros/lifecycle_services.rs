@@ -145,7 +145,7 @@ impl LifecycleServers {
             }),
             answer(&qos::GET_AVAILABLE_STATES, Some(&states), counters, |_| {
                 GetAvailableStatesResponse {
-                    available_states: State::ALL.map(state).into(),
+                    available_states: State::ALL.iter().copied().map(state).collect(),
                 }
             }),
             answer(

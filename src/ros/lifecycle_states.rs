@@ -3,21 +3,37 @@
 //! Ids and labels are those of rcl, `rcl_lifecycle/src/default_state_machine.c` in <https://github.com/ros2/rcl>, and are described in
 //! <https://design.ros2.org/articles/node_lifecycle.html>.
 
-/// A state of a managed node, by its id in `lifecycle_msgs/msg/State`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum State {
-    /// Never that of a running node.
-    Unknown = 0,
-    Unconfigured = 1,
-    Inactive = 2,
-    Active = 3,
-    Finalized = 4,
-    Configuring = 10,
-    CleaningUp = 11,
-    ShuttingDown = 12,
-    Activating = 13,
-    Deactivating = 14,
-    ErrorProcessing = 15,
+// States with their ids and the names that tools show, in the order in which rcl registers them.
+macro_rules! states {
+    ($($state:ident = $id:literal $label:literal;)*) => {
+        /// A state of a managed node, by its id in `lifecycle_msgs/msg/State`. A running node is never unknown.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum State { $($state = $id),* }
+
+        impl State {
+            /// All states, in the order in which rcl registers them.
+            pub const ALL: &[Self] = &[$(Self::$state),*];
+
+            /// The name that tools show.
+            pub fn label(self) -> &'static str {
+                match self { $(Self::$state => $label),* }
+            }
+        }
+    };
+}
+
+states! {
+    Unknown = 0 "unknown";
+    Unconfigured = 1 "unconfigured";
+    Inactive = 2 "inactive";
+    Active = 3 "active";
+    Finalized = 4 "finalized";
+    Configuring = 10 "configuring";
+    CleaningUp = 11 "cleaningup";
+    ShuttingDown = 12 "shuttingdown";
+    Activating = 13 "activating";
+    Deactivating = 14 "deactivating";
+    ErrorProcessing = 15 "errorprocessing";
 }
 
 /// A transition between two states.
@@ -30,150 +46,46 @@ pub(super) struct Transition {
     pub goal: State,
 }
 
-const fn transition(id: u8, label: &'static str, start: State, goal: State) -> Transition {
-    Transition {
-        id,
-        label,
-        start,
-        goal,
-    }
+// Transitions: id, label, and the states between which they lead.
+macro_rules! transitions {
+    ($($id:literal $label:literal $start:ident $goal:ident;)*) => {
+        &[$(Transition { id: $id, label: $label, start: State::$start, goal: State::$goal }),*]
+    };
 }
 
 /// All transitions, in the order in which rcl registers them.
-pub(super) const TRANSITIONS: [Transition; 25] = [
-    transition(1, "configure", State::Unconfigured, State::Configuring),
-    transition(
-        10,
-        "transition_success",
-        State::Configuring,
-        State::Inactive,
-    ),
-    transition(
-        11,
-        "transition_failure",
-        State::Configuring,
-        State::Unconfigured,
-    ),
-    transition(
-        12,
-        "transition_error",
-        State::Configuring,
-        State::ErrorProcessing,
-    ),
-    transition(2, "cleanup", State::Inactive, State::CleaningUp),
-    transition(
-        20,
-        "transition_success",
-        State::CleaningUp,
-        State::Unconfigured,
-    ),
-    transition(21, "transition_failure", State::CleaningUp, State::Inactive),
-    transition(
-        22,
-        "transition_error",
-        State::CleaningUp,
-        State::ErrorProcessing,
-    ),
-    transition(3, "activate", State::Inactive, State::Activating),
-    transition(30, "transition_success", State::Activating, State::Active),
-    transition(31, "transition_failure", State::Activating, State::Inactive),
-    transition(
-        32,
-        "transition_error",
-        State::Activating,
-        State::ErrorProcessing,
-    ),
-    transition(4, "deactivate", State::Active, State::Deactivating),
-    transition(
-        40,
-        "transition_success",
-        State::Deactivating,
-        State::Inactive,
-    ),
-    transition(41, "transition_failure", State::Deactivating, State::Active),
-    transition(
-        42,
-        "transition_error",
-        State::Deactivating,
-        State::ErrorProcessing,
-    ),
-    transition(5, "shutdown", State::Unconfigured, State::ShuttingDown),
-    transition(6, "shutdown", State::Inactive, State::ShuttingDown),
-    transition(7, "shutdown", State::Active, State::ShuttingDown),
-    transition(
-        50,
-        "transition_success",
-        State::ShuttingDown,
-        State::Finalized,
-    ),
-    transition(
-        51,
-        "transition_failure",
-        State::ShuttingDown,
-        State::Finalized,
-    ),
-    transition(
-        52,
-        "transition_error",
-        State::ShuttingDown,
-        State::ErrorProcessing,
-    ),
-    transition(
-        60,
-        "transition_success",
-        State::ErrorProcessing,
-        State::Unconfigured,
-    ),
-    transition(
-        61,
-        "transition_failure",
-        State::ErrorProcessing,
-        State::Finalized,
-    ),
-    transition(
-        62,
-        "transition_error",
-        State::ErrorProcessing,
-        State::Finalized,
-    ),
-];
+pub(super) const TRANSITIONS: &[Transition] = transitions! {
+    1 "configure" Unconfigured Configuring;
+    10 "transition_success" Configuring Inactive;
+    11 "transition_failure" Configuring Unconfigured;
+    12 "transition_error" Configuring ErrorProcessing;
+    2 "cleanup" Inactive CleaningUp;
+    20 "transition_success" CleaningUp Unconfigured;
+    21 "transition_failure" CleaningUp Inactive;
+    22 "transition_error" CleaningUp ErrorProcessing;
+    3 "activate" Inactive Activating;
+    30 "transition_success" Activating Active;
+    31 "transition_failure" Activating Inactive;
+    32 "transition_error" Activating ErrorProcessing;
+    4 "deactivate" Active Deactivating;
+    40 "transition_success" Deactivating Inactive;
+    41 "transition_failure" Deactivating Active;
+    42 "transition_error" Deactivating ErrorProcessing;
+    5 "shutdown" Unconfigured ShuttingDown;
+    6 "shutdown" Inactive ShuttingDown;
+    7 "shutdown" Active ShuttingDown;
+    50 "transition_success" ShuttingDown Finalized;
+    51 "transition_failure" ShuttingDown Finalized;
+    52 "transition_error" ShuttingDown ErrorProcessing;
+    60 "transition_success" ErrorProcessing Unconfigured;
+    61 "transition_failure" ErrorProcessing Finalized;
+    62 "transition_error" ErrorProcessing Finalized;
+};
 
 impl State {
-    /// All states, in the order in which rcl registers them.
-    pub const ALL: [Self; 11] = [
-        Self::Unknown,
-        Self::Unconfigured,
-        Self::Inactive,
-        Self::Active,
-        Self::Finalized,
-        Self::Configuring,
-        Self::CleaningUp,
-        Self::ShuttingDown,
-        Self::Activating,
-        Self::Deactivating,
-        Self::ErrorProcessing,
-    ];
-
     /// The id in `lifecycle_msgs/msg/State`.
     pub fn id(self) -> u8 {
         self as u8
-    }
-
-    /// The name that tools show.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Unknown => "unknown",
-            Self::Unconfigured => "unconfigured",
-            Self::Inactive => "inactive",
-            Self::Active => "active",
-            Self::Finalized => "finalized",
-            Self::Configuring => "configuring",
-            Self::CleaningUp => "cleaningup",
-            Self::ShuttingDown => "shuttingdown",
-            Self::Activating => "activating",
-            Self::Deactivating => "deactivating",
-            Self::ErrorProcessing => "errorprocessing",
-        }
     }
 
     /// The transitions that begin in this state.
@@ -209,7 +121,7 @@ mod tests {
     #[test]
     fn states_and_transitions_are_those_of_rcl() {
         use lifecycle_msgs::{State as S, Transition as T};
-        let ids = State::ALL.map(State::id);
+        let ids: Vec<_> = State::ALL.iter().map(|it| it.id()).collect();
         assert_eq!(
             ids,
             [
@@ -274,11 +186,12 @@ mod tests {
             (T::TRANSITION_ON_ERROR_FAILURE, "errorprocessing finalized"),
             (T::TRANSITION_ON_ERROR_ERROR, "errorprocessing finalized"),
         ];
-        let found = TRANSITIONS.map(|it| {
+        let found = TRANSITIONS.iter().map(|it| {
             let states = format!("{} {}", it.start.label(), it.goal.label());
             (it.id, states)
         });
-        assert_eq!(found, expected.map(|(id, states)| (id, states.to_owned())));
+        let expected = expected.map(|(id, states)| (id, states.to_owned()));
+        assert_eq!(found.collect::<Vec<_>>(), expected);
     }
 
     #[test]
@@ -299,7 +212,7 @@ mod tests {
 
     #[test]
     fn every_intermediate_state_ends_in_a_primary_one() {
-        for state in State::ALL {
+        for state in State::ALL.iter().copied() {
             let is_intermediate = state.id() >= State::Configuring.id();
             for is_successful in [true, false] {
                 let end = state.concluded(is_successful).map(|it| it.goal.id());

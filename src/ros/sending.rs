@@ -10,17 +10,8 @@ use crate::outgoing::{RecordingHealth, RecordingTap};
 use super::counters::NodeCounters;
 use super::live_columns::{Health, LiveColumns};
 use super::metrics::FoxgloveCounts;
-use super::qos;
 use super::transport::Publisher;
 use ros_node::raw::Raw;
-
-/// The topics that show the columns at rest as well, again and again. The others tell what follows from an impact.
-const SHOWN_AT_REST: [&str; 4] = [
-    qos::TWIN_STATUS.name,
-    qos::FLEET_STATUS.name,
-    qos::JOINT_STATES.name,
-    qos::MARKERS.name,
-];
 
 /// Publishes messages, counts those that are not published, and passes the same bytes to the recording.
 pub(super) struct Sending {
@@ -77,7 +68,7 @@ impl Sending {
 
     /// Whether a message on this endpoint is only recorded now, because the node is managed and not active.
     pub fn withholds(&self, endpoint: &Endpoint) -> bool {
-        self.is_silent && SHOWN_AT_REST.contains(&endpoint.name)
+        self.is_silent && endpoint.shows_rest
     }
 
     /// Publishes a message that is not recorded; returns whether it is sent.

@@ -16,29 +16,21 @@ const STACK: usize = 512 << 10;
 pub(super) struct TwoThreads;
 
 impl Pair for TwoThreads {
-    fn both<A: Send, B: Send>(
-        &self,
-        one: impl FnOnce() -> A + Send,
-        other: impl FnOnce() -> B + Send,
-    ) -> (A, B) {
-        let mut waiting = Some(other);
-        let (first, second) = thread::scope(|scope| {
-            let taken = &mut waiting;
+    fn run(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        let has_started = thread::scope(|scope| {
             let builder = thread::Builder::new()
                 .name(NAME.to_owned())
                 .stack_size(STACK);
-            let started = builder.spawn_scoped(scope, move || taken.take().map(|other| other()));
-            let first = one();
-            let second = started.ok().and_then(|it| match it.join() {
-                Ok(found) => found,
-                Err(panic) => resume_unwind(panic),
-            });
-            (first, second)
+            let started = builder.spawn_scoped(scope, &mut *other);
+            one();
+            match started.map(thread::ScopedJoinHandle::join) {
+                Ok(Ok(())) => true,
+                Ok(Err(panic)) => resume_unwind(panic),
+                Err(_) => false,
+            }
         });
-        match (second, waiting) {
-            (Some(second), _) => (first, second),
-            (None, Some(other)) => (first, other()),
-            (None, None) => unreachable!("what was taken has been computed"),
+        if !has_started {
+            other();
         }
     }
 }
@@ -48,9 +40,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_parts_give_their_results_and_the_second_has_a_thread_with_a_name() {
+    fn both_parts_run_and_the_second_has_a_thread_with_a_name() {
         let name = || thread::current().name().map(str::to_owned);
-        let (one, other) = TwoThreads.both(name, name);
+        let (mut one, mut other) = (None, None);
+        TwoThreads.run(&mut || one = name(), &mut || other = name());
         assert_eq!(one, name());
         assert_eq!(other.as_deref(), Some(NAME));
     }

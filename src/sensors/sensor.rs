@@ -8,22 +8,45 @@ use serde::{Deserialize, Serialize};
 /// Most sensors of a column.
 pub const MAX_SENSORS: usize = 64;
 
-/// What a sensor measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Transverse acceleration at a height \[m/s^2\].
-    Acceleration,
-    /// Transverse displacement at a height \[m\].
-    Displacement,
-    /// Rotation of the axis at a height \[rad\].
-    Rotation,
-    /// Strain of a fibre at a height that bending alone causes, without that of the axial force; without unit.
-    BendingStrain,
-    /// Strain of the centroid at a height, which the axial force causes; without unit.
-    AxialStrain,
-    /// Force between vehicle and column \[N\], compression positive.
-    ContactForce,
+// Quantities: word in parameters, messages and JSON; SI unit of the readings, empty for a strain; unit in which people see it, and the
+// factor from the SI unit; meaning.
+macro_rules! quantities {
+    ($($quantity:ident $word:literal $unit:literal $shown:literal $per_si:literal $meaning:literal;)*) => {
+        /// What a sensor measures.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Quantity { $(#[doc = $meaning] $quantity),* }
+
+        impl Quantity {
+            /// Every quantity, in the order of [`WORDS`](Self::WORDS).
+            pub const ALL: [Self; Self::WORDS.len()] = [$(Self::$quantity),*];
+
+            /// The words of the quantities in parameters, messages and JSON.
+            pub const WORDS: [&'static str; [$($word),*].len()] = [$($word),*];
+
+            /// The SI unit of its readings; empty for a strain.
+            #[must_use]
+            pub const fn unit(self) -> &'static str {
+                match self { $(Self::$quantity => $unit),* }
+            }
+
+            /// The usual unit in which people see it, and the factor from the SI unit.
+            #[must_use]
+            pub const fn shown_unit(self) -> (&'static str, f64) {
+                match self { $(Self::$quantity => ($shown, $per_si)),* }
+            }
+        }
+    };
+}
+
+quantities! {
+    Acceleration "acceleration" "m/s^2" "m/s²" 1.0 "Transverse acceleration at a height.";
+    Displacement "displacement" "m" "mm" 1e3 "Transverse displacement at a height.";
+    Rotation "rotation" "rad" "mrad" 1e3 "Rotation of the axis at a height.";
+    BendingStrain "bending_strain" "" "µm/m" 1e6
+        "Strain of a fibre at a height that bending alone causes, without the strain of the axial force.";
+    AxialStrain "axial_strain" "" "µm/m" 1e6 "Strain of the centroid at a height, which the axial force causes.";
+    ContactForce "contact_force" "N" "kN" 1e-3 "Force between vehicle and column, compression positive.";
 }
 
 /// A sensor on the column.
@@ -85,60 +108,16 @@ impl Sensor {
 pub struct NotAQuantity;
 
 impl Quantity {
-    /// Every quantity, in the order of [`WORDS`](Self::WORDS).
-    pub const ALL: [Self; 6] = [
-        Self::Acceleration,
-        Self::Displacement,
-        Self::Rotation,
-        Self::BendingStrain,
-        Self::AxialStrain,
-        Self::ContactForce,
-    ];
-
-    /// The words of the quantities in parameters, messages and JSON.
-    pub const WORDS: [&'static str; 6] = [
-        "acceleration",
-        "displacement",
-        "rotation",
-        "bending_strain",
-        "axial_strain",
-        "contact_force",
-    ];
-
     /// Whether it is the strain of a fibre.
     #[must_use]
     pub const fn is_strain(self) -> bool {
         matches!(self, Self::BendingStrain | Self::AxialStrain)
     }
 
-    /// The usual unit in which people see it, and the factor from the SI unit.
-    #[must_use]
-    pub const fn shown_unit(self) -> (&'static str, f64) {
-        match self {
-            Self::Acceleration => ("m/s²", 1.0),
-            Self::Displacement => ("mm", 1e3),
-            Self::Rotation => ("mrad", 1e3),
-            Self::BendingStrain | Self::AxialStrain => ("µm/m", 1e6),
-            Self::ContactForce => ("kN", 1e-3),
-        }
-    }
-
     /// Its word, such as `bending_strain`.
     #[must_use]
     pub const fn word(self) -> &'static str {
         Self::WORDS[self as usize]
-    }
-
-    /// The SI unit of its readings; empty for a strain.
-    #[must_use]
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Acceleration => "m/s^2",
-            Self::Displacement => "m",
-            Self::Rotation => "rad",
-            Self::BendingStrain | Self::AxialStrain => "",
-            Self::ContactForce => "N",
-        }
     }
 }
 

@@ -2,15 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::column::{ColumnProperties, HINGES, Sample, Support, WEBS};
+use crate::column::{ColumnProperties, HINGES, Sample, Support};
+use crate::observables::{BarEnd, HINGE_PLACES};
 use crate::parameters::{Parameters, SupportKind};
 use crate::twin::Lengths;
-
-/// Where each hinge is, in the order of [`HINGE_NAMES`](crate::column::HINGE_NAMES).
-pub const HINGE_PLACES: [&str; HINGES] = ["below the impact", "above the impact", "top", "base"];
-
-/// Where the web of each bar is, in the order of [`WEB_NAMES`](crate::column::WEB_NAMES).
-pub const WEB_PLACES: [&str; WEBS] = ["below the impact", "above the impact"];
 
 /// A point in the plane of bending \[m\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -120,13 +115,16 @@ impl Joints {
     /// `apart` \[m\] from the impact point along their bars.
     #[must_use]
     pub fn hinges(&self, apart: f64) -> [PlanePoint; HINGES] {
-        let Self { base, impact, top } = *self;
-        [
-            impact.plus(apart, impact.direction_to(base)),
-            impact.plus(apart, impact.direction_to(top)),
-            top,
-            base,
-        ]
+        let joints = [self.base, self.impact, self.top];
+        HINGE_PLACES.map(|hinge| {
+            let other = usize::from(hinge.bar) + usize::from(hinge.end == BarEnd::Lower);
+            match joints[hinge.joint()] {
+                impact if hinge.joint() == 1 => {
+                    impact.plus(apart, impact.direction_to(joints[other]))
+                }
+                end => end,
+            }
+        })
     }
 }
 

@@ -35,7 +35,7 @@ pub use crate::twin::Lengths;
 pub use action_colour::action_colour;
 pub use bent_axis::{BEND_LENGTH, BentAxis, Station};
 pub use heading::Heading;
-pub use joints::{HINGE_PLACES, Joints, PlanePoint, WEB_PLACES};
+pub use joints::{Joints, PlanePoint};
 pub use outline::{Outline, Ring};
 pub use round_number::round_number;
 pub use solid::Solid;

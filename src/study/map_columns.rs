@@ -42,210 +42,72 @@ pub enum TableValue<'a> {
     Text(Option<&'a str>),
 }
 
-/// A result of an impact: name, unit, meaning, and the value.
-type ResultColumn = (
+/// A column about this: name, kind, unit, meaning, and the value.
+type ColumnOf<T> = (
     &'static str,
     ColumnKind,
     &'static str,
     &'static str,
-    fn(&Evaluation) -> TableValue<'static>,
+    fn(&T) -> TableValue<'static>,
 );
+
+// Columns: name, unit, kind and value; meaning.
+macro_rules! columns {
+    ($($name:literal, $unit:literal, $kind:ident |$it:ident| $value:expr, $meaning:literal;)*) => {
+        [$(($name, ColumnKind::$kind, $unit, $meaning, |$it| TableValue::$kind($value))),*]
+    };
+}
 
 /// What is written of every impact that was computed.
-const RESULTS: [ResultColumn; 13] = [
-    (
-        "action",
-        ColumnKind::Text,
-        "",
-        "required action: none, inspect, restrict, shore or evacuate",
-        |it| TableValue::Text(Some(Action::name(it.action))),
-    ),
-    (
-        "action_level",
-        ColumnKind::Whole,
-        "",
-        "the action as a number, from 0 (none) to 4 (evacuate)",
-        |it| TableValue::Whole(Some(it.action as u64)),
-    ),
-    (
-        "deciding_criterion",
-        ColumnKind::Text,
-        "",
-        "the criterion that decides; docs/assessment.md lists them",
-        |it| TableValue::Text(Some(it.deciding_criterion)),
-    ),
-    (
-        "outcome",
-        ColumnKind::Text,
-        "",
-        "elastic, plastic, collapsed or fractured",
-        |it| TableValue::Text(Some(outcome_word(it.outcome))),
-    ),
-    (
-        "max_v1_m",
-        ColumnKind::Number,
-        "m",
-        "peak displacement of the impact point",
-        |it| TableValue::Number(Some(it.max_v1)),
-    ),
-    (
-        "residual_v1_m",
-        ColumnKind::Number,
-        "m",
-        "residual displacement of the impact point; missing where the column does not stand",
-        |it| TableValue::Number(it.residual_v1),
-    ),
-    (
-        "peak_contact_force_n",
-        ColumnKind::Number,
-        "N",
-        "largest contact force",
-        |it| TableValue::Number(Some(it.peak_contact_force)),
-    ),
-    (
-        "residual_capacity_n",
-        ColumnKind::Number,
-        "N",
-        "largest force of the push-down; 0 where the column carries nothing",
-        |it| TableValue::Number(Some(it.residual_capacity)),
-    ),
-    (
-        "capacity_ratio",
-        ColumnKind::Number,
-        "",
-        "force of the push-down over the force of the undamaged column",
-        |it| TableValue::Number(Some(it.capacity_ratio)),
-    ),
-    (
-        "reserve",
-        ColumnKind::Number,
-        "",
-        "N_u, this ratio times the buckling resistance about the strong axis, over the applied load N; missing without a compressive load",
-        |it| TableValue::Number(it.reserve),
-    ),
-    (
-        "max_plastic_rotation_rad",
-        ColumnKind::Number,
-        "rad",
-        "largest plastic rotation of a hinge",
-        |it| TableValue::Number(Some(it.max_plastic_rotation)),
-    ),
-    (
-        "max_plastic_shear_rad",
-        ColumnKind::Number,
-        "rad",
-        "largest plastic shear angle of a web; above 0 it has yielded in shear",
-        |it| TableValue::Number(Some(it.max_plastic_shear)),
-    ),
-    (
-        "base_utilisation",
-        ColumnKind::Number,
-        "",
-        "largest utilisation of the connection of the base; above 1 it fails; missing where the base is not known",
-        |it| TableValue::Number(it.base_utilisation),
-    ),
-];
-
-/// A result of the fibre beam: name, unit, meaning, and the value.
-type OpinionColumn = (
-    &'static str,
-    ColumnKind,
-    &'static str,
-    &'static str,
-    fn(&StudyOpinion) -> TableValue<'static>,
-);
+const RESULTS: [ColumnOf<Evaluation>; 13] = columns! {
+    "action", "", Text |it| Some(Action::name(it.action)), "required action: none, inspect, restrict, shore or evacuate";
+    "action_level", "", Whole |it| Some(it.action as u64), "the action as a number, from 0 (none) to 4 (evacuate)";
+    "deciding_criterion", "", Text |it| Some(it.deciding_criterion), "the criterion that decides; docs/assessment.md lists them";
+    "outcome", "", Text |it| Some(outcome_word(it.outcome)), "elastic, plastic, collapsed or fractured";
+    "max_v1_m", "m", Number |it| Some(it.max_v1), "peak displacement of the impact point";
+    "residual_v1_m", "m", Number |it| it.residual_v1,
+        "residual displacement of the impact point; missing where the column does not stand";
+    "peak_contact_force_n", "N", Number |it| Some(it.peak_contact_force), "largest contact force";
+    "residual_capacity_n", "N", Number |it| Some(it.residual_capacity),
+        "largest force of the push-down; 0 where the column carries nothing";
+    "capacity_ratio", "", Number |it| Some(it.capacity_ratio), "force of the push-down over the force of the undamaged column";
+    "reserve", "", Number |it| it.reserve,
+        "N_u, this ratio times the buckling resistance about the strong axis, over the applied load N; missing without a compressive load";
+    "max_plastic_rotation_rad", "rad", Number |it| Some(it.max_plastic_rotation), "largest plastic rotation of a hinge";
+    "max_plastic_shear_rad", "rad", Number |it| Some(it.max_plastic_shear),
+        "largest plastic shear angle of a web; above 0 it has yielded in shear";
+    "base_utilisation", "", Number |it| it.base_utilisation,
+        "largest utilisation of the connection of the base; above 1 it fails; missing where the base is not known";
+};
 
 /// What is written of what the beam says, where it was asked.
-const OPINIONS: [OpinionColumn; 12] = [
-    (
-        "beam_action",
-        ColumnKind::Text,
-        "",
-        "action by the fibre beam alone",
-        |it| TableValue::Text(it.action.map(Action::name)),
-    ),
-    (
-        "beam_counts",
-        ColumnKind::Whole,
-        "",
-        "1 where the verdict of the fibre beam counts beside the two bars, otherwise 0",
-        |it| TableValue::Whole(Some(u64::from(!it.opinion.counts.is_empty()))),
-    ),
-    (
-        "beam_decides",
-        ColumnKind::Whole,
-        "",
-        "1 where it counts and is more severe than the verdict of the two bars, otherwise 0",
-        |it| TableValue::Whole(Some(u64::from(it.opinion.decides))),
-    ),
-    (
-        "beam_outcome",
-        ColumnKind::Text,
-        "",
-        "elastic, plastic or collapsed",
-        |it| TableValue::Text(Some(outcome_word(it.opinion.outcome()))),
-    ),
-    (
-        "beam_max_displacement_m",
-        ColumnKind::Number,
-        "m",
-        "peak displacement of the impact point along the hit",
-        |it| TableValue::Number(Some(it.opinion.beam.max_displacement_m)),
-    ),
-    (
-        "beam_max_sideways_m",
-        ColumnKind::Number,
-        "m",
-        "the same at right angles to the hit",
-        |it| TableValue::Number(Some(it.opinion.beam.max_sideways_m)),
-    ),
-    (
-        "beam_residual_displacement_m",
-        ColumnKind::Number,
-        "m",
-        "residual displacement of the impact point along the hit; missing after a collapse",
-        |it| finite(it.opinion.beam.residual_displacement_m),
-    ),
-    (
-        "beam_residual_sideways_m",
-        ColumnKind::Number,
-        "m",
-        "the same at right angles to the hit",
-        |it| finite(it.opinion.beam.residual_sideways_m),
-    ),
-    (
-        "beam_undamaged_capacity_n",
-        ColumnKind::Number,
-        "N",
-        "largest force of the push-down of the undamaged fibre beam",
-        |it| TableValue::Number(Some(it.opinion.capacity[0])),
-    ),
-    (
-        "beam_residual_capacity_n",
-        ColumnKind::Number,
-        "N",
-        "the same of what the impact leaves; 0 after a collapse",
-        |it| TableValue::Number(Some(it.opinion.capacity[1])),
-    ),
-    (
-        "beam_base_shear_n",
-        ColumnKind::Number,
-        "N",
-        "largest base shear along the hit, as a mean over 1 ms",
-        |it| TableValue::Number(Some(it.opinion.beam.base_shear_n)),
-    ),
-    (
-        "ratio_to_two_bars",
-        ColumnKind::Number,
-        "",
-        "peak displacement along the hit over the peak of the two bars; missing where these do not move",
-        |it| TableValue::Number(it.opinion.ratio_to_two_bars),
-    ),
-];
+const OPINIONS: [ColumnOf<StudyOpinion>; 12] = columns! {
+    "beam_action", "", Text |it| it.action.map(Action::name), "action by the fibre beam alone";
+    "beam_counts", "", Whole |it| Some(u64::from(!it.opinion.counts.is_empty())),
+        "1 where the verdict of the fibre beam counts beside the two bars, otherwise 0";
+    "beam_decides", "", Whole |it| Some(u64::from(it.opinion.decides)),
+        "1 where it counts and is more severe than the verdict of the two bars, otherwise 0";
+    "beam_outcome", "", Text |it| Some(outcome_word(it.opinion.outcome())), "elastic, plastic or collapsed";
+    "beam_max_displacement_m", "m", Number |it| Some(it.opinion.beam.max_displacement_m),
+        "peak displacement of the impact point along the hit";
+    "beam_max_sideways_m", "m", Number |it| Some(it.opinion.beam.max_sideways_m), "the same at right angles to the hit";
+    "beam_residual_displacement_m", "m", Number |it| finite(it.opinion.beam.residual_displacement_m),
+        "residual displacement of the impact point along the hit; missing after a collapse";
+    "beam_residual_sideways_m", "m", Number |it| finite(it.opinion.beam.residual_sideways_m),
+        "the same at right angles to the hit";
+    "beam_undamaged_capacity_n", "N", Number |it| Some(it.opinion.capacity[0]),
+        "largest force of the push-down of the undamaged fibre beam";
+    "beam_residual_capacity_n", "N", Number |it| Some(it.opinion.capacity[1]),
+        "the same of what the impact leaves; 0 after a collapse";
+    "beam_base_shear_n", "N", Number |it| Some(it.opinion.beam.base_shear_n),
+        "largest base shear along the hit, as a mean over 1 ms";
+    "ratio_to_two_bars", "", Number |it| it.opinion.ratio_to_two_bars,
+        "peak displacement along the hit over the peak of the two bars; missing where these do not move";
+};
 
 /// A number that may not exist.
-fn finite(number: f64) -> TableValue<'static> {
-    TableValue::Number(number.is_finite().then_some(number))
+fn finite(number: f64) -> Option<f64> {
+    number.is_finite().then_some(number)
 }
 
 /// A value of this kind that does not exist.

@@ -117,7 +117,7 @@ fn messages(layout: &ColumnLayout<'_>, follows: bool) -> RecordingStreamResult<V
 
 /// Whether the plot of this number is shown, for a vehicle that crushes or not.
 fn shown(plot: u8, crushes: bool) -> bool {
-    crushes || !plots::ALL[usize::from(plot)].of_vehicle
+    crushes || !plots::ALL[usize::from(plot)].is_of_vehicle()
 }
 
 /// A blueprint that is being written.
@@ -426,7 +426,13 @@ impl Blueprint {
             contents.push(self.content(plots::SPRING_FORCES));
         }
         let origin = entity(&self.root, "plots");
-        self.view(id, "TimeSeries", plot.title, &origin, &contents)?;
+        self.view(
+            id,
+            "TimeSeries",
+            &plot.title_with_unit(),
+            &origin,
+            &contents,
+        )?;
         let axis = ScalarAxis::new()
             .with_range(Range1D::new(axis[0], axis[1]))
             .with_zoom_lock(LockRangeDuringZoom(false.into()));
@@ -555,7 +561,7 @@ mod tests {
     fn a_vehicle_that_crushes_has_views_of_its_own() {
         let rigid = entities(VehicleBody::rigid_mass(), Vec::new());
         let car = entities(VehicleBody::assumed(1_719.0, &[0.0]), Vec::new());
-        let of_vehicle = (0..PLOTS).filter(|plot| plots::ALL[*plot].of_vehicle);
+        let of_vehicle = (0..PLOTS).filter(|plot| plots::ALL[*plot].is_of_vehicle());
         let of_vehicle = of_vehicle.map(|plot| FIRST_PLOT + plot as u8);
         for number in of_vehicle.chain([FORCE_CRUSH]) {
             assert!(!has(&rigid, number) && has(&car, number), "{number}");

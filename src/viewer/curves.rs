@@ -40,16 +40,10 @@ impl Curves<'_> {
     fn curves(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let times = time_columns(batch.iter().map(|(moment, _)| *moment));
         for plot in &plots::ALL {
-            self.curve(plot.entity, &times, batch, |sample| {
-                let mut values = (plot.values)(sample);
-                values.iter_mut().for_each(|it| *it *= plot.per_si);
-                values
-            })?;
+            self.curve(plot.entity, &times, batch, |sample| plot.values(sample))?;
         }
-        let per_si = plots::ALL[plots::CONTACT_FORCE].per_si;
         self.curve(plots::SPRING_FORCES, &times, batch, |sample| {
-            let forces = plots::spring_forces(sample).iter();
-            forces.map(|force| per_si * force).collect()
+            plots::spring_forces(sample).collect()
         })?;
         self.force_crush(&times, batch)
     }

@@ -1,10 +1,10 @@
 //! The events of an impact with their times: from a report if there is one, otherwise from the states.
 
-use crate::column::{HINGE_NAMES, HINGES, HingeState, Phase, Sample, WEB_NAMES, WEBS};
+use crate::column::{HINGES, HingeState, Phase, Sample, WEBS};
 use crate::messages::column_twin_msgs::ImpactReport;
 
 use super::scene::force;
-use crate::shape::{HINGE_PLACES, WEB_PLACES};
+use crate::observables::{HINGE_PLACES, WEB_PLACES};
 
 /// An event of an impact.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,17 +128,11 @@ fn contact(sample: &Sample) -> String {
 }
 
 fn first_yield(hinge: usize) -> String {
-    format!(
-        "first yield of hinge {} ({})",
-        HINGE_NAMES[hinge], HINGE_PLACES[hinge]
-    )
+    format!("first yield of hinge {}", HINGE_PLACES[hinge])
 }
 
 fn first_shear(web: usize) -> String {
-    format!(
-        "the web {} ({}) begins to shear",
-        WEB_NAMES[web], WEB_PLACES[web]
-    )
+    format!("the web {} begins to shear", WEB_PLACES[web])
 }
 
 fn peak(v1: f64) -> String {

@@ -4,11 +4,11 @@ use super::beam;
 use super::item::Announcement;
 use super::plots;
 use super::scene::{Drawing, force};
-use crate::column::{HINGE_NAMES, HINGES, share_in_plane};
+use crate::column::{HINGES, share_in_plane};
 use crate::messages::column_twin_msgs::ImpactReport;
 use crate::messages::words::verdict_in_words;
+use crate::observables::HINGE_PLACES;
 use crate::parameters::degrees;
-use crate::shape::HINGE_PLACES;
 use crate::study::VehicleLimits;
 use printable::is_printable;
 
@@ -101,7 +101,7 @@ fn action(report: &ImpactReport) -> [String; 2] {
 fn hinges(report: &ImpactReport) -> String {
     let yielded: Vec<_> = (0..HINGES)
         .filter(|hinge| report.first_yield_time.get_or(*hinge, f64::NAN).is_finite())
-        .map(|hinge| format!("{} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]))
+        .map(|hinge| HINGE_PLACES[hinge].to_string())
         .collect();
     match &yielded[..] {
         [] => "All hinges stay elastic.".to_owned(),
@@ -244,11 +244,10 @@ fn legend(drawing: &Drawing) -> String {
         ("Displacements", scale),
     ];
     let crushes = drawing.vehicle.is_real();
-    let plots = plots::ALL.iter().filter(|plot| crushes || !plot.of_vehicle);
-    let plots = plots.filter_map(|plot| {
-        let (title, _unit) = plot.title.split_once(" [")?;
-        Some([title.to_owned(), plot.symbols.to_owned()])
-    });
+    let plots = plots::ALL
+        .iter()
+        .filter(|plot| crushes || !plot.is_of_vehicle());
+    let plots = plots.map(|plot| [plot.title, plot.symbols].map(str::to_owned));
     let rows = rows.map(|(sign, meaning)| [sign.to_owned(), meaning]);
     let rows: Vec<_> = rows.into_iter().chain(plots).collect();
     format!("**Legend**\n\n{}", table(["Sign", "Meaning"], &rows))

@@ -6,6 +6,10 @@ use super::colour::{self, Rgb};
 use super::timeline::nanos;
 use crate::column::{HINGES, Impact, MAX_MASSES, Phase, Sample, simulate};
 use crate::messages::column_twin_msgs::ImpactReport;
+use crate::observables::{
+    self, CRUSH_ENERGY, DAMPING_WORK, IMPACT_LOSS, KINETIC_ENERGY, MOMENT, NORMAL_FORCE,
+    OPEN_OR_CRUSHED, Observable, PLASTIC_WORK, POTENTIAL_ENERGY, SPRING_FORCE, U1, U2, V1, each,
+};
 use crate::parameters::Parameters;
 use crate::shape::round_number;
 
@@ -17,53 +21,95 @@ pub const PLOTS: usize = 7;
 pub struct Plot {
     /// Entity of its values.
     pub entity: &'static str,
-    /// Title in plain words, with the unit.
+    /// Title in plain words, without the unit.
     pub title: &'static str,
     /// What it shows in the symbols of the paper, for the legend.
     pub symbols: &'static str,
-    /// Factor from the SI unit to the unit of the plot.
-    pub per_si: f64,
-    /// Names and colours of its curves.
-    pub curves: &'static [(&'static str, Rgb)],
+    /// What it shows.
+    pub shown: &'static [Observable],
+    /// Colours of its curves.
+    pub colours: &'static [Rgb],
     /// Where the names of the curves hide least of the curves.
     pub names: Corner2D,
     /// Width of the last curve \[points\].
     pub last_width: f32,
-    /// The values of a sample in SI units, one for each curve; fewer where a vehicle has fewer masses than there are curves.
-    pub values: fn(&Sample) -> Vec<f64>,
+    /// Whether each curve shows the sum of what is shown so far.
+    pub is_stacked: bool,
+}
+
+impl Plot {
     /// Whether it is about a vehicle that crushes, and not shown for a rigid mass.
-    pub of_vehicle: bool,
+    #[must_use]
+    pub fn is_of_vehicle(&self) -> bool {
+        each(self.shown, 0).next().is_none()
+    }
+
+    /// The unit, and the factor to it from the SI unit.
+    fn unit(&self) -> (&'static str, f64) {
+        let (_, unit, per_si) = self.shown[0].kind.units();
+        (unit, per_si)
+    }
+
+    /// Title with the unit.
+    #[must_use]
+    pub fn title_with_unit(&self) -> String {
+        format!("{} [{}]", self.title, self.unit().0)
+    }
+
+    /// Names of its curves.
+    #[must_use]
+    pub fn curve_names(&self) -> Vec<String> {
+        let mut names: Vec<_> = each(self.shown, MAX_MASSES)
+            .map(|(it, index)| it.in_plots(index))
+            .collect();
+        if self.is_stacked {
+            names
+                .iter_mut()
+                .skip(1)
+                .for_each(|it| it.insert_str(0, "+ "));
+            names
+                .last_mut()
+                .into_iter()
+                .for_each(|it| it.push_str(" = total"));
+        }
+        names
+    }
+
+    /// The values of a sample in the unit of the plot, one for each curve; fewer where a vehicle has fewer masses than there are curves.
+    ///
+    /// As a stack, the last value stays constant as long as the energy balance closes: the potential energy of the load is counted with
+    /// the elastic energy of the column, the elastic energy of the vehicle's springs with what they dissipate.
+    #[must_use]
+    pub fn values(&self, sample: &Sample) -> Vec<f64> {
+        let mut sum = 0.0;
+        let values = each(self.shown, sample.vehicle.masses).map(|(it, index)| {
+            let value = it.value(sample, index);
+            sum += value;
+            self.unit().1 * if self.is_stacked { sum } else { value }
+        });
+        values.collect()
+    }
 }
 
 /// Entity of the forces of the second and the third spring of a vehicle, in the plot of the contact force, which is that of
 /// the first.
 pub const SPRING_FORCES: &str = "plots/spring_forces";
 
-/// Names and colours of the curves of [`SPRING_FORCES`].
-pub const SPRINGS_BEHIND: [(&str, Rgb); MAX_MASSES - 1] = [
-    ("spring 2", colour::SPRING[1]),
-    ("spring 3", colour::SPRING[2]),
-];
-
-/// Forces of the second and the third spring of a vehicle \[N\]; empty if it has one mass, or none.
-#[must_use]
-pub fn spring_forces(sample: &Sample) -> &[f64] {
-    let vehicle = &sample.vehicle;
-    vehicle.force.get(1..vehicle.masses).unwrap_or_default()
+/// Forces of the second and the third spring of a vehicle in the unit of their plot; none if it has one mass, or none.
+pub fn spring_forces(sample: &Sample) -> impl Iterator<Item = f64> {
+    let (_, per_si) = ALL[CONTACT_FORCE].unit();
+    (1..sample.vehicle.masses).map(move |spring| per_si * SPRING_FORCE.value(sample, spring))
 }
 
 /// Entity of the path of the vehicle's front, in the plot of the displacement. Curves are drawn in the order of their entities:
 /// this one lies below that of the column, with which it coincides in contact.
 pub const VEHICLE_PATH: &str = "plots/displacement_of_vehicle";
 
-/// Name and colour of the curve of [`VEHICLE_PATH`].
-pub const VEHICLE: (&str, Rgb) = ("vehicle", colour::IMPACTOR);
-
 /// Position of the vehicle's front in the unit of its plot, where the axis from `low` to `high` holds it: it comes from far and
 /// travels without limit, so that an axis that held all of its path would show nothing of the column.
 #[must_use]
 pub fn vehicle_front(sample: &Sample, [low, high]: [f64; 2]) -> Option<f64> {
-    let front = ALL[DISPLACEMENT].per_si * sample.impactor_position;
+    let front = ALL[DISPLACEMENT].unit().1 * sample.impactor_position;
     (sample.phase != Phase::Idle && (low..=high).contains(&front)).then_some(front)
 }
 
@@ -83,129 +129,89 @@ const CRUSH: usize = 6;
 pub const ALL: [Plot; PLOTS] = [
     Plot {
         entity: "plots/horizontal_displacement",
-        title: "Displacement at the impact [mm]",
+        title: "Displacement at the impact",
         symbols: "v1 of the column, v_c of the vehicle's front (Figure 5 of the paper)",
-        per_si: 1e3,
-        curves: &[("column", colour::IMPACT_POINT)],
-        names: Corner2D::RightBottom,
+        shown: &[V1],
+        colours: &[colour::IMPACT_POINT],
         last_width: 2.0,
-        values: |it| vec![it.v1],
-        of_vehicle: false,
+        ..PLOT
     },
     Plot {
         entity: "plots/vertical_displacement",
-        title: "Shortening [mm]",
+        title: "Shortening",
         symbols: "u1 at the impact, u2 at the top, both downwards (Figure 6)",
-        per_si: 1e3,
-        curves: &[
-            ("at the impact", colour::IMPACT_POINT),
-            ("at the top", colour::TOP),
-        ],
-        names: Corner2D::RightBottom,
+        shown: &[U1, U2],
+        colours: &[colour::IMPACT_POINT, colour::TOP],
         last_width: 2.0,
-        values: |it| vec![it.u1, it.u2],
-        of_vehicle: false,
+        ..PLOT
     },
     Plot {
         entity: "plots/normal_force",
-        title: "Axial forces [kN]",
+        title: "Axial forces",
         symbols: "N_a below and N_b above the impact, tension positive (Figure 7)",
-        per_si: 1e-3,
-        curves: &[
-            ("below the impact", colour::BAR_A),
-            ("above the impact", colour::BAR_B),
-        ],
+        shown: &[NORMAL_FORCE],
+        colours: &[colour::BAR_A, colour::BAR_B],
         names: Corner2D::RightTop,
-        last_width: 1.5,
-        values: |it| it.normal_forces().to_vec(),
-        of_vehicle: false,
+        ..PLOT
     },
     Plot {
         entity: "plots/bending_moment",
-        title: "Moments [kN m]",
+        title: "Moments",
         symbols: "M of the hinges: 1a below, 1b above the impact, 2 top, 3 base (Figure 8)",
-        per_si: 1e-3,
-        curves: &[
-            ("hinge 1a", colour::HINGE[0]),
-            ("hinge 1b", colour::HINGE[1]),
-            ("hinge 2", colour::HINGE[2]),
-            ("hinge 3", colour::HINGE[3]),
-        ],
+        shown: &[MOMENT],
+        colours: &colour::HINGE,
         names: Corner2D::LeftBottom,
-        last_width: 1.5,
-        values: |it| it.hinges.map(|hinge| hinge.moment).to_vec(),
-        of_vehicle: false,
+        ..PLOT
     },
     Plot {
         entity: "plots/contact_force/smooth",
-        title: "Contact force [kN]",
+        title: "Contact force",
         symbols: "of the vehicle on the column; with several masses, the forces of the springs behind it, too",
-        per_si: 1e-3,
-        curves: &[("contact force", colour::CONTACT)],
+        shown: &[observables::CONTACT_FORCE],
+        colours: &[colour::CONTACT],
         names: Corner2D::RightTop,
         last_width: 2.0,
-        values: |it| vec![it.contact_force],
-        of_vehicle: false,
+        ..PLOT
     },
     Plot {
         entity: "plots/energy",
-        title: "Energy [kJ]",
+        title: "Energy",
         symbols: "stacked: the topmost line stays level as long as the balance closes",
-        per_si: 1e-3,
-        curves: &[
-            ("impact impulses", colour::ENERGIES[0]),
-            ("+ vehicle's crush", colour::ENERGIES[1]),
-            ("+ damping", colour::ENERGIES[2]),
-            ("+ plastic work", colour::ENERGIES[3]),
-            ("+ elastic - load", colour::ENERGIES[4]),
-            ("+ motion = total", colour::ENERGIES[5]),
+        shown: &[
+            IMPACT_LOSS,
+            CRUSH_ENERGY,
+            DAMPING_WORK,
+            PLASTIC_WORK,
+            POTENTIAL_ENERGY,
+            KINETIC_ENERGY,
         ],
+        colours: &colour::ENERGIES,
         names: Corner2D::LeftBottom,
         last_width: 3.0,
-        values: |it| ledger(it).to_vec(),
-        of_vehicle: false,
+        is_stacked: true,
+        ..PLOT
     },
     Plot {
         entity: "plots/crush",
-        title: "Crush of the vehicle [mm]",
+        title: "Crush of the vehicle",
         symbols: "of each spring, front first",
-        per_si: 1e3,
-        curves: &[
-            ("spring 1, front", colour::SPRING[0]),
-            ("spring 2", colour::SPRING[1]),
-            ("spring 3", colour::SPRING[2]),
-        ],
-        names: Corner2D::RightBottom,
-        last_width: 1.5,
-        // An open spring is not crushed.
-        values: |it| {
-            let crush = it.vehicle.crush.iter().take(it.vehicle.masses);
-            crush.map(|it| it.max(0.0)).collect()
-        },
-        of_vehicle: true,
+        shown: &[OPEN_OR_CRUSHED],
+        colours: &colour::SPRING,
+        ..PLOT
     },
 ];
 
-/// The energy ledger as a stack \[J\]: each value is a cumulative sum, and the last one stays constant as long as the ledger
-/// closes. The potential energy of the load is counted with the elastic energy of the column, the elastic energy of the
-/// vehicle's springs with what they dissipate.
-#[must_use]
-pub fn ledger(sample: &Sample) -> [f64; 6] {
-    let mut sum = 0.0;
-    let vehicle = &sample.vehicle;
-    [
-        sample.impact_loss,
-        vehicle.dissipated.iter().sum::<f64>() + vehicle.elastic_energy,
-        sample.damping_work,
-        sample.plastic_work,
-        sample.elastic_energy - sample.load_work,
-        sample.kinetic_energy,
-    ]
-    .map(|entry| {
-        sum += entry;
-        sum
-    })
-}
+/// What plots have in common.
+const PLOT: Plot = Plot {
+    entity: "",
+    title: "",
+    symbols: "",
+    shown: &[],
+    colours: &[],
+    names: Corner2D::RightBottom,
+    last_width: 1.5,
+    is_stacked: false,
+};
 
 /// The ranges of the axes, in the unit of each plot. They are known before the curves are drawn, so that no axis jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -247,15 +253,14 @@ impl Ranges {
     /// Extends the ranges to the values of a sample.
     pub fn include(&mut self, sample: &Sample) {
         for (plot, reached) in ALL.iter().zip(&mut self.reached) {
-            let values = (plot.values)(sample);
-            for value in values.iter().filter(|it| it.is_finite()) {
-                reached[0] = reached[0].min(plot.per_si * value);
-                reached[1] = reached[1].max(plot.per_si * value);
+            for value in plot.values(sample).into_iter().filter(|it| it.is_finite()) {
+                reached[0] = reached[0].min(value);
+                reached[1] = reached[1].max(value);
             }
         }
-        for force in spring_forces(sample).iter().filter(|it| it.is_finite()) {
+        for force in spring_forces(sample).filter(|it| it.is_finite()) {
             let [_, largest] = &mut self.reached[CONTACT_FORCE];
-            *largest = largest.max(ALL[CONTACT_FORCE].per_si * force);
+            *largest = largest.max(force);
         }
     }
 
@@ -263,7 +268,7 @@ impl Ranges {
     pub fn include_report(&mut self, report: &ImpactReport) {
         let mut include = |plot: usize, value: f64| {
             if value.is_finite() {
-                let value = ALL[plot].per_si * value;
+                let value = ALL[plot].unit().1 * value;
                 self.reached[plot][0] = self.reached[plot][0].min(value);
                 self.reached[plot][1] = self.reached[plot][1].max(value);
             }
@@ -382,10 +387,11 @@ mod tests {
     #[test]
     fn the_stack_of_energies_stays_constant() {
         let samples = samples();
-        let supplied = ledger(&samples[0])[5];
-        assert!((supplied - 75e3).abs() < 5e3, "{supplied}");
+        let stack = |sample: &Sample| ALL[5].values(sample);
+        let supplied = stack(&samples[0])[5];
+        assert!((supplied - 75.0).abs() < 5.0, "{supplied}");
         for sample in &samples {
-            let stack = ledger(sample);
+            let stack = stack(sample);
             assert!((stack[5] / supplied - 1.0).abs() < 1e-9);
             assert!(stack.windows(2).take(2).all(|pair| pair[1] >= pair[0]));
         }
@@ -441,8 +447,11 @@ mod tests {
     #[test]
     fn titles_and_curves_are_in_plain_words() {
         for plot in &ALL {
-            let names = plot.curves.iter().map(|(name, _)| *name);
-            for text in names.chain([plot.title]) {
+            for text in plot
+                .curve_names()
+                .into_iter()
+                .chain([plot.title_with_unit()])
+            {
                 let words = ["Fig", "v1", "u1", "u2", "v_c", "N_a", "N_b", "impactor"];
                 assert!(!words.iter().any(|it| text.contains(it)), "{text}");
             }
@@ -455,10 +464,11 @@ mod tests {
         let mut sample = Sample::default();
         sample.vehicle.masses = MAX_MASSES;
         for plot in &ALL {
-            assert_eq!(plot.curves.len(), (plot.values)(&sample).len());
-            let without = (plot.values)(&Sample::default());
-            assert_eq!(without.is_empty(), plot.of_vehicle, "{}", plot.title);
-            assert!(plot.title.contains('['), "{}", plot.title);
+            let names = plot.curve_names();
+            assert_eq!(names.len(), plot.values(&sample).len());
+            assert_eq!(names.len(), plot.colours.len());
+            assert!(names.iter().all(|it| !it.is_empty()), "{names:?}");
+            assert!(plot.shown.iter().all(|it| it.kind == plot.shown[0].kind));
         }
     }
 

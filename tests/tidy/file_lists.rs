@@ -199,8 +199,8 @@ const RECIPES: [Recipe; 5] = [
     },
     Recipe {
         task: "a column of the history",
-        example: "`base_moment_Nm`",
-        names: &["base_moment_Nm"],
+        example: "`base_normal_force_N`",
+        names: &["BASE_NORMAL_FORCE"],
         besides: "`crates/mechanics/src/sample.rs`, where the mechanics show the quantity",
     },
 ];

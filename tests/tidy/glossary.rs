@@ -84,7 +84,7 @@ fn names() -> BTreeMap<String, String> {
     for text in files("src/results", "rs") {
         let mut is_written = false;
         for line in text.lines() {
-            is_written |= line.contains("derive") && line.contains("Serialize");
+            is_written |= line == "fields! {";
             is_written &= line != "}";
             let field = line
                 .trim_start()
@@ -104,6 +104,10 @@ fn names() -> BTreeMap<String, String> {
         }
     }
     let columns = fs::read_to_string("src/study/map_columns.rs").expect("the columns of a map");
+    for line in columns.lines().filter(|line| line.contains(" |it| ")) {
+        let name = line.trim().trim_start_matches('"').split('"').next();
+        take(name.unwrap_or_default(), "src/study/map_columns.rs");
+    }
     let lines: Vec<_> = columns.lines().collect();
     for pair in lines.windows(2) {
         let [first, second] = [pair[0].trim(), pair[1].trim()];

@@ -70,6 +70,15 @@ fn endpoints() -> Vec<Endpoint> {
             panic!("{line}: expected a name and a type");
         };
         let (direction, qos) = rest.trim().split_once(' ').expect("a direction");
+        let mut qos = qos.trim_end_matches(';');
+        // The properties behind it.
+        while let Some((before, property)) = qos.rsplit_once(", ")
+            && property
+                .bytes()
+                .all(|it| it == b'_' || it.is_ascii_lowercase())
+        {
+            qos = before;
+        }
         found.push(Endpoint {
             name: name.to_owned(),
             type_name: type_name.to_owned(),
@@ -78,7 +87,7 @@ fn endpoints() -> Vec<Endpoint> {
                 "Out" => "published",
                 _ => "service",
             },
-            qos: qos_in_words(qos.trim_end_matches(';'), &source),
+            qos: qos_in_words(qos, &source),
             meaning: std::mem::take(&mut meaning),
         });
     }

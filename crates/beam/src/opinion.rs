@@ -11,7 +11,7 @@ use super::mesh::{self, nearest};
 use super::movement::{Movement, Recorder, Watch};
 use super::newton::Solver;
 use super::outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
-use super::pair::{InTurn, Pair};
+use super::pair::{InTurn, Pair, both};
 use super::remains::{Remains, largest_distance, largest_kink};
 use super::response::{Course, DESCENDED, MAX_STEPS, MOVING, Run};
 use super::statics::{
@@ -207,7 +207,7 @@ impl BeamModel {
         &self,
         hit: &Hit,
         damage: Option<&Damage>,
-        pair: &impl Pair,
+        pair: &dyn Pair,
     ) -> Result<BeamOpinion, BeamError> {
         let respond = || Ok((self.respond_to(hit, damage, &mut ())?, ()));
         Ok(self.opinion_on(hit, damage, pair, respond)?.0)
@@ -221,7 +221,7 @@ impl BeamModel {
         &self,
         hit: &Hit,
         damage: Option<&Damage>,
-        pair: &impl Pair,
+        pair: &dyn Pair,
     ) -> Result<(BeamOpinion, Movement), BeamError> {
         self.opinion_on(hit, damage, pair, || self.follow(hit, damage))
     }
@@ -231,14 +231,14 @@ impl BeamModel {
         &self,
         hit: &Hit,
         damage: Option<&Damage>,
-        pair: &impl Pair,
+        pair: &dyn Pair,
         respond: impl FnOnce() -> Result<(Passed, T), BeamError> + Send,
     ) -> Result<(BeamOpinion, T), BeamError> {
         self.check_hit(hit, damage)?;
         let (column, bows) = (&self.column, self.column.bows());
         let step = self.step(hit, Self::is_plane(hit, damage));
         let about_both = column.bow_axes == BowAxes::Both;
-        let (responded, (known, coarser)) = pair.both(respond, || {
+        let (responded, (known, coarser)) = both(pair, respond, || {
             let coarser = self.coarser_peak(hit, damage, step);
             (self.bears_undamaged(), coarser)
         });
@@ -261,7 +261,8 @@ impl BeamModel {
             _ => f64::NAN,
         };
         let damage_after = residual.as_ref().map(|it| &it.damage);
-        let (left, (stands, bowed_left)) = pair.both(
+        let (left, (stands, bowed_left)) = both(
+            pair,
             || match damage_after {
                 Some(after) if course.yielded => self.capacities(Some(after)),
                 Some(_) => undamaged,

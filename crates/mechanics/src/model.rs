@@ -415,13 +415,7 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
         ),
     ];
     for (name, found, expected, right) in checks {
-        if !(found.is_finite() && right(found)) {
-            return Err(ModelError::OutOfRange {
-                name,
-                found,
-                expected,
-            });
-        }
+        within(name, found, right(found), expected)?;
     }
     check_supports(p)?;
     check_strength(p)?;
@@ -441,6 +435,23 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
     Ok(())
 }
 
+/// Checks that a number is finite and right.
+fn within(
+    name: &'static str,
+    found: f64,
+    is_right: bool,
+    expected: &'static str,
+) -> Result<(), ModelError> {
+    match found.is_finite() && is_right {
+        true => Ok(()),
+        false => Err(ModelError::OutOfRange {
+            name,
+            found,
+            expected,
+        }),
+    }
+}
+
 fn check_connection(connection: &BaseResistance) -> Result<(), ModelError> {
     let [anchors, flange] = connection.lever;
     for (name, found) in [
@@ -453,13 +464,7 @@ fn check_connection(connection: &BaseResistance) -> Result<(), ModelError> {
         ("lever of a flange at the base", flange),
         ("shear of the anchors of the base", connection.anchor_shear),
     ] {
-        if !(found.is_finite() && found > 0.0) {
-            return Err(ModelError::OutOfRange {
-                name,
-                found,
-                expected: "a finite number > 0",
-            });
-        }
+        within(name, found, found > 0.0, "a finite number > 0")?;
     }
     for (name, found) in [
         ("coefficient of friction at the base", connection.friction),
@@ -472,13 +477,7 @@ fn check_connection(connection: &BaseResistance) -> Result<(), ModelError> {
             connection.ultimate_elongation,
         ),
     ] {
-        if !(found.is_finite() && found >= 0.0) {
-            return Err(ModelError::OutOfRange {
-                name,
-                found,
-                expected: "a finite number >= 0",
-            });
-        }
+        within(name, found, found >= 0.0, "a finite number >= 0")?;
     }
     Ok(())
 }
@@ -521,14 +520,9 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
         ("stiffness of the base", p.base),
         ("stiffness of the top", p.top),
     ] {
-        if let Support::SemiRigid { stiffness } = support
-            && !(stiffness.is_finite() && stiffness > 0.0)
-        {
-            return Err(ModelError::OutOfRange {
-                name,
-                found: stiffness,
-                expected: "a finite number > 0; use a pinned support for no stiffness at all",
-            });
+        if let Support::SemiRigid { stiffness } = support {
+            let expected = "a finite number > 0; use a pinned support for no stiffness at all";
+            within(name, stiffness, stiffness > 0.0, expected)?;
         }
     }
     check_free_top(p)?;
@@ -537,13 +531,12 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
         if p.elastic_law == ElasticLaw::Coupled {
             return Err(ModelError::StiffnessWithCoupledLaw { hinge });
         }
-        if !(stiffness.is_finite() && stiffness > 0.0) {
-            return Err(ModelError::OutOfRange {
-                name: "stiffness of a hinge",
-                found: stiffness,
-                expected: "a finite number > 0",
-            });
-        }
+        within(
+            "stiffness of a hinge",
+            stiffness,
+            stiffness > 0.0,
+            "a finite number > 0",
+        )?;
     }
     Ok(())
 }
@@ -551,14 +544,6 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
 /// Checks the shear of the webs.
 fn check_shear(p: &ColumnProperties, shear: &ShearProperties) -> Result<(), ModelError> {
     const NOT_NEGATIVE: &str = "a finite number >= 0";
-    let within = |name, found: f64, right: bool, expected| match found.is_finite() && right {
-        true => Ok(()),
-        false => Err(ModelError::OutOfRange {
-            name,
-            found,
-            expected,
-        }),
-    };
     within(
         "shear resistance of the web",
         shear.web_resistance,
@@ -602,14 +587,6 @@ fn check_shear(p: &ColumnProperties, shear: &ShearProperties) -> Result<(), Mode
 fn check_strength(p: &ColumnProperties) -> Result<(), ModelError> {
     const POSITIVE: &str = "a finite number > 0";
     const AT_LEAST_ONE: &str = "a finite number >= 1";
-    let within = |name, found: f64, right: bool, expected| match found.is_finite() && right {
-        true => Ok(()),
-        false => Err(ModelError::OutOfRange {
-            name,
-            found,
-            expected,
-        }),
-    };
     let b = p.hardening_ratio;
     within(
         "hardening ratio",

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 
 use column_twin::assessment::{AssessmentInput, ImpactEvaluation, OpenVerdict, observe_and_rest};
 use column_twin::column::{ColumnProperties, ForceSpectrum, Impact, Model, State};
+use column_twin::observables;
 use column_twin::parameters::Parameters;
-use column_twin::results::{BeamAnswer, HistoryColumns, ImpactFields, Travel};
+use column_twin::results::{BeamAnswer, ImpactFields, Travel};
 use column_twin::second_opinion::{
     BeamDamage, BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, ObliqueHit, SecondOpinion,
     beam_damage_after,
@@ -65,21 +66,19 @@ impl Simulated {
         let parameters = study.parameters();
         let properties = parameters.column_properties();
         let masses = impact.vehicle.map_or(0, |it| it.masses().len());
-        let table = HistoryColumns::new(masses);
-        let names = table.names();
+        let table: Vec<_> = observables::history(masses).collect();
+        let names = table.iter().map(|(it, index)| it.in_histories(*index));
+        let names: Vec<_> = names.collect();
         let mut columns = vec![Vec::new(); names.len()];
         let mut spectrum = ForceSpectrum::default();
         let start = Instant::now();
         let mut solve_time = Duration::ZERO;
         let observe = |model: &Model, state: &State| {
-            let mut column = columns.iter_mut();
             let sample = state.sample(model);
             spectrum.push(sample.time, sample.impulse);
-            table.values(&sample, |value| {
-                if let Some(column) = column.next() {
-                    column.push(value);
-                }
-            });
+            for (column, (it, index)) in columns.iter_mut().zip(&table) {
+                column.push(it.value(&sample, *index));
+            }
             solve_time = start.elapsed();
         };
         let (mut evaluation, input) = match is_damaged {

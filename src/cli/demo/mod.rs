@@ -26,13 +26,13 @@ use self::texts::{TIMEOUT, action_text, outcome_text};
 use super::failure::{Exit, Failure, LinePrinter};
 use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
-use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification, WEBS};
+use column_twin::column::{HINGES, ImpactSpecification, WEBS};
 use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, range_of,
 };
-use column_twin::shape::{HINGE_PLACES, WEB_PLACES};
+use column_twin::observables::{HINGE_PLACES, WEB_PLACES};
 
 /// Arguments of `column-twin demo`.
 #[derive(Debug, Args)]
@@ -335,13 +335,12 @@ impl<'a, 'b> Narration<'a, 'b> {
                 "", ""
             ));
         };
-        for hinge in 0..HINGES {
+        for (hinge, place) in HINGE_PLACES.iter().enumerate() {
             if forces.state.get_or(hinge, HingeForces::ELASTIC) == HingeForces::PLASTIC
                 && !self.yielded[hinge]
             {
                 self.yielded[hinge] = true;
-                let (name, place) = (HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
-                yields(format_args!("hinge {name} ({place}) is yielding"));
+                yields(format_args!("hinge {place} is yielding"));
             }
         }
         for (web, place) in WEB_PLACES.iter().enumerate() {
@@ -349,7 +348,7 @@ impl<'a, 'b> Narration<'a, 'b> {
                 && !self.sheared[web]
             {
                 self.sheared[web] = true;
-                yields(format_args!("the web {place} is shearing"));
+                yields(format_args!("the web {} is shearing", place.words));
             }
         }
     }

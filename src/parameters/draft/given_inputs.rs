@@ -1,13 +1,15 @@
 //! Which inputs of a column nobody has given.
 
 use super::Draft;
-use crate::parameters::assumed::{ASSUMED, AssumedInput};
+use crate::parameters::assumed::AssumedInput;
 use crate::parameters::parameter::Parameter;
 use crate::parameters::table::PARAMETERS;
 use crate::parameters::value::Value;
 
 /// The parameters of which each one says which section a column has.
 const SECTION: [&str; 2] = ["section.name", "section.area"];
+/// The list of them.
+const ASSUMED: &str = "assessment.assumed";
 /// Whoever gives a column its name has a column of his own, even if he says nothing else of it.
 const NAME: &str = "column_id";
 
@@ -19,9 +21,9 @@ impl Draft {
             let index = Parameter::index_of(name);
             index.is_some_and(|it| self.slots[it].value == PARAMETERS[it].default_value())
         };
-        let mut names = [NAME, ASSUMED.name].into_iter().chain(SECTION);
+        let mut names = [NAME, ASSUMED].into_iter().chain(SECTION);
         let is_built_in = names.all(has_default);
-        if let Some(index) = Parameter::index_of(ASSUMED.name).filter(|_| is_built_in) {
+        if let Some(index) = Parameter::index_of(ASSUMED).filter(|_| is_built_in) {
             self.slots[index].place = None;
         }
     }
@@ -30,7 +32,7 @@ impl Draft {
     /// loses an input of which another value is given later. Of the built-in column whose section is replaced, an input with the
     /// built-in value counts as given only where it is given together with the section.
     pub(super) fn follow_given_inputs(&mut self) {
-        let Some(index) = Parameter::index_of(ASSUMED.name) else {
+        let Some(index) = Parameter::index_of(ASSUMED) else {
             return;
         };
         let list = &self.slots[index];

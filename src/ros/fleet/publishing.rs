@@ -97,10 +97,9 @@ impl FleetPublishing {
 
     /// The endpoint of a topic that the columns share, with a history for all of them; `None` if the topic shows one column only.
     pub fn shared_topic(&self, topic: Topic) -> Option<Endpoint> {
-        match topic {
-            Topic::JointStates | Topic::Markers => None,
-            _ => Some(topic.endpoint().kept_of_all(self.board.columns().len())),
-        }
+        let endpoint = topic.endpoint();
+        let shared = || endpoint.kept_of_all(self.board.columns().len());
+        endpoint.is_of(true).then(shared)
     }
 
     /// Takes note of an output of a column before it is published.
@@ -242,11 +241,9 @@ impl FleetPublishing {
     /// Sends a message of a column in its namespace too, and keeps it for those who will join there.
     pub fn copy_and_keep(&mut self, sending: &Sending, column: u32, topic: Topic, raw: Raw) {
         self.copy(sending, column, topic, &raw);
-        let is_of_status = matches!(
-            topic,
-            Topic::TwinStatus | Topic::JointStates | Topic::Markers
-        );
-        if topic.endpoint().qos.transient_local && !is_of_status {
+        // The last status brings what shows the column at rest.
+        let endpoint = topic.endpoint();
+        if endpoint.qos.transient_local && !endpoint.shows_rest {
             let latest = self.latest.entry(column).or_default();
             latest.messages[topic.index()] = Some(raw);
         }

@@ -120,31 +120,50 @@ impl Mosquitto {
     }
 
     pub fn started(folder: &Path, more: &str) -> Self {
-        let mut broker = Self::new(folder, more);
-        broker.start();
-        broker
+        // Somebody may take the port before the broker does.
+        for _ in 0..3 {
+            let mut broker = Self::new(folder, more);
+            match broker.try_start() {
+                Ok(()) => return broker,
+                Err(reason) => eprintln!("{reason}"),
+            }
+        }
+        panic!("mosquitto did not start on any of three ports");
     }
 
     pub fn start(&mut self) {
+        self.try_start().unwrap_or_else(|reason| panic!("{reason}"));
+    }
+
+    /// Starts it, and waits until its port answers; an error if it ends, with what it printed.
+    fn try_start(&mut self) -> Result<(), String> {
         let program = if Path::new("/usr/sbin/mosquitto").exists() {
             "/usr/sbin/mosquitto"
         } else {
             "mosquitto"
         };
+        let printed = self.printed();
         let child = Command::new(program)
             .arg("-c")
             .arg(&self.configuration)
             .stdout(Stdio::null())
-            .stderr(Stdio::null())
+            .stderr(fs::File::create(&printed).unwrap())
             .spawn()
             .expect("Debian's package mosquitto is installed");
         let broker = &mut self.process.insert(Running(child)).0;
         let began = Instant::now();
-        while TcpStream::connect(("127.0.0.1", self.port)).is_err() {
-            let ended = broker.try_wait().unwrap();
-            assert!(ended.is_none(), "mosquitto ended with {ended:?}");
+        loop {
+            let listens = TcpStream::connect(("127.0.0.1", self.port)).is_ok();
+            // Its own end tells that the port which answers is not its own.
+            std::thread::sleep(Duration::from_millis(if listens { 100 } else { 10 }));
+            if let Some(ended) = broker.try_wait().unwrap() {
+                let printed = fs::read_to_string(printed).unwrap();
+                return Err(format!("mosquitto ended with {ended:?}:\n{printed}"));
+            }
+            if listens {
+                return Ok(());
+            }
             assert!(began.elapsed() < PATIENCE, "mosquitto does not listen");
-            std::thread::sleep(Duration::from_millis(10));
         }
     }
 
@@ -155,6 +174,11 @@ impl Mosquitto {
             assert!(Command::new("kill").arg(pid).status().unwrap().success());
             running.0.wait().unwrap();
         }
+    }
+
+    /// The file of what it prints.
+    fn printed(&self) -> std::path::PathBuf {
+        self.configuration.with_extension("log")
     }
 
     pub fn address(&self) -> String {
@@ -184,7 +208,8 @@ impl Mosquitto {
         loop {
             assert!(
                 began.elapsed() < PATIENCE,
-                "the subscriber does not subscribe"
+                "the subscriber does not subscribe; the broker says: {}",
+                fs::read_to_string(self.printed()).unwrap_or_default()
             );
             let mut hello = Command::new("mosquitto_pub");
             hello.args(["-h", "127.0.0.1", "-p", &port, "-t", "hello", "-m", "{}"]);
