@@ -215,6 +215,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
         "vehicle_probabilities": named(&mut estimate.vehicle_probabilities.iter().cloned()),
         "effective_sample_size": estimate.effective_sample_size,
         "doubtful_sensors": estimate.doubtful_sensors,
+        "scale_not_confirmed": estimate.scale_not_confirmed,
     });
     match fields {
         Json::Object(fields) => fields,
@@ -372,6 +373,9 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             "\nWarning: {} contradicts the other sensors or has stopped; check its scale, sign, position and data.",
             last.doubtful_sensors.join(", ")
         );
+    }
+    if let Some(reservation) = last.scale_reservation() {
+        let _ = writeln!(text, "\nNote: {reservation}");
     }
     text += "\nThe estimate includes the model's own error (docs/estimation.md), and is for the undamaged column.\n";
     text

@@ -429,6 +429,7 @@ mod estimates {
             vehicle_probabilities: Vec::new(),
             effective_sample_size: 100.0,
             doubtful_sensors: Vec::new(),
+            scale_not_confirmed: Vec::new(),
         }
     }
 

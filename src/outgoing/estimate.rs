@@ -60,6 +60,7 @@ impl From<&EstimateOutput> for ImpactEstimate {
             effective_sample_size: estimate.effective_sample_size,
             reliable: estimate.effective_sample_size >= FEWEST_RESPONSES,
             doubtful_sensors: estimate.doubtful_sensors.clone(),
+            scale_not_confirmed: estimate.scale_not_confirmed.clone(),
             decision: decision_code(*decision),
             merged_event_id: merged_event_id.as_deref().unwrap_or_default().to_owned(),
             ..Self::default()

@@ -94,6 +94,9 @@ fn reservations(estimate: &ImpactEstimate) -> Markup {
                 (estimate.doubtful_sensors.join(", ")) " contradicts the other sensors or has stopped; check its scale, sign, position and data."
             }
         }
+        @if let Some(reservation) = estimate.scale_reservation() {
+            p.note { (reservation) }
+        }
         p.note {
             "The intervals contain the noise of the sensors and the model's own error as docs/estimation.md describes it."
         }

@@ -66,6 +66,7 @@ fn estimate(update: u32, contact: Nanos, velocity: f64) -> EstimateRecord {
             vehicle_probabilities: vec![("rigid".to_owned(), 0.7), ("elastic".to_owned(), 0.3)],
             effective_sample_size: 80.0,
             doubtful_sensors: vec!["top".to_owned()],
+            scale_not_confirmed: Vec::new(),
         },
         best: Impact::rigid(1500.0, velocity),
     }

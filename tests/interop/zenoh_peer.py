@@ -30,6 +30,7 @@ import numpy
 import xxhash
 import zenoh
 import zenoh.ext
+from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -346,8 +347,24 @@ def milliseconds(nanoseconds):
     return "/".join(f"{1e-6 * it:.2f}" for it in (statistics.median(ordered), ordered[round(0.99 * last)], ordered[-1])) + " ms"
 
 
+def stream_arrives(peer, event_id):
+    """Whether the states of a light impact arrive. The twin sends them to no one before the router, or the new connection to the twin
+    itself, has passed the subscriptions on."""
+    peer.strike(event_id, LIGHT)
+    streams = [peer.seen[name] for name in ("column_state", "hinge_forces")]
+    try:
+        wait_for(f"the states of {event_id}", lambda: all(
+            any(it.event_id == event_id for _, it in list(seen)) for seen in streams), 2.0)
+    except Fault:
+        return False
+    peer.message("impact_report", event_id)
+    return True
+
+
 def check_impact(peer, event_id, outputs):
     """An event is answered, and nothing of the response is lost."""
+    if not any(stream_arrives(peer, f"before_{event_id}_{number}") for number in range(int(PATIENCE / 2.0))):
+        raise Fault("the states of no light impact arrive")
     begun = time.time_ns()
     peer.strike(event_id, HEAVY)
     forecast = peer.message("impact_forecast", event_id)
@@ -475,8 +492,11 @@ def check_clients(program, folder, environment, peer):
 
 def check_replay(program, folder, environment, recording, peer):
     """A recording goes to the peer as it was recorded."""
-    counts = {name: len(peer.seen[name]) for name in ("column_state", "hinge_forces", "impact_report")}
-    for name in counts:
+    names = ("column_state", "hinge_forces", "impact_report")
+    with Reader(recording) as reader:
+        counts = {it.topic.rpartition("/")[2]: it.msgcount for it in reader.connections}
+    counts = {name: counts[name] for name in names}
+    for name in names:
         peer.seen[name].clear()
     replay = Program([program, "replay", str(recording), "--transport", "zenoh", "--rate", "10", "--wait-for-readers", "30"], folder,
                      **environment)

@@ -67,6 +67,7 @@ fn estimate(id: &str, update: u32, contact: Nanos, best: Impact, is_sure: bool) 
             vehicle_probabilities: vec![("rigid".to_owned(), 1.0)],
             effective_sample_size: 80.0,
             doubtful_sensors: Vec::new(),
+            scale_not_confirmed: Vec::new(),
         },
         best,
     }

@@ -24,6 +24,8 @@ target=${CARGO_TARGET_DIR:-$repository/target}
 wheels=$target/old_glibc_wheels
 tools=$("$here/environment.sh")
 unset PYTHONPATH PYTHONHOME
+# What is released is compiled as a whole.
+export CARGO_INCREMENTAL=0
 
 # zig is the linker, with the symbols of glibc 2.17; python -m ziglang is where maturin looks for it.
 for_old_glibc=(--release --strip --zig --compatibility manylinux_2_17 --target x86_64-unknown-linux-gnu)

@@ -31,6 +31,13 @@ const STUCK_SAMPLES: u32 = 10;
 /// Share of its range at which a sensor is at the end of it: the range as a number of 32 bits may be smaller by round-off.
 pub(crate) const CLIPPED: f64 = 1.0 - 1e-6;
 
+/// The end of a range that is not declared holds at least [`STUCK_SAMPLES`] readings, and so many times as many as the value next to it; at
+/// the crest of a sine in steps it is 2.4 times.
+const LIMIT_OVER_NEXT: u32 = 5;
+
+/// Share of the largest reading to either side from which on a value may be such an end. A coarse sensor repeats the values next to its zero.
+const CUT_OFF_FROM: f64 = 0.5;
+
 /// A sensor has stopped after so long without a reading that differs from the one before \[s\]: two batches of the usual length.
 const STOPPED: f64 = 20e-3;
 
@@ -136,6 +143,8 @@ struct Channel {
     peaks: Vec<f64>,
     /// The first sample of each block, until one differs from it.
     only: Vec<Option<f64>>,
+    /// The largest and the smallest samples of each block, relative to the zero, the latter with the other sign.
+    extremes: Vec<[Extremes; 2]>,
     /// Block from which on the gauge no longer reads the elastic bar.
     lost_from: usize,
     /// Gain error of the sensor.
@@ -151,6 +160,39 @@ struct Channel {
     gauge: Cell,
     /// Number of this cell after contact.
     gauge_time: f64,
+}
+
+/// The two largest values, and how often each has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Extremes {
+    largest: (f64, u32),
+    next: (f64, u32),
+}
+
+const NO_EXTREMES: Extremes = Extremes {
+    largest: (f64::NEG_INFINITY, 0),
+    next: (f64::NEG_INFINITY, 0),
+};
+
+impl Extremes {
+    /// Takes a value that has come so often.
+    fn take(&mut self, value: f64, count: u32) {
+        if value > self.largest.0 {
+            self.next = self.largest;
+            self.largest = (value, count);
+        } else if value == self.largest.0 {
+            self.largest.1 += count;
+        } else if value > self.next.0 {
+            self.next = (value, count);
+        } else if value == self.next.0 {
+            self.next.1 += count;
+        }
+    }
+
+    /// Whether values beyond the largest one were cut off to it.
+    fn are_cut_off(&self) -> bool {
+        self.largest.1 >= STUCK_SAMPLES && self.largest.1 >= LIMIT_OVER_NEXT * self.next.1
+    }
 }
 
 /// A mean over a short time.
@@ -194,6 +236,7 @@ impl Blocks {
                 peaks: vec![0.0; layout.len()],
                 range: sensor.range,
                 only: vec![None; layout.len()],
+                extremes: vec![[NO_EXTREMES; 2]; layout.len()],
                 lost_from: usize::MAX,
                 gain_error: sensor.gain_error,
                 longest_pause: STOPPED.max(STOPPED_SAMPLES / sensor.rate),
@@ -236,6 +279,9 @@ impl Blocks {
         channel.sums[index] += reading;
         channel.counts[index] += 1;
         channel.peaks[index] = channel.peaks[index].max(reading.abs());
+        let [largest, smallest] = &mut channel.extremes[index];
+        largest.take(reading, 1);
+        smallest.take(-reading, 1);
         channel.follow_peak(time, reading);
         let only = &mut channel.only[index];
         *only = if channel.counts[index] == 1 {
@@ -294,14 +340,16 @@ impl Blocks {
         read.iter().any(|it| it.is_none() || *it != read[0])
     }
 
-    /// Whether a sensor reads its largest value only over one of the first `complete` blocks, although it varies and the end of its range is
-    /// elsewhere.
+    /// Whether a sensor that varies is at the end of a range that is not declared: over one of the first `complete` blocks it reads its largest
+    /// value only, or over all of them its largest value comes too often for its noise.
     fn has_stayed_at_largest(&self, channel: &Channel, complete: usize) -> bool {
         let peaks = channel.peaks[..complete].iter().copied();
         let largest = peaks.fold(0.0, f64::max);
         let only = |index: usize| channel.only[index].map_or(0.0, |it| (it - channel.zero).abs());
         let stays = |index: usize| channel.is_stuck(index) && only(index) >= largest;
-        largest > 0.0 && self.varies(channel) && (0..complete).any(stays)
+        largest > 0.0
+            && self.varies(channel)
+            && ((0..complete).any(stays) || channel.is_cut_off(complete, CUT_OFF_FROM * largest))
     }
 
     /// For each sensor whether it has failed by `until` \[s\]: it has no readings any more, or repeats one, while another sensor reads on, or
@@ -459,12 +507,31 @@ impl Channel {
         (count > 0 && !self.is_stuck(index)).then(|| self.sums[index] / f64::from(count))
     }
 
+    /// Whether readings beyond some value of at least `least` were cut off to it over the first `complete` blocks, elsewhere than at the end of
+    /// the range.
+    fn is_cut_off(&self, complete: usize, least: f64) -> bool {
+        [(0, 1.0), (1, -1.0)].into_iter().any(|(side, sign)| {
+            let mut all = NO_EXTREMES;
+            for block in &self.extremes[..complete] {
+                let Extremes { largest, next } = block[side];
+                all.take(largest.0, largest.1);
+                all.take(next.0, next.1);
+            }
+            let (limit, _) = all.largest;
+            limit >= least && all.are_cut_off() && !self.is_clipped(sign * limit + self.zero)
+        })
+    }
+
+    /// Whether a reading is at the end of the range.
+    fn is_clipped(&self, value: f64) -> bool {
+        self.range > 0.0 && value.abs() >= CLIPPED * self.range
+    }
+
     /// Whether a sensor that has noise reads one value only. At the end of its range it may.
     fn is_stuck(&self, index: usize) -> bool {
-        let is_clipped = |value: f64| self.range > 0.0 && value.abs() >= CLIPPED * self.range;
         self.noise > 0.0
             && self.counts[index] >= STUCK_SAMPLES
-            && self.only[index].is_some_and(|value| !is_clipped(value))
+            && self.only[index].is_some_and(|value| !self.is_clipped(value))
     }
 }
 
@@ -552,6 +619,27 @@ mod tests {
         assert_eq!(blocks.failed(0.1), [false, true, true, true]);
         // What it has read before it died counts; a peak beyond the end of the range was not read.
         assert!(blocks.records(1, 0.1).is_some() && blocks.records(3, 0.1).is_none());
+    }
+
+    /// The peak of a sensor that was cut off by a sixth was believed, because noise below the limit let no whole block repeat its end.
+    #[test]
+    fn a_sensor_with_noise_that_is_cut_off_at_its_crest_has_failed() {
+        let sensors = [0, 1, 2].map(|_| sensor(Quantity::Displacement));
+        let mut blocks = Blocks::new(0.0, 0.1, YIELD_STRAIN, PERIOD, &sensors, &[(0.0, 0.0); 3]);
+        for sample in -20..1000_i32 {
+            let time = (f64::from(sample) + 0.5) * STEP;
+            // Noise of a tenth of the crest that repeats seldom, and the same in steps of a fiftieth.
+            let noise = 1e-4 * (f64::from(sample) * 12.9898).sin();
+            let swing = match time > 0.0 {
+                true => 1e-3 * (60.0 * time).sin(),
+                false => 0.0,
+            };
+            blocks.push(0, time, swing + noise);
+            blocks.push(1, time, (swing + noise).min(0.85e-3));
+            blocks.push(2, time, 2e-5 * ((swing + noise) / 2e-5).round());
+        }
+        assert_eq!(blocks.failed(0.1), [false, true, false]);
+        assert!(blocks.records(1, 0.1).is_none() && blocks.records(2, 0.1).is_some());
     }
 
     /// The steps of its readings are larger than its noise.

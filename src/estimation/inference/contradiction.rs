@@ -53,6 +53,13 @@ const SCALE_DOUBT: f64 = 2.5;
 /// The same of the factor by all sensors together, from which on a closer look is necessary: it is drawn towards that of the sensor.
 const SCALE_SUSPICION: f64 = 1.25;
 
+/// Relative error of the scale of a sensor that the others have to notice if they are to confirm it \[A\]: it is about twice
+/// what the interval of a peak holds to either side.
+const NOTICED_SCALE_ERROR: f64 = 0.3;
+
+/// Standard deviations within which the scale of a sensor has to agree with theirs: their 90 % interval \[A\].
+const SCALE_AGREEMENT: f64 = 1.645;
+
 /// What a closer look at the readings has found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Contradictions {
@@ -155,8 +162,16 @@ pub(crate) fn contradictions(
     let [doubtful, ignored] = found;
     let counted: Vec<usize> = all.into_iter().filter(|it| !ignored[*it]).collect();
     let mut off_scale = vec![false; count];
+    let weights = weights_by(members, &fits, &counted);
+    // The ratio of a right scale to a wrong one is wrong, too: only that which is furthest off is in doubt.
+    let ratios = counted.iter().filter_map(|&sensor| {
+        let ratio = scale_ratio(members, &weights, observed, sensors, &ignored, sensor)?;
+        Some((sensor, ratio.deviations()))
+    });
+    let furthest = ratios.max_by(|a, b| a.1.total_cmp(&b.1));
     for &sensor in &counted {
-        off_scale[sensor] = is_off_scale(members, &fits, sensors, &counted, sensor);
+        off_scale[sensor] = is_off_scale(members, &fits, sensors, &counted, sensor)
+            || furthest.is_some_and(|(it, by)| it == sensor && by > SCALE_DOUBT);
     }
     Contradictions {
         doubtful,
@@ -187,17 +202,12 @@ fn is_off_scale(
     if !tells_scale(&sensors[sensor]) || !others().any(|other| tells_scale(&sensors[other])) {
         return false;
     }
-    let logs = members.iter().zip(fits).map(|(member, fits)| {
-        let each = others().map(|other| fits[other].log_likelihood);
-        member.log_prior + member.log_events - member.log_drawn + each.sum::<f64>()
-    });
-    let logs: Vec<f64> = logs.collect();
-    let best = largest(logs.iter().copied());
+    let others: Vec<usize> = others().collect();
+    let weights = weights_by(members, fits, &others);
     // Sums of the weights and of their squares, and of the factor, its square and its variance by noise.
     let [mut total, mut squares, mut mean, mut spread, mut noise] = [0.0; 5];
-    for (member, log) in members.iter().zip(logs) {
+    for (member, weight) in members.iter().zip(weights) {
         let [_, cross, predicted] = member.sums(sensor);
-        let weight = libm::exp(log - best);
         if weight > 0.0 && predicted > 0.0 {
             let off = cross / predicted;
             total += weight;
@@ -210,15 +220,103 @@ fn is_off_scale(
     let effective = total * total / squares;
     let mean = mean / total;
     let between = (spread / total - mean * mean).max(0.0);
-    // The fewer responses count, the less they show how far apart those are that were not computed.
-    let of_few = if effective > 1.0 {
-        1.0 / (effective - 1.0)
-    } else {
-        f64::INFINITY
-    };
     let scale = ModelError::of(sensors[sensor].quantity).scale;
-    let variance = scale * scale + noise / total + (1.0 + of_few) * between;
+    let variance = scale * scale + noise / total + widened(between, effective);
     mean.abs() > SCALE_DOUBT * variance.sqrt()
+}
+
+/// Weights of the members by these sensors.
+fn weights_by(members: &[Member], fits: &[Vec<Fit>], counted: &[usize]) -> Vec<f64> {
+    let logs = members.iter().zip(fits).map(|(member, fits)| {
+        let each = counted.iter().map(|&sensor| fits[sensor].log_likelihood);
+        member.log_prior + member.log_events - member.log_drawn + each.sum::<f64>()
+    });
+    let logs: Vec<f64> = logs.collect();
+    let best = largest(logs.iter().copied());
+    logs.iter().map(|log| libm::exp(log - best)).collect()
+}
+
+/// By how much the scale of a sensor differs from that of others, relative to it, with the standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ScaleRatio {
+    off: f64,
+    deviation: f64,
+}
+
+impl ScaleRatio {
+    /// By how many standard deviations it differs.
+    fn deviations(&self) -> f64 {
+        self.off.abs() / self.deviation
+    }
+
+    /// Whether the others confirm the scale: it agrees with theirs, and they would have put one in doubt that is off by
+    /// [`NOTICED_SCALE_ERROR`].
+    pub fn confirms(&self) -> bool {
+        self.deviations() <= SCALE_AGREEMENT && SCALE_DOUBT * self.deviation <= NOTICED_SCALE_ERROR
+    }
+}
+
+/// Compares the scale of a sensor with that of all others that tell theirs, by members with these weights; `None` if no other one does.
+///
+/// As long as the column is elastic, a harder hit makes all readings larger alike. What the data leave open of the size of the hit, and with it
+/// how far apart the responses are, does not count therefore, other than in [`is_off_scale`].
+pub(crate) fn scale_ratio(
+    members: &[Member],
+    weights: &[f64],
+    observed: &[Observed],
+    sensors: &[Sensor],
+    ignored: &[bool],
+    sensor: usize,
+) -> Option<ScaleRatio> {
+    let others = telling(sensor, observed, sensors, ignored);
+    if others.is_empty() || !tells_now(sensor, observed, sensors) {
+        return None;
+    }
+    // Factor of a sensor's readings by a member, and its variance by noise and model.
+    let factor = |member: &Member, sensor: usize| {
+        let [_, cross, predicted] = member.sums(sensor);
+        let scale = ModelError::of(sensors[sensor].quantity).scale;
+        (predicted > 0.0).then(|| (1.0 + cross / predicted, scale * scale + 1.0 / predicted))
+    };
+    let [mut total, mut squares, mut mean, mut spread, mut variance] = [0.0; 5];
+    for (member, &weight) in members.iter().zip(weights) {
+        if weight <= 0.0 {
+            continue;
+        }
+        let Some((own, own_variance)) = factor(member, sensor) else {
+            continue;
+        };
+        let each = others.iter().filter_map(|other| factor(member, *other));
+        let [precision, sum] = each.fold([0.0; 2], |[precision, sum], (factor, variance)| {
+            [precision + 1.0 / variance, sum + factor / variance]
+        });
+        let by_others = sum / precision;
+        if precision > 0.0 && by_others > 0.0 {
+            let off = own / by_others - 1.0;
+            total += weight;
+            squares += weight * weight;
+            mean += weight * off;
+            spread += weight * off * off;
+            variance += weight * (own_variance + 1.0 / precision);
+        }
+    }
+    let effective = total * total / squares;
+    let mean = mean / total;
+    let between = (spread / total - mean * mean).max(0.0);
+    let deviation = (variance / total + widened(between, effective)).sqrt();
+    deviation.is_finite().then_some(ScaleRatio {
+        off: mean,
+        deviation,
+    })
+}
+
+/// The variance between so many effective responses, and of their mean: the fewer count, the less they show how far apart those are that
+/// were not computed.
+fn widened(between: f64, effective: f64) -> f64 {
+    match effective > 1.0 {
+        true => between * (1.0 + 1.0 / (effective - 1.0)),
+        false => f64::INFINITY,
+    }
 }
 
 /// Whether the weighted responses need a factor of one of these sensors that is so far from 1 that its scale may be in doubt.
@@ -242,24 +340,36 @@ pub(crate) fn may_be_off_scale(
     })
 }
 
+/// Whether the newest data of a sensor tell a scale. Strains tell none once the column has yielded.
+fn tells_now(sensor: usize, observed: &[Observed], sensors: &[Sensor]) -> bool {
+    let newest = observed.last().and_then(|(_, means)| means[sensor]);
+    newest.is_some_and(|mean| !mean.yielded) && tells_scale(&sensors[sensor])
+}
+
+/// The other sensors that count and tell the scale of this one by the newest data.
+fn telling(
+    sensor: usize,
+    observed: &[Observed],
+    sensors: &[Sensor],
+    ignored: &[bool],
+) -> Vec<usize> {
+    let others = (0..sensors.len()).filter(|it| *it != sensor && !ignored[*it]);
+    others
+        .filter(|it| tells_now(*it, observed, sensors))
+        .collect()
+}
+
 /// Precision with which the other sensors that count tell the scale of this one by the newest data: by the factors between column and model
-/// of theirs and of its quantity. Strains tell nothing once the column has yielded.
+/// of theirs and of its quantity.
 pub(crate) fn scale_precision(
     sensor: usize,
     observed: &[Observed],
     sensors: &[Sensor],
     ignored: &[bool],
 ) -> f64 {
-    let Some((_, newest)) = observed.last() else {
-        return 0.0;
-    };
-    let each = newest.iter().zip(sensors).zip(ignored).enumerate();
-    let telling = each.filter(|(index, ((mean, other), ignored))| {
-        let tells = mean.is_some_and(|mean| !mean.yielded) && tells_scale(other);
-        *index != sensor && !**ignored && tells
-    });
-    let others = telling.fold(0.0, |sum, (_, ((_, other), _))| {
-        let scale = ModelError::of(other.quantity).scale;
+    let others = telling(sensor, observed, sensors, ignored).into_iter();
+    let others = others.fold(0.0, |sum, other| {
+        let scale = ModelError::of(sensors[other].quantity).scale;
         sum + 1.0 / (scale * scale)
     });
     let own = ModelError::of(sensors[sensor].quantity).scale;

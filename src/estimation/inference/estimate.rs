@@ -209,6 +209,10 @@ pub struct ImpactEstimate {
     /// count, unless several are equally suspicious. Or the others contradict their scale, they have failed, their readings stray from
     /// what is predicted for them, or a displacement rises on after the end of the impact: then what they read, or have read, counts.
     pub doubtful_sensors: Vec<String>,
+    /// Names of the sensors of displacement on whose scale the peak rests, and which no other sensor of this impact confirms: an error of
+    /// 30 % may be unnoticed. They are not in doubt.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scale_not_confirmed: Vec<String>,
 }
 
 impl ImpactEstimate {
@@ -221,6 +225,18 @@ impl ImpactEstimate {
     /// Whether a collapse is possible, but not told yet.
     pub(crate) fn expects_collapse(&self) -> bool {
         (COLLAPSE_POSSIBLE_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
+    }
+
+    /// What the peak rests on that no sensor confirms, as sentences; `None` where the sensors confirm each other.
+    #[must_use]
+    pub fn scale_reservation(&self) -> Option<String> {
+        let names = self.scale_not_confirmed.join(" and ");
+        (!names.is_empty()).then(|| {
+            format!(
+                "The peak rests on the scale of {names}, which no other sensor confirms in this impact: an error of its gain or its height, or \
+                 a filter, that changes its readings by 30 % may be unnoticed. Compare with `column-twin sensors check`."
+            )
+        })
     }
 
     /// Quantities of the vehicle that the data do not tell, by their names: `mass`, `velocity`, `momentum`. Their intervals are wider

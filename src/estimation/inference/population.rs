@@ -11,6 +11,7 @@ use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
     Contradictions, contradictions, explains_all, largest, may_be_off_scale, scale_precision,
+    scale_ratio,
 };
 use crate::estimation::inference::drawn::{Drawn, independent};
 use crate::estimation::inference::event_evidence::EventEvidence;
@@ -604,6 +605,13 @@ impl Population {
     /// See [`scale_precision`].
     pub fn scale_precision(&self, sensor: usize) -> f64 {
         scale_precision(sensor, &self.observed, &self.sensors, &self.ignored)
+    }
+
+    /// Whether a sensor counts whose scale no other one confirms, by members with these weights.
+    pub fn rests_on_unconfirmed_scale(&self, sensor: usize, weights: &[f64]) -> bool {
+        let (members, observed, ignored) = (&self.members, &self.observed, &self.ignored);
+        let ratio = || scale_ratio(members, weights, observed, &self.sensors, ignored, sensor);
+        !ignored[sensor] && !ratio().is_some_and(|it| it.confirms())
     }
 
     /// See [`contradictions`]; all members have to be weighed with all data.

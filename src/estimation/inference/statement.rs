@@ -175,6 +175,18 @@ impl Estimator {
                 .any(|pair| pair.iter().all(|it| *it > STRAY) || pair.iter().all(|it| *it < -STRAY))
     }
 
+    /// Names of the sensors of displacement on whose scale the peak rests, and which no other sensor confirms. One that is in doubt is no
+    /// longer believed.
+    fn unconfirmed_scales(&self, weights: &[f64], doubtful: &[String]) -> Vec<String> {
+        let each = self.sensors.iter().enumerate();
+        let unconfirmed = each.filter(|(index, sensor)| {
+            sensor.quantity == Quantity::Displacement
+                && !doubtful.contains(&sensor.name)
+                && self.population.rests_on_unconfirmed_scale(*index, weights)
+        });
+        unconfirmed.map(|(_, sensor)| sensor.name.clone()).collect()
+    }
+
     /// Names of the sensors that contradict the others, wholly or by their scale, that have failed, or whose readings stray or rise on.
     fn sensors_in_doubt(&self, weights: &[f64]) -> Vec<String> {
         let rises_on = self.rises_on(weights);
@@ -364,6 +376,7 @@ impl Estimator {
         vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
         let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
         let [contact, deviation] = self.contact;
+        let doubtful_sensors = self.sensors_in_doubt(&weights);
         let with_action = |action| {
             let count = assessed.iter().filter(|(it, _)| *it == action).count();
             (action, count as f64 / assessed.len().max(1) as f64)
@@ -387,7 +400,8 @@ impl Estimator {
             action: Action::ALL.map(with_action).to_vec(),
             vehicle_probabilities: vehicles,
             effective_sample_size: effective,
-            doubtful_sensors: self.sensors_in_doubt(&weights),
+            scale_not_confirmed: self.unconfirmed_scales(&weights, &doubtful_sensors),
+            doubtful_sensors,
         }
     }
 }
