@@ -218,7 +218,7 @@ impl VerdictLoad {
 
     /// That a column that stands does not bear the load at its top by itself, as a sentence behind a space; empty where it does, and
     /// where there is no spring from which the load could hang.
-    pub(super) fn from_above(&self, remaining: &ResidualCapacity) -> String {
+    pub(super) fn words_of_what_holds(&self, remaining: &ResidualCapacity) -> String {
         let own = remaining.least_resistance();
         if !self.has_spring || own >= self.top_load {
             return String::new();

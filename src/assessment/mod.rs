@@ -318,7 +318,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
     let mut held = String::new();
     if !(input.collapsed || input.fractured) {
         limits += &axes(input);
-        held = input.load.from_above(&input.remaining);
+        held = input.load.words_of_what_holds(&input.remaining);
     }
     let [what, why] = finding(input, action, cause, deciding);
     let mut assessment = Assessment {

@@ -189,7 +189,6 @@ pub const ALL: [Plot; PLOTS] = [
         names: Corner2D::LeftBottom,
         last_width: 3.0,
         is_stacked: true,
-        ..PLOT
     },
     Plot {
         entity: "plots/crush",

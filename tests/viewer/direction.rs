@@ -146,7 +146,9 @@ fn check(chunks: &[Chunk], degrees: f64) {
     assert!(along(first) < -GAP, "{degrees}: {first:?}");
     for row in turns(chunks, Boxes3D::descriptor_rotation_axis_angles().component) {
         let [x, y, z] = turned(&row[0], [1.0, 0.0, 0.0]);
-        (near(x, cos), near(y, sin), near(z, 0.0));
+        near(x, cos);
+        near(y, sin);
+        near(z, 0.0);
     }
     // An axle is horizontal and at right angles to the direction of travel.
     for row in turns(
@@ -154,7 +156,8 @@ fn check(chunks: &[Chunk], degrees: f64) {
         Cylinders3D::descriptor_rotation_axis_angles().component,
     ) {
         let [x, y, z] = turned(&row[0], [0.0, 0.0, 1.0]);
-        (near(x * cos + y * sin, 0.0), near(z, 0.0));
+        near(x * cos + y * sin, 0.0);
+        near(z, 0.0);
     }
     let steel = points(chunks, "/column/steel", hull);
     let bent = steel
@@ -216,7 +219,7 @@ fn a_vehicle_across_the_plane_is_at_the_column() {
         let mut shown = 0;
         for hull in hulls.iter().filter(is_there) {
             shown += 1;
-            let sense = f64::from(degrees).signum();
+            let sense = degrees.signum();
             let ends = hull.iter().map(|it| sense * f64::from(it[1]));
             let front = ends.fold(f64::NEG_INFINITY, f64::max);
             // Half the width of the flanges.

@@ -28,11 +28,11 @@ use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGES, ImpactSpecification, WEBS};
 use column_twin::messages::column_twin_msgs::{ColumnState, HingeForces, ImpactReport};
+use column_twin::observables::{HINGE_PLACES, WEB_PLACES};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{
     Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, range_of,
 };
-use column_twin::observables::{HINGE_PLACES, WEB_PLACES};
 
 /// Arguments of `column-twin demo`.
 #[derive(Debug, Args)]
