@@ -59,6 +59,7 @@ TOPICS = {
     "markers": "visualization_msgs/msg/MarkerArray", "impact_estimate": "column_twin_msgs/msg/ImpactEstimate",
 }
 CONFIG = [word for name in ("heb220_s355", "sensors_industrial") for word in ("--config", str(REPOSITORY / f"config/{name}.yaml"))]
+OF_FLEET = {"fleet_status": "column_twin_msgs/msg/FleetStatus"}
 LATCHED = ["twin_status", "impact_forecast", "impact_report", "markers"]
 
 
@@ -224,12 +225,16 @@ class Peer:
         self.session = opened(settings)
         self.seen, self.tokens, self.kept = {}, set(), []
         self.watch = self.session.liveliness().declare_subscriber(f"@ros2_lv/{DOMAIN}/**", self.take_token, history=True)
-        topic = f"{types.namespace}/impact_event".replace("/", "%")
-        token = f"@ros2_lv/{DOMAIN}/{self.session.zid()}/0/1/MP/%/%/striker/{topic}/" \
-            f"column_twin_msgs::msg::dds_::ImpactEvent_/{types.store.hash_rihs01('column_twin_msgs/msg/ImpactEvent')}/::,100:,:,:,,"
+        token = self.token_of(1, "MP", "impact_event", "column_twin_msgs/msg/ImpactEvent", "::,100:,:,:,,")
         self.gid, self.number, self.calls = gid_of(token), 0, {}
         self.events = self.session.declare_publisher(types.key("impact_event", "column_twin_msgs/msg/ImpactEvent"))
         self.token = self.session.liveliness().declare_token(token)
+
+    def token_of(self, number, kind, name, type_name, qos):
+        """The liveliness token by which a writer (MP) or a reader (MS) is seen."""
+        topic, (package, _, bare) = f"{self.types.namespace}/{name}".replace("/", "%"), type_name.split("/")
+        return f"@ros2_lv/{DOMAIN}/{self.session.zid()}/0/{number}/{kind}/%/%/striker/{topic}/" \
+            f"{package}::msg::dds_::{bare}_/{self.types.store.hash_rihs01(type_name)}/{qos}"
 
     def take_token(self, sample):
         key = str(sample.key_expr)
@@ -249,7 +254,7 @@ class Peer:
         return found
 
     def subscribe(self, name):
-        type_name = TOPICS[name]
+        type_name = {**TOPICS, **OF_FLEET}[name]
         seen = self.seen.setdefault(name, [])
 
         def take(sample):
@@ -264,6 +269,9 @@ class Peer:
             self.kept.append(zenoh.ext.declare_advanced_subscriber(self.session, key, take, history=history))
         else:
             self.kept.append(self.session.declare_subscriber(key, take))
+        qos = ":1:,1:,:,:,," if name in LATCHED else "::,100:,:,:,,"
+        token = self.token_of(2 + len(self.kept), "MS", name, type_name, qos)
+        self.kept.append(self.session.liveliness().declare_token(token))
 
     def strike(self, event_id, impact):
         self.number += 1
@@ -361,10 +369,15 @@ def stream_arrives(peer, event_id):
     return True
 
 
+def await_stream(peer, event_id):
+    """Sends light impacts until the states of one arrive."""
+    if not any(stream_arrives(peer, f"{event_id}_{number}") for number in range(int(PATIENCE / 2.0))):
+        raise Fault("the states of no light impact arrive")
+
+
 def check_impact(peer, event_id, outputs):
     """An event is answered, and nothing of the response is lost."""
-    if not any(stream_arrives(peer, f"before_{event_id}_{number}") for number in range(int(PATIENCE / 2.0))):
-        raise Fault("the states of no light impact arrive")
+    await_stream(peer, f"before_{event_id}")
     begun = time.time_ns()
     peer.strike(event_id, HEAVY)
     forecast = peer.message("impact_forecast", event_id)
@@ -505,6 +518,34 @@ def check_replay(program, folder, environment, recording, peer):
         wait_for(f"{count} of {name} by replay", lambda: len(peer.seen[name]) == count)  # noqa: B023
 
 
+def check_fleet(program, folder, environment, settings):
+    """A fleet has the status of every column, answers events by their column, and serves the topics of a single column to readers."""
+    table = Path(folder, "columns.csv")
+    table.write_text("namespace,column_id,section.name\n/garage/a1,a1,HEB 220\n/garage/a2,a2,HEB 240\n")
+    fleet = Program([program, "fleet", "--transport", "zenoh", "--params-file", str(REPOSITORY / "config/fleet.yaml"), "--columns", str(table),
+                     "--ros-args", "-r", f"__ns:={NAMESPACE}", "-p", "state.directory:=''"], folder, **environment)
+    fleet.wait_to_say("is ready")
+    peer = Peer(Types(NAMESPACE, "a2"), settings)
+    for name in ("fleet_status", "column_state", "hinge_forces", "impact_forecast", "impact_report"):
+        peer.subscribe(name)
+    wait_for("the status of both columns",
+             lambda: {"a1", "a2"} <= {it.column_id for _, status in list(peer.seen["fleet_status"]) for it in status.columns})
+    reader = Peer(Types(f"{NAMESPACE}/a2", "a2"), settings)
+    for name in ("column_state", "twin_status"):
+        reader.subscribe(name)
+    wait_for("the status of a2 on a topic of its own", lambda: reader.seen["twin_status"])
+    await_stream(peer, "of_the_fleet")
+    peer.strike("on_a2", HEAVY)
+    report = peer.message("impact_report", "on_a2")
+    check("the column that was hit", report.column_id, "a2")
+    numbers = wait_for("the states on the topic of a2", lambda: [it.header.stamp for _, it in list(reader.seen["column_state"]) if it.event_id == "on_a2"])
+    check("exit code of the fleet", fleet.end(), 0)
+    shared = sum(it.event_id == "on_a2" for _, it in peer.seen["column_state"])
+    print(f"fleet: the status of every column; {shared} states of an impact on the shared topic, {len(numbers)} on the topic of the column so far")
+    reader.close()
+    peer.close()
+
+
 def check_late_joiner(types, settings, event_id):
     """Who comes late gets what the twin keeps: its status, and the reports."""
     late = Peer(types, settings)
@@ -605,6 +646,7 @@ def run(program, router_program, ros):
         wait_for("the end of the node that was killed", lambda: not peer.of_twin("NN"))
         print("a node that is killed disappears from the graph")
         peer.close()
+        check_fleet(program, folder, environment, settings)
         router.close()
 
 

@@ -28,7 +28,7 @@ use ros_node::guid_prefix::GuidPrefix;
 
 use super::graph::Graph;
 use super::keys::TypedName;
-use super::queue::Queue;
+use super::queue::{Queue, Sender};
 
 /// Longest message, as in RustDDS.
 const MAX_MESSAGE_BYTES: usize = 4 << 20;
@@ -156,7 +156,8 @@ impl<M: DeserializeOwned> ZenohSubscription<M> {
                 );
                 return;
             }
-            filled.push(sample, size);
+            let sender = sender(sample.attachment());
+            filled.push(sample, size, sender);
         };
         let mut builder = session.declare_subscriber(key).callback(take).advanced();
         if qos.durability == Durability::TransientLocal {
@@ -243,7 +244,8 @@ impl<Request: DeserializeOwned, Response: Serialize> ZenohServer<Request, Respon
             let size = query.payload().map_or(0, ZBytes::len);
             // Without an answer, the caller sees that there is none.
             if size <= MAX_MESSAGE_BYTES {
-                filled.push(query, size);
+                let sender = sender(query.attachment());
+                filled.push(query, size, sender);
             }
         };
         let queryable = session
@@ -357,6 +359,11 @@ fn read_attachment(attachment: Option<&ZBytes>) -> Result<Attachment, TransportE
             bytes.len()
         ))
     })
+}
+
+/// Who has sent what has this attachment.
+fn sender(attachment: Option<&ZBytes>) -> Sender {
+    read_attachment(attachment).map_or(Sender::default(), |it| it.gid.to_bytes16())
 }
 
 fn decode_attachment(bytes: &[u8]) -> Option<Attachment> {

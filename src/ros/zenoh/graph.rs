@@ -9,7 +9,7 @@ use rustdds::GUID;
 use ros_node::matches::{Discovered, Found, Matches};
 
 use super::keys::{Kind, Token, TypedName, gid};
-use super::queue::Queue;
+use super::queue::{Queue, Sender};
 
 /// Most endpoints and nodes of others, as many as RustDDS follows.
 const MAX_TOKENS: usize = 32_768;
@@ -85,7 +85,7 @@ impl Graph {
             }
         }
         if let Some(change) = change(guid, &token) {
-            self.changes.push(change, 0);
+            self.changes.push(change, 0, Sender::default());
         }
         known.others.insert(key.to_owned(), (token, guid));
     }
@@ -105,7 +105,7 @@ impl Graph {
                 dds_name: None,
                 is_writer: false,
             };
-            self.changes.push(change, 0);
+            self.changes.push(change, 0, Sender::default());
         }
     }
 
