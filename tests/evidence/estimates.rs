@@ -151,7 +151,7 @@ fn detected() -> Finished {
 }
 
 #[test]
-fn what_was_detected_and_measured_is_verified_by_recomputation() {
+fn what_was_detected_is_verified_and_estimates_without_measurements_are_named() {
     let found = detected().verify();
     assert!(found.is_equal(), "{found}");
     assert_eq!((found.missing(), found.differences), (0, 0), "{found}");

@@ -243,7 +243,7 @@ fn the_mode_events_records_little_while_the_column_is_at_rest() {
         (0..20).for_each(|_| twin.advance(1_000 * MS));
         let found = twin.finish().assert_verified();
         (
-            found.topics[0].compared,
+            found.topics[Topic::ColumnState.index()].compared,
             found.topics[Topic::TwinStatus.index()].compared,
         )
     };

@@ -104,7 +104,7 @@ pub(crate) fn contradictions(
             .collect()
         })
         .collect();
-    let mut found = [vec![false; count], vec![false; count]];
+    let (mut doubtful, mut ignored) = (vec![false; count], vec![false; count]);
     let all = active.clone();
     let most = (active.len().saturating_sub(1) / 2).max(1);
     while active.len() >= 2 {
@@ -140,12 +140,12 @@ pub(crate) fn contradictions(
             .map(|(sensor, _)| *sensor)
             .collect();
         for &sensor in &suspects {
-            found[0][sensor] = true;
+            doubtful[sensor] = true;
         }
         let [culprit] = suspects.as_slice() else {
             break;
         };
-        found[1][*culprit] = true;
+        ignored[*culprit] = true;
         active.retain(|sensor| sensor != culprit);
     }
     let misfit = |active: &[usize]| misfit(members, &fits, &blocks, active);
@@ -155,11 +155,11 @@ pub(crate) fn contradictions(
     let worst = match left_out <= most && (left_out == 0 || is_better) {
         true => apart,
         false => {
-            found = [vec![false; count], vec![false; count]];
+            doubtful.fill(false);
+            ignored.fill(false);
             together
         }
     };
-    let [doubtful, ignored] = found;
     let counted: Vec<usize> = all.into_iter().filter(|it| !ignored[*it]).collect();
     let mut off_scale = vec![false; count];
     let weights = weights_by(members, &fits, &counted);

@@ -21,6 +21,9 @@ const EVENT: (&str, &str) = (
 );
 const STATUS: (&str, &str) = ("rt/twin_status", "column_twin_msgs::msg::dds_::TwinStatus_");
 
+/// Datagrams between two looks at how many the node has taken.
+const ROUND: u32 = 20_000;
+
 /// Sends so many datagrams about as fast as the node can take them.
 fn flood(peer: &Peer, port: u16, count: u32, datagram: impl Fn(u32) -> Datagram) {
     for number in 0..count {
@@ -29,6 +32,53 @@ fn flood(peer: &Peer, port: u16, count: u32, datagram: impl Fn(u32) -> Datagram)
             std::thread::sleep(Duration::from_micros(500));
         }
     }
+}
+
+/// Sends numbered datagrams until the node has taken so many, however many the system drops because the node is not fast enough.
+fn flood_until_taken(peer: &Peer, port: u16, count: u32, datagram: impl Fn(u32) -> Datagram) {
+    let (_, dropped_before) = at_port(port);
+    let mut sent = 0;
+    loop {
+        flood(peer, port, ROUND, |number| datagram(sent + number));
+        sent += ROUND;
+        let taken = u64::from(sent) - (dropped_once_taken(port) - dropped_before);
+        if taken >= u64::from(count) {
+            return;
+        }
+        let most = 40 * count.max(ROUND);
+        assert!(sent < most, "{taken} of {sent} datagrams were taken");
+    }
+}
+
+/// Waits until the node has taken what waits at its port, and returns how many datagrams the system has dropped there.
+fn dropped_once_taken(port: u16) -> u64 {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        let (waiting, dropped) = at_port(port);
+        if waiting == 0 {
+            return dropped;
+        }
+        assert!(Instant::now() < deadline, "the node takes no datagrams");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// What waits at the sockets of this port \[bytes\], and how many datagrams the system has dropped there.
+fn at_port(port: u16) -> (u64, u64) {
+    let sockets = std::fs::read_to_string("/proc/net/udp").expect("readable");
+    let end = format!(":{port:04X}");
+    let (mut found, mut waiting, mut dropped) = (false, 0, 0);
+    for socket in sockets.lines().skip(1) {
+        let fields: Vec<&str> = socket.split_whitespace().collect();
+        if fields[1].ends_with(&end) {
+            let (_, queue) = fields[4].split_once(':').expect("two queues");
+            waiting += u64::from_str_radix(queue, 16).expect("a length");
+            dropped += fields[12].parse::<u64>().expect("a count");
+            found = true;
+        }
+    }
+    assert!(found, "no socket has port {port}");
+    (waiting, dropped)
 }
 
 /// A prefix like no other.
@@ -71,7 +121,7 @@ fn a_datagram_of_160_bytes_does_not_cost_4_gb() {
         };
         Datagram::from(peer.prefix).data_frag(wire::UNKNOWN, writer, &fragment)
     });
-    std::thread::sleep(Duration::from_millis(300));
+    dropped_once_taken(victim.user);
     let grown = victim.program.megabytes() - before;
     assert!(grown < 64.0, "{grown} MB");
     victim.assert_well();
@@ -85,7 +135,7 @@ fn fragments_of_unknown_writers_cost_nothing() {
     let peer = Peer::join(&victim, 1);
     let writer = peer.publish(EVENT.0, EVENT.1);
     let before = victim.program.megabytes();
-    flood(&peer, victim.user, 20_000, |number| {
+    flood_until_taken(&peer, victim.user, 20_000, |number| {
         let fragment = Fragment {
             number: 1,
             first: 1,
@@ -157,7 +207,7 @@ fn requests_for_fragments_that_do_not_exist_are_ignored() {
             }
         }
     }
-    std::thread::sleep(Duration::from_millis(300));
+    dropped_once_taken(victim.user);
     let grown = victim.program.megabytes() - before;
     assert!(grown < 32.0, "{grown} MB");
     victim.assert_well();
@@ -168,7 +218,7 @@ fn a_flood_of_participants_does_not_fill_the_memory() {
     let folder = tempfile::tempdir().unwrap();
     let victim = Victim::start(folder.path());
     let peer = Peer::join(&victim, 1);
-    flood(&peer, victim.discovery, 20_000, |number| {
+    flood_until_taken(&peer, victim.discovery, 20_000, |number| {
         let data = wire::participant(prefix(number), peer.port).payload();
         let (reader, writer) = (wire::SPDP_READER, wire::SPDP_WRITER);
         Datagram::from(prefix(number)).data(reader, writer, 1, &data)
@@ -176,52 +226,16 @@ fn a_flood_of_participants_does_not_fill_the_memory() {
     victim.assert_well();
 }
 
-/// What waits at the sockets of this port \[bytes\], and how many datagrams the system has dropped there.
-fn at_port(port: u16) -> (u64, u64) {
-    let sockets = std::fs::read_to_string("/proc/net/udp").expect("readable");
-    let end = format!(":{port:04X}");
-    let (mut found, mut waiting, mut dropped) = (false, 0, 0);
-    for socket in sockets.lines().skip(1) {
-        let fields: Vec<&str> = socket.split_whitespace().collect();
-        if fields[1].ends_with(&end) {
-            let (_, queue) = fields[4].split_once(':').expect("two queues");
-            waiting += u64::from_str_radix(queue, 16).expect("a length");
-            dropped += fields[12].parse::<u64>().expect("a count");
-            found = true;
-        }
-    }
-    assert!(found, "no socket has port {port}");
-    (waiting, dropped)
-}
-
 /// RustDDS 0.15.1 kept a record of about 80 bytes of the source of every datagram with a new prefix.
 #[test]
 fn datagrams_of_400_000_prefixes_do_not_fill_the_memory() {
-    const PREFIXES: u64 = 400_000;
-    const ROUND: u32 = 100_000;
     let folder = tempfile::tempdir().unwrap();
     let victim = Victim::start(folder.path());
     let peer = Peer::join(&victim, 1);
     let before = victim.program.megabytes();
-    let (_, dropped_before) = at_port(victim.user);
-    // Until the node has taken so many, however many the system drops because the node is not fast enough.
-    let mut sent = 0;
-    loop {
-        flood(&peer, victim.user, ROUND, |number| {
-            Datagram::from(prefix(sent + number)).stamp(1, 2)
-        });
-        sent += ROUND;
-        let deadline = Instant::now() + PATIENCE;
-        while at_port(victim.user).0 > 0 {
-            assert!(Instant::now() < deadline, "the node takes no datagrams");
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        let taken = u64::from(sent) - (at_port(victim.user).1 - dropped_before);
-        if taken >= PREFIXES {
-            break;
-        }
-        assert!(sent < 40 * ROUND, "{taken} of {sent} datagrams were taken");
-    }
+    flood_until_taken(&peer, victim.user, 400_000, |number| {
+        Datagram::from(prefix(number)).stamp(1, 2)
+    });
     // With the records they would be 32 MB.
     let grown = victim.program.megabytes() - before;
     assert!(grown < 16.0, "{grown} MB");
