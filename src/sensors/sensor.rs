@@ -114,6 +114,18 @@ impl Quantity {
         matches!(self, Self::BendingStrain | Self::AxialStrain)
     }
 
+    /// Whether an impact that bends the column shows in it: an axial strain follows from the load and the shortening.
+    #[must_use]
+    pub const fn shows_bending(self) -> bool {
+        !matches!(self, Self::AxialStrain)
+    }
+
+    /// Whether it keeps a value for as long as the column keeps its shape: an acceleration returns to zero.
+    #[must_use]
+    pub const fn is_level(self) -> bool {
+        !matches!(self, Self::Acceleration)
+    }
+
     /// Its word, such as `bending_strain`.
     #[must_use]
     pub const fn word(self) -> &'static str {

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::exact_number;
-use crate::sensors::{Quantity, Sensor};
+use crate::sensors::Sensor;
 
 /// Standard deviations of the noise beyond which a reading opens a candidate.
 const OPENING: f64 = 8.0;
@@ -350,11 +350,11 @@ impl Part {
 
 impl Channel {
     fn new(sensor: &Sensor) -> Self {
-        let is_level = sensor.quantity != Quantity::Acceleration;
+        let is_level = sensor.quantity.is_level();
         let averaging = (AVERAGING * sensor.rate).round().max(1.0) as usize;
         Self {
             is_level,
-            is_witness: sensor.quantity != Quantity::AxialStrain && sensor.rate >= WITNESS_RATE,
+            is_witness: sensor.quantity.shows_bending() && sensor.rate >= WITNESS_RATE,
             declared_noise: sensor.noise,
             zero: 0.0,
             variance: 0.0,

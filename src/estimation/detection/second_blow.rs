@@ -1,6 +1,6 @@
 //! A second impact while the column still moves from the first one, which is told although it cannot be estimated.
 
-use crate::sensors::{Quantity, Sensor};
+use crate::sensors::Sensor;
 
 /// Length of the windows that are compared \[s\].
 const WINDOW: f64 = 25e-3;
@@ -50,7 +50,7 @@ impl SecondBlow {
     /// After an impact at `first` \[s\], seen by these sensors with these standard deviations of their noise.
     pub fn new(sensors: &[Sensor], first: f64) -> Self {
         let channel = |sensor: &Sensor| Channel {
-            counts: sensor.quantity != Quantity::AxialStrain,
+            counts: sensor.quantity.shows_bending(),
             noise: sensor.noise,
             window: i64::MIN,
             sum: 0.0,

@@ -138,10 +138,7 @@ impl Sway {
 impl Channel {
     /// Whether it shows on which side the column is.
     fn counts(&self) -> bool {
-        !matches!(
-            self.quantity,
-            Quantity::Acceleration | Quantity::AxialStrain
-        )
+        self.quantity.shows_bending() && self.quantity.is_level()
     }
 
     /// Takes a reading at a time after the contact \[s\].
