@@ -306,3 +306,22 @@ impl Observable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_column_of_a_history_has_a_name_of_its_own() {
+        for masses in 0..=MAX_MASSES {
+            let names = history(masses).map(|(it, index)| it.in_histories(index));
+            let distinct: BTreeSet<String> = names.collect();
+            assert_eq!(distinct.len(), history(masses).count());
+            for last in ["crush3_m", "vehicle_velocity3_m_s"] {
+                assert_eq!(distinct.contains(last), masses == MAX_MASSES, "{last}");
+            }
+        }
+    }
+}

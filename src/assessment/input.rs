@@ -230,7 +230,14 @@ impl VerdictLoad {
                 "it hangs from the spring at the top, which bears {}",
                 force(taken)
             ),
-            Some(taken) => format!("the spring at the top bears {}", force(taken)),
+            // It stands in the model, whose push-down is not the resistance of the code.
+            taken => format!(
+                "its remaining buckling resistance is {}, and the spring at the top bears {} of the rest",
+                force(own),
+                taken
+                    .filter(|it| *it > 0.0)
+                    .map_or("nothing".to_owned(), force)
+            ),
         };
         let load = force(self.top_load);
         format!(" The column alone does not bear its load of {load}: {how}.")

@@ -367,12 +367,8 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             last.effective_sample_size
         );
     }
-    if !last.doubtful_sensors.is_empty() {
-        let _ = writeln!(
-            text,
-            "\nWarning: {} contradicts the other sensors or has stopped; check its scale, sign, position and data.",
-            last.doubtful_sensors.join(", ")
-        );
+    if let Some(doubt) = last.doubt_in_words() {
+        let _ = writeln!(text, "\nWarning: {doubt}");
     }
     if let Some(reservation) = last.scale_reservation() {
         let _ = writeln!(text, "\nNote: {reservation}");

@@ -91,7 +91,6 @@ mod tests {
         let text = writer.finish().unwrap();
         let mut table = csv::Reader::from_reader(&text[..]);
         let header = table.headers().unwrap().clone();
-        assert_eq!(header.len(), history(0).count());
         let place = |name: &str| header.iter().position(|column| column == name).unwrap();
         let rows: Vec<_> = table.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), samples.len());

@@ -83,15 +83,21 @@ pub fn mass_in_words(mass: f64) -> String {
 #[must_use]
 pub fn estimate_line(it: &ImpactEstimate) -> String {
     let last = if it.is_final { "final " } else { "" };
+    let named = |what, names: &[String]| match names {
+        [] => String::new(),
+        _ => format!("; {what}: {}", names.join(", ")),
+    };
     format!(
-        "{last}estimate of {} by data until {:.0} ms after contact: momentum {}, v1 up to {}, residual {}, action {} ({})",
+        "{last}estimate of {} by data until {:.0} ms after contact: momentum {}, v1 up to {}, residual {}, action {} ({}){}{}",
         it.event_id,
         1e3 * it.data_until,
         in_unit(&it.momentum, 1e-3, "kN s"),
         in_unit(&it.peak_v1, 1e3, "mm"),
         in_unit(&it.residual_v1, 1e3, "mm"),
         actions_in_words(it),
-        decision_word(it.decision)
+        decision_word(it.decision),
+        named("sensors in doubt", &it.doubtful_sensors),
+        named("scale not confirmed", &it.scale_not_confirmed)
     )
 }
 

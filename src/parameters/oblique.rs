@@ -1,6 +1,6 @@
 //! What the two bars see of an oblique hit.
 
-use super::value::readable;
+use super::value::rounded;
 use crate::column::share_in_plane;
 
 /// What the two bars see of a vehicle that travels in this direction \[rad\]; `None` where they see all of it.
@@ -21,7 +21,6 @@ use crate::column::share_in_plane;
 pub fn component_in_words(direction: f64) -> Option<String> {
     let leaves_the_plane = share_in_plane(direction) < 1.0;
     leaves_the_plane.then(|| {
-        let rounded = |value: f64| readable((value * 1e4).round() / 1e4);
         format!(
             "the vehicle travels at {} degrees to the plane of the two bars, which see the component in it, {} of the whole",
             rounded(direction.to_degrees()),

@@ -112,7 +112,12 @@ fn string_in_yaml(text: &str) -> Result<String, fmt::Error> {
 /// An angle \[rad\] in degrees, with four decimals at most.
 #[must_use]
 pub fn degrees(angle: f64) -> String {
-    format!("{}°", readable((angle.to_degrees() * 1e4).round() / 1e4))
+    format!("{}°", rounded(angle.to_degrees()))
+}
+
+/// A number with four decimals at most.
+pub(super) fn rounded(value: f64) -> String {
+    readable((value * 1e4).round() / 1e4)
 }
 
 /// A number as people write it: 60, 0.001, 1e-6, 2.1e11.

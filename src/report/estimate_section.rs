@@ -89,10 +89,8 @@ fn reservations(estimate: &ImpactEstimate) -> Markup {
                  are unreliable."
             }
         }
-        @if !estimate.doubtful_sensors.is_empty() {
-            p.fault {
-                (estimate.doubtful_sensors.join(", ")) " contradicts the other sensors or has stopped; check its scale, sign, position and data."
-            }
+        @if let Some(doubt) = estimate.doubt_in_words() {
+            p.fault { (doubt) }
         }
         @if let Some(reservation) = estimate.scale_reservation() {
             p.note { (reservation) }

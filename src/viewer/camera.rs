@@ -18,6 +18,11 @@ const OBLIQUE: [f64; 2] = [0.08, 0.09];
 /// the plane of bending. With more, it would hide the column.
 const LARGEST_LEAN: f64 = 0.1;
 
+/// Whether a vehicle comes so clearly from one side of the plane of bending that it would hide the column.
+pub fn comes_from_a_side(heading: Heading) -> bool {
+    heading.travel()[1].abs() > LARGEST_LEAN
+}
+
 /// The sides of a picture in space: the two bars bend towards its `x`, and its `y` leads away from the viewer, who stands where the
 /// vehicle does not come from, so that it never hides the column.
 #[derive(Debug, Clone, Copy, PartialEq)]

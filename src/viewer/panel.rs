@@ -1,6 +1,7 @@
 //! The panel beside the scene, as Markdown: what the impact does to the column, what hits it, and what the colours mean.
 
 use super::beam;
+use super::camera::comes_from_a_side;
 use super::item::Announcement;
 use super::plots;
 use super::scene::{Drawing, force};
@@ -192,9 +193,12 @@ fn travel(drawing: &Drawing) -> String {
         }
         false => "",
     };
+    let side = match comes_from_a_side(drawing.heading) {
+        true => ", and the picture shows the column from the side where it does not come from",
+        false => "",
+    };
     format!(
-        " It travels at {} to the plane of the two bars, and the picture shows the column from the side where it does not \
-         come from.{component}",
+        " It travels in the direction of {}{side}.{component}",
         degrees(direction)
     )
 }

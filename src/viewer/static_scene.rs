@@ -139,24 +139,25 @@ fn base(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
         -0.12
     };
     if drawing.base == SupportKind::SemiRigid {
-        strips.push(spiral(PlanePoint::default(), drawing.half_depth()));
+        strips.extend(spirals(PlanePoint::default(), drawing.half_depth()));
     }
     let (from, to) = ground(below);
     strips.extend(hatch(from, to, down));
     lines(stream, "supports/base", strips, colour::SUPPORT, 0.008)
 }
 
-/// The symbol of a rotational spring.
-fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point3> {
-    (0..=60)
-        .map(|piece| {
+/// The symbol of a rotational spring, on either side of the web.
+fn spirals(centre: PlanePoint, half_depth: f64) -> [Vec<Point3>; 2] {
+    [-0.02, 0.02].map(|side| {
+        let each = (0..=60).map(|piece| {
             let part = f64::from(piece) / 60.0;
             let angle = 2.5 * std::f64::consts::TAU * part;
             let radius = half_depth * (1.2 + part);
             let offset = PlanePoint::new(angle.cos(), angle.sin());
-            in_space(centre.plus(radius, offset), -0.02)
-        })
-        .collect()
+            in_space(centre.plus(radius, offset), side)
+        });
+        each.collect()
+    })
 }
 
 /// Draws the plate that slides along two guides, the support of the spring, and the load; nothing at a free top.
@@ -175,7 +176,9 @@ fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let mut moving = Vec::new();
     match drawing.top {
         SupportKind::Pinned => moving.extend(pin(0.06)),
-        SupportKind::SemiRigid => moving.push(spiral(PlanePoint::default(), drawing.half_depth())),
+        SupportKind::SemiRigid => {
+            moving.extend(spirals(PlanePoint::default(), drawing.half_depth()))
+        }
         SupportKind::BuiltIn | SupportKind::Free => {}
     }
     lines(stream, "top/support", moving, colour::SUPPORT, 0.008)?;

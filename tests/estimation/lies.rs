@@ -126,8 +126,23 @@ const LIES: [Lie; 50] = [
     ),
 ];
 
+/// Lies that move the peak and that nothing tells but the note that the scale of the sensor is not confirmed, with the impact. Where a rigid
+/// hit makes the column yield, this note is there without a lie as well, because nothing tells the scale of the displacement: the gauges are
+/// lost within milliseconds, the waves keep the accelerometer at the end of its range, and a lighter, faster vehicle explains a larger
+/// displacement as well. In the same way a softer vehicle explains a displacement that a filter smooths.
+const TOLD_BY_THE_NOTE: [(&str, &str, &str); 5] = [
+    ("rigid", V1, "gain 30 % too high"),
+    ("rigid", V1, "gain of one half"),
+    ("rigid", V1, "0.2 m too high"),
+    ("rigid", V1, "filtered at 30 Hz"),
+    ("elastic", V1, "gain 30 % too high"),
+];
+
 /// Largest error of a peak outside of its interval.
 const TOLERATED: f64 = 0.10;
+
+/// Beginning of what is told where no other sensor confirms a scale.
+const NOTE: &str = "unconfirmed scale";
 
 /// Probability of an unknown vehicle that is a doubt.
 const DOUBTED: f64 = 0.5;
@@ -276,7 +291,7 @@ fn doubt(estimate: &ImpactEstimate, lie: Option<&Lie>) -> Option<String> {
         let names = &estimate.scale_not_confirmed;
         changes_scale && names.iter().any(|name| name == it.sensor)
     });
-    of_scale.map(|it| format!("scale of {} not confirmed", it.sensor))
+    of_scale.map(|it| format!("{NOTE} of {}", it.sensor))
 }
 
 fn impacts() -> [(&'static str, Impact); 2] {
@@ -356,7 +371,7 @@ fn a_peak_that_rests_on_one_scale_says_so_unless_the_gauges_confirm_it() {
 fn none_of_fifty_lies_moves_the_peak_without_a_doubt_named() {
     let mut estimator = estimator();
     let all = sensors_and_others();
-    let mut silent = Vec::new();
+    let (mut silent, mut by_note) = (Vec::new(), Vec::new());
     println!("| impact | sensor | lie | peak | 90 % interval | told |");
     println!("|---|---|---|---|---|---|");
     for (impact, struck) in impacts() {
@@ -387,19 +402,21 @@ fn none_of_fifty_lies_moves_the_peak_without_a_doubt_named() {
                 doubt.as_deref().unwrap_or("-")
             );
             let is_moved = (mean - 1.0).abs() > TOLERATED && !(low..=high).contains(&1.0);
-            if is_moved && doubt.is_none() {
-                silent.push((impact, sensor, name));
+            match &doubt {
+                None if is_moved => silent.push((impact, sensor, name)),
+                Some(doubt) if is_moved && doubt.starts_with(NOTE) => {
+                    by_note.push((impact, sensor, name));
+                }
+                _ => {}
             }
             if lie.is_none() {
                 assert!(!is_moved && doubt.is_none(), "{impact}: {last:#?}");
             }
         }
     }
-    // Where a rigid hit makes the column yield, nothing tells the scale of the displacement: the gauges are lost within milliseconds, the
-    // waves keep the accelerometer at the end of its range, and a lighter, faster vehicle explains a larger displacement as well. In the
-    // same way a softer vehicle explains a displacement that a filter smooths. The estimate then says that the scale is not confirmed.
     assert!(
         silent.is_empty(),
         "lies that move the peak without a word: {silent:?}"
     );
+    assert_eq!(by_note, TOLD_BY_THE_NOTE);
 }

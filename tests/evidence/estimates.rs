@@ -66,7 +66,7 @@ fn estimate(update: u32, contact: Nanos, velocity: f64) -> EstimateRecord {
             vehicle_probabilities: vec![("rigid".to_owned(), 0.7), ("elastic".to_owned(), 0.3)],
             effective_sample_size: 80.0,
             doubtful_sensors: vec!["top".to_owned()],
-            scale_not_confirmed: Vec::new(),
+            scale_not_confirmed: vec!["laser".to_owned()],
         },
         best: Impact::rigid(1500.0, velocity),
     }
@@ -253,6 +253,8 @@ fn forged_estimates_are_found() {
     assert_eq!(first_field(&found), "decision");
     let found = estimate(|it| it.doubtful_sensors.clear());
     assert_eq!(first_field(&found), "doubtful_sensors");
+    let found = estimate(|it| it.scale_not_confirmed.clear());
+    assert_eq!(first_field(&found), "scale_not_confirmed");
     let found = estimate(|it| it.residual_v1.mean = 0.1);
     assert_eq!(first_field(&found), "residual_v1.mean");
 

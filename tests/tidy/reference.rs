@@ -324,6 +324,31 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "standard deviations of its scale from which on a sensor is in doubt",
             ),
             (
+                "src/estimation/inference/contradiction.rs",
+                "NOTICED_SCALE_ERROR",
+                "error of the scale of a sensor that others have to notice if they are to confirm it",
+            ),
+            (
+                "src/estimation/inference/contradiction.rs",
+                "SCALE_AGREEMENT",
+                "standard deviations within which the scales of sensors that confirm each other agree",
+            ),
+            (
+                "src/estimation/inference/blocks.rs",
+                "LIMIT_OVER_NEXT",
+                "times that the largest reading comes as often as the next one if the sensor is cut off there",
+            ),
+            (
+                "src/estimation/inference/statement.rs",
+                "CONTRADICTED",
+                "probability of the responses where a displacement sensor at the impact point contradicts all others",
+            ),
+            (
+                "src/estimation/inference/statement.rs",
+                "MISSED_PEAK",
+                "factor between its peak and the peak of the responses from which on such a sensor is broken",
+            ),
+            (
                 "src/estimation/inference/statement.rs",
                 "STRAY",
                 "standard deviations from what is predicted from which on two means of a sensor are in doubt",

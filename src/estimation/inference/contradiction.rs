@@ -57,6 +57,9 @@ const SCALE_SUSPICION: f64 = 1.25;
 /// what the interval of a peak holds to either side.
 const NOTICED_SCALE_ERROR: f64 = 0.3;
 
+/// Relative round-off of a ratio of scales.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Standard deviations within which the scale of a sensor has to agree with theirs: their 90 % interval \[A\].
 const SCALE_AGREEMENT: f64 = 1.645;
 
@@ -163,15 +166,19 @@ pub(crate) fn contradictions(
     let counted: Vec<usize> = all.into_iter().filter(|it| !ignored[*it]).collect();
     let mut off_scale = vec![false; count];
     let weights = weights_by(members, &fits, &counted);
-    // The ratio of a right scale to a wrong one is wrong, too: only that which is furthest off is in doubt.
+    // The ratio of a right scale to a wrong one is wrong, too: only that which is furthest off is in doubt, and of two both are.
     let ratios = counted.iter().filter_map(|&sensor| {
         let ratio = scale_ratio(members, &weights, observed, sensors, &ignored, sensor)?;
         Some((sensor, ratio.deviations()))
     });
-    let furthest = ratios.max_by(|a, b| a.1.total_cmp(&b.1));
+    let ratios: Vec<(usize, f64)> = ratios.collect();
+    let furthest = largest(ratios.iter().map(|(_, by)| *by));
     for &sensor in &counted {
+        let is_furthest = |&(it, by): &(usize, f64)| {
+            it == sensor && by > SCALE_DOUBT && by >= (1.0 - ROUND_OFF) * furthest
+        };
         off_scale[sensor] = is_off_scale(members, &fits, sensors, &counted, sensor)
-            || furthest.is_some_and(|(it, by)| it == sensor && by > SCALE_DOUBT);
+            || ratios.iter().any(is_furthest);
     }
     Contradictions {
         doubtful,
@@ -236,7 +243,8 @@ fn weights_by(members: &[Member], fits: &[Vec<Fit>], counted: &[usize]) -> Vec<f
     logs.iter().map(|log| libm::exp(log - best)).collect()
 }
 
-/// By how much the scale of a sensor differs from that of others, relative to it, with the standard deviation.
+/// Logarithm of the ratio of the scale of a sensor to that of others, with the standard deviation: of two sensors, each is as far off as the
+/// other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ScaleRatio {
     off: f64,
@@ -291,8 +299,8 @@ pub(crate) fn scale_ratio(
             [precision + 1.0 / variance, sum + factor / variance]
         });
         let by_others = sum / precision;
-        if precision > 0.0 && by_others > 0.0 {
-            let off = own / by_others - 1.0;
+        if precision > 0.0 && by_others > 0.0 && own > 0.0 {
+            let off = libm::log(own / by_others);
             total += weight;
             squares += weight * weight;
             mean += weight * off;

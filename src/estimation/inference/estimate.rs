@@ -227,14 +227,26 @@ impl ImpactEstimate {
         (COLLAPSE_POSSIBLE_FROM..COLLAPSE_TOLD_FROM).contains(&self.collapsed)
     }
 
+    /// That sensors are in doubt, as sentences; `None` where none is.
+    #[must_use]
+    pub fn doubt_in_words(&self) -> Option<String> {
+        let names = self.doubtful_sensors.join(", ");
+        (!names.is_empty()).then(|| {
+            format!(
+                "In doubt: {names}. Such a sensor contradicts the others, is not as declared, is cut off or has stopped; check its scale, range, \
+                 sign, position and data."
+            )
+        })
+    }
+
     /// What the peak rests on that no sensor confirms, as sentences; `None` where the sensors confirm each other.
     #[must_use]
     pub fn scale_reservation(&self) -> Option<String> {
-        let names = self.scale_not_confirmed.join(" and ");
+        let names = self.scale_not_confirmed.join(", ");
         (!names.is_empty()).then(|| {
             format!(
-                "The peak rests on the scale of {names}, which no other sensor confirms in this impact: an error of its gain or its height, or \
-                 a filter, that changes its readings by 30 % may be unnoticed. Compare with `column-twin sensors check`."
+                "The peak rests on the scale of {names}. In this impact, no other sensor confirms it: an error of gain or height, or a filter, \
+                 that changes the readings by 30 % may be unnoticed. Check the sensors with `column-twin sensors check`."
             )
         })
     }

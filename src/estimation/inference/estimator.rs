@@ -520,11 +520,18 @@ impl Estimator {
         weights
     }
 
+    /// The sensors that contradict the others, wholly or by their scale: they confirm no other.
+    pub(super) fn in_doubt(&self) -> Vec<bool> {
+        let each = self.doubtful.iter().zip(&self.off_scale);
+        each.map(|(wholly, by_scale)| *wholly || *by_scale)
+            .collect()
+    }
+
     /// Standard deviation of the scale of a sensor, beside its gain error.
     pub(super) fn scale_deviation(&self, sensor: usize) -> f64 {
         let by_others = match self.off_scale[sensor] {
             true => 0.0,
-            false => self.population.scale_precision(sensor),
+            false => self.population.scale_precision(sensor, &self.in_doubt()),
         };
         (1.0 / (UNCONFIRMED_SCALE * UNCONFIRMED_SCALE) + by_others)
             .recip()

@@ -602,16 +602,17 @@ impl Population {
         may_be_off_scale(&self.members, weights, &self.sensors, &self.ignored)
     }
 
-    /// See [`scale_precision`].
-    pub fn scale_precision(&self, sensor: usize) -> f64 {
-        scale_precision(sensor, &self.observed, &self.sensors, &self.ignored)
+    /// See [`scale_precision`]; sensors that do not count are among those in doubt.
+    pub fn scale_precision(&self, sensor: usize, in_doubt: &[bool]) -> f64 {
+        scale_precision(sensor, &self.observed, &self.sensors, in_doubt)
     }
 
-    /// Whether a sensor counts whose scale no other one confirms, by members with these weights.
-    pub fn rests_on_unconfirmed_scale(&self, sensor: usize, weights: &[f64]) -> bool {
-        let (members, observed, ignored) = (&self.members, &self.observed, &self.ignored);
-        let ratio = || scale_ratio(members, weights, observed, &self.sensors, ignored, sensor);
-        !ignored[sensor] && !ratio().is_some_and(|it| it.confirms())
+    /// Whether a sensor has been used whose scale no other one confirms, by members with these weights; see [`Self::scale_precision`].
+    pub fn has_unconfirmed_scale(&self, sensor: usize, weights: &[f64], in_doubt: &[bool]) -> bool {
+        let (members, observed, all) = (&self.members, &self.observed, &self.sensors);
+        let has_read = observed.iter().any(|(_, means)| means[sensor].is_some());
+        let ratio = || scale_ratio(members, weights, observed, all, in_doubt, sensor);
+        has_read && !ratio().is_some_and(|it| it.confirms())
     }
 
     /// See [`contradictions`]; all members have to be weighed with all data.

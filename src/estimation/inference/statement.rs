@@ -48,6 +48,13 @@ const HIDDEN: f64 = 0.5;
 /// Share of its kinetic energy that a vehicle has to lose in its front for the front to count as crushed.
 const CRUSHED: f64 = 0.05;
 
+/// Probability that the responses are right where a sensor at the impact point contradicts all others \[A\]: either this sensor or every
+/// hypothesis is wrong, and nothing tells which.
+const CONTRADICTED: f64 = 0.5;
+
+/// Factor by which hypotheses that are wrong may miss a peak \[A\]. A sensor that is further off is broken.
+const MISSED_PEAK: f64 = 2.0;
+
 /// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
 const RANGE_PARTS: u32 = 5;
 
@@ -120,6 +127,11 @@ impl Estimator {
     /// What a sensor at the height of the impact point has read of its peak displacement, and the index of the sensor; `None` without such
     /// a sensor that counts. The most exact one tells it.
     fn measured_peak(&self) -> Option<(usize, &Records)> {
+        self.peak_by_sensors(false)
+    }
+
+    /// The same by the sensors that contradict the others, or by those that do not.
+    fn peak_by_sensors(&self, contradicting: bool) -> Option<(usize, &Records)> {
         let properties = self.population.properties();
         let each = self.sensors.iter().zip(&self.doubtful).enumerate();
         let at_impact = each.filter(|(_, (sensor, doubtful))| {
@@ -130,7 +142,7 @@ impl Estimator {
             };
             sensor.quantity == Quantity::Displacement
                 && away.abs() <= AT_IMPACT * part
-                && !**doubtful
+                && **doubtful == contradicting
         });
         let measured = at_impact.filter_map(|(index, (sensor, _))| {
             let records = self.highest.get(index)?.as_ref()?;
@@ -178,11 +190,14 @@ impl Estimator {
     /// Names of the sensors of displacement on whose scale the peak rests, and which no other sensor confirms. One that is in doubt is no
     /// longer believed.
     fn unconfirmed_scales(&self, weights: &[f64], doubtful: &[String]) -> Vec<String> {
+        let in_doubt = self.in_doubt();
         let each = self.sensors.iter().enumerate();
         let unconfirmed = each.filter(|(index, sensor)| {
             sensor.quantity == Quantity::Displacement
                 && !doubtful.contains(&sensor.name)
-                && self.population.rests_on_unconfirmed_scale(*index, weights)
+                && self
+                    .population
+                    .has_unconfirmed_scale(*index, weights, &in_doubt)
         });
         unconfirmed.map(|(_, sensor)| sensor.name.clone()).collect()
     }
@@ -284,13 +299,19 @@ impl Estimator {
         all.filter(|(_, weight)| *weight > 0.0)
     }
 
-    /// See [`Estimator::spread_of_vehicle`].
+    /// See [`Estimator::spread_of_vehicle`]. A vehicle of an unknown kind has the mass and the speed that are probable before anything is
+    /// measured.
     fn spread_of_vehicles(&self, weights: &[f64], powers: [f64; 2]) -> Vec<Spread> {
         let largest = self.largest_momentum();
-        let members = self.weighted(weights);
-        let each = members
-            .flat_map(|(member, weight)| self.spread_of_vehicle(member, weight, powers, largest));
-        each.collect()
+        let explained = self.explained(weights);
+        let members = self.weighted(weights).flat_map(|(member, weight)| {
+            self.spread_of_vehicle(member, explained * weight, powers, largest)
+        });
+        let unknown = spread_before(&self.population.hypotheses, powers).map(|it| Spread {
+            weight: (1.0 - explained) * it.weight,
+            ..it
+        });
+        members.chain(unknown).collect()
     }
 
     /// Standard deviation of the logarithm of the peak by the scale of the sensor that tells it: the less, the better other sensors confirm
@@ -301,8 +322,43 @@ impl Estimator {
         measured.map_or(0.0, |(sensor, _)| self.scale_deviation(sensor))
     }
 
-    /// What the members say of the logarithm of the peak that the impact adds.
+    /// What a sensor at the impact point that contradicts the others says of the logarithm of the peak; `None` without such a sensor, and where
+    /// it is so far from what the members say that it is broken.
+    fn contradicting_peak(&self, by_members: &[Spread]) -> Option<Spread> {
+        let (sensor, records) = self.peak_by_sensors(true)?;
+        let Highest {
+            value, deviation, ..
+        } = records.last();
+        let mean = libm::log(value.max(LEAST_PEAK));
+        let [sum, total] = by_members.iter().fold([0.0; 2], |[sum, total], it| {
+            [sum + it.weight * it.mean, total + it.weight]
+        });
+        ((mean - sum / total).abs() <= libm::log(MISSED_PEAK)).then(|| Spread {
+            mean,
+            deviation: libm::hypot(deviation / value, self.scale_deviation(sensor)),
+            weight: 1.0 - CONTRADICTED,
+        })
+    }
+
+    /// Probability that the members explain what has struck.
+    fn explained(&self, weights: &[f64]) -> f64 {
+        let contradicting = self.contradicting_peak(&self.peaks_by_members(weights));
+        let tempered = 1.0 / self.population.temperature();
+        contradicting.map_or(tempered, |_| CONTRADICTED * tempered)
+    }
+
+    /// What is known of the logarithm of the peak that the impact adds.
     fn spread_of_peaks(&self, weights: &[f64]) -> Vec<Spread> {
+        let mut each = self.peaks_by_members(weights);
+        if let Some(other) = self.contradicting_peak(&each) {
+            each.iter_mut().for_each(|it| it.weight *= CONTRADICTED);
+            each.push(other);
+        }
+        each
+    }
+
+    /// What the members say of it.
+    fn peaks_by_members(&self, weights: &[f64]) -> Vec<Spread> {
         let scale = self.peak_scale_deviation();
         let records = self.measured_peak().map(|(_, records)| records);
         let each = self.weighted(weights).map(|(member, weight)| {
@@ -368,7 +424,7 @@ impl Estimator {
         };
         let mut vehicles = self.vehicles(&weights);
         // The share of the evidence for the hypotheses that is left where none of them explains the data.
-        let explained = 1.0 / self.population.temperature();
+        let explained = self.explained(&weights);
         if explained < 1.0 {
             vehicles.iter_mut().for_each(|it| it.1 *= explained);
             vehicles.push((UNKNOWN_VEHICLE.to_owned(), 1.0 - explained));
@@ -407,13 +463,21 @@ impl Estimator {
 }
 
 /// The interval of these powers of mass and speed, multiplied, before anything is measured.
-fn prior(hypotheses: &[Hypothesis], [of_mass, of_velocity]: [f64; 2]) -> CredibleInterval {
-    let each = hypotheses.iter().map(|it| Spread {
+fn prior(hypotheses: &[Hypothesis], powers: [f64; 2]) -> CredibleInterval {
+    let each = spread_before(hypotheses, powers).collect();
+    CredibleInterval::of_spread(each, f64::INFINITY).map(libm::exp)
+}
+
+/// What is known of their logarithm before anything is measured.
+fn spread_before(
+    hypotheses: &[Hypothesis],
+    [of_mass, of_velocity]: [f64; 2],
+) -> impl Iterator<Item = Spread> {
+    hypotheses.iter().map(move |it| Spread {
         mean: of_mass * it.mean[0] + of_velocity * it.mean[1],
         deviation: libm::hypot(of_mass * it.deviation[0], of_velocity * it.deviation[1]),
         weight: it.probability,
-    });
-    CredibleInterval::of_spread(each.collect(), f64::INFINITY).map(libm::exp)
+    })
 }
 
 /// What a response leaves open of the momentum: logarithms of its bounds over the momentum of the response, and whether the vehicle
