@@ -9,6 +9,7 @@ use column_twin::incoming::raw_batch;
 use column_twin::live::RecentBatches;
 use column_twin::messages::column_twin_msgs::{ImpactEstimate, Measurement};
 use column_twin::parameters::Parameters;
+use column_twin::sensors::Sensor;
 use column_twin::twin::{Command, Journal};
 use column_twin::viewer::{DetectedImpacts, DetectedUpdate};
 
@@ -32,11 +33,13 @@ impl RecordedDetected {
         match &line.entry {
             JournalEntry::Twin(Journal::Checkpoint(start)) => {
                 self.parameters(&start.parameters);
-                if let (None, Some(state)) = (&self.intake, &line.intake) {
-                    let column_id = &start.parameters.settings().column_id;
-                    let mut intake = Intake::new(&start.parameters.sensors(), column_id);
-                    self.intake = intake.resume(state).then_some(intake);
-                }
+                let column_id = &start.parameters.settings().column_id;
+                self.begin(line, &start.parameters.sensors(), column_id);
+                Vec::new()
+            }
+            // A column of a fleet has no checkpoint before its first command.
+            JournalEntry::Sensors { sensors } => {
+                self.begin(line, sensors, line.column_id.as_deref().unwrap_or_default());
                 Vec::new()
             }
             JournalEntry::Twin(Journal::Command(command)) => {
@@ -47,6 +50,14 @@ impl RecordedDetected {
                 self.updates(false)
             }
             _ => Vec::new(),
+        }
+    }
+
+    /// Takes measurements from the first line on that tells of their intake, for these sensors.
+    fn begin(&mut self, line: &JournalLine, sensors: &[Sensor], column_id: &str) {
+        if let (None, Some(state)) = (&self.intake, &line.intake) {
+            let mut intake = Intake::new(sensors, column_id);
+            self.intake = intake.resume(state).then_some(intake);
         }
     }
 

@@ -1,6 +1,6 @@
 //! The items of a recording for the viewer: states with their hinges, reports, and the parameters of the column.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::failure::{Exit, Failure};
 use super::recorded_detected::RecordedDetected;
-use column_twin::evidence::{JournalEntry, JournalError, JournalLine};
+use column_twin::evidence::{JournalEntry, JournalError, JournalLine, VerifyError, listed_columns};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin_msgs::{
     ColumnState, HingeForces, ImpactEstimate, ImpactEvent, ImpactReport, Measurement,
@@ -26,14 +26,21 @@ pub(super) struct RecordedItems {
 }
 
 /// Reads a recording. Its journal contains the parameters of the column; for a recording without a journal they come from
-/// the parameter file `config`.
-pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<RecordedItems, Failure> {
+/// the parameter file `config`. A recording of several columns needs the identifier of one of them.
+pub(super) fn of_recording(
+    bag: &Path,
+    config: Option<&PathBuf>,
+    column_id: Option<&str>,
+) -> Result<RecordedItems, Failure> {
     let reader = recording::open(bag)?;
     let mut parameters = match config {
         None => None,
         Some(file) => Some(Arc::new(Parameters::load(std::slice::from_ref(file), &[])?)),
     };
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered {
+        wanted: column_id.map(str::to_owned),
+        ..Gathered::default()
+    };
     if let Some(parameters) = &parameters {
         gathered.detected.parameters(parameters);
     }
@@ -50,29 +57,30 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
             };
             match &line.entry {
                 JournalEntry::Fleet { columns } => {
-                    let reason = format!(
-                        "expected the recording of one column to show, found the recording of a fleet of {} in {}; column-twin report \
-                         --column shows one of them, and viewer.mode:=save writes a file for the viewer while a fleet runs",
-                        columns.len(),
-                        bag.display()
-                    );
-                    return Err(Failure::plain(Exit::BadInput, reason));
+                    columns.iter().for_each(|it| gathered.know(it));
                 }
-                JournalEntry::Twin(Journal::Checkpoint(start)) if config.is_none() => {
-                    let column = Arc::clone(&start.parameters);
-                    parameters.get_or_insert_with(|| Arc::clone(&column));
-                    gathered.messages.push(RecordedMessage::Column(column));
+                JournalEntry::Twin(Journal::Checkpoint(start)) => {
+                    gathered.know(&start.parameters.settings().column_id);
                 }
                 _ => {}
             }
-            if config.is_none() {
-                let updates = gathered.detected.line(&line);
-                gathered.show_detected(updates);
+            let of_column = line.column_id.as_deref();
+            if config.is_some() || of_column.is_some_and(|it| !gathered.is_shown(it)) {
+                continue;
             }
+            if let JournalEntry::Twin(Journal::Checkpoint(start)) = &line.entry {
+                let column = Arc::clone(&start.parameters);
+                parameters.get_or_insert_with(|| Arc::clone(&column));
+                gathered.messages.push(RecordedMessage::Column(column));
+            }
+            let updates = gathered.detected.line(&line);
+            gathered.show_detected(updates);
         } else {
             gathered.take(&message);
         }
     }
+    gathered.report_unshown();
+    gathered.check_column(bag)?;
     let parameters = parameters.ok_or_else(|| {
         Failure::plain(
             Exit::BadInput,
@@ -84,20 +92,6 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
     })?;
     let left = gathered.detected.end();
     gathered.show_detected(left);
-    gathered.report_unshown();
-    if gathered.shown == 0 {
-        return Err(Failure::plain(
-            Exit::BadInput,
-            format!(
-                "{} has nothing to show: expected messages of type {} and {} with equal stamps, found {} and {} without a partner",
-                bag.display(),
-                ColumnState::INTERFACE.ros_name(),
-                HingeForces::INTERFACE.ros_name(),
-                gathered.states.len(),
-                gathered.forces.len(),
-            ),
-        ));
-    }
     Ok(RecordedItems {
         items: viewer::from_messages(&parameters, gathered.messages),
         parameters,
@@ -111,6 +105,12 @@ type Instant = (Time, String);
 #[derive(Default)]
 struct Gathered {
     messages: Vec<RecordedMessage>,
+    /// The column to show, if one is named.
+    wanted: Option<String>,
+    /// The identifiers of all columns of the recording.
+    known: BTreeSet<String>,
+    /// Those of them that have states.
+    with_states: BTreeSet<String>,
     /// Number of states with their hinges.
     shown: usize,
     /// States without the message of their hinges.
@@ -124,27 +124,53 @@ struct Gathered {
 }
 
 impl Gathered {
+    /// Takes note of a column of the recording.
+    fn know(&mut self, column_id: &str) {
+        if !self.known.contains(column_id) {
+            self.known.insert(column_id.to_owned());
+        }
+    }
+
+    /// Whether messages of this column are to be shown. Those of several columns cannot be shown as one.
+    fn is_shown(&self, column_id: &str) -> bool {
+        match &self.wanted {
+            Some(wanted) => wanted == column_id,
+            None => self.known.len() <= 1,
+        }
+    }
+
     fn take(&mut self, message: &recording::Message) {
         if let Some(state) = self.read::<ColumnState>(message) {
+            self.know(&state.column_id);
+            if !self.with_states.contains(&state.column_id) {
+                self.with_states.insert(state.column_id.clone());
+            }
+            if !self.is_shown(&state.column_id) {
+                return;
+            }
             let instant = (state.header.stamp, state.event_id.clone());
             match self.forces.remove(&instant) {
                 Some(forces) => self.pair(state, forces),
                 None => drop(self.states.insert(instant, state)),
             }
-        } else if let Some(forces) = self.read::<HingeForces>(message) {
+        } else if let Some(forces) = self.read_shown::<HingeForces>(message, |it| &it.column_id) {
             let instant = (forces.header.stamp, forces.event_id.clone());
             match self.states.remove(&instant) {
                 Some(state) => self.pair(state, forces),
                 None => drop(self.forces.insert(instant, forces)),
             }
-        } else if let Some(report) = self.read::<ImpactReport>(message) {
+        } else if let Some(report) = self.read_shown::<ImpactReport>(message, |it| &it.column_id) {
             self.messages
                 .push(RecordedMessage::Report(Box::new(report)));
-        } else if let Some(event) = self.read::<ImpactEvent>(message) {
+        } else if let Some(event) = self.read_shown::<ImpactEvent>(message, |it| &it.column_id) {
             self.messages.push(RecordedMessage::Event(Box::new(event)));
-        } else if let Some(measurement) = self.read::<Measurement>(message) {
+        } else if let Some(measurement) =
+            self.read_shown::<Measurement>(message, |it| &it.column_id)
+        {
             self.detected.measurement(&measurement, message.log_time);
-        } else if let Some(estimate) = self.read::<ImpactEstimate>(message) {
+        } else if let Some(estimate) =
+            self.read_shown::<ImpactEstimate>(message, |it| &it.column_id)
+        {
             let updates = self.detected.estimate(estimate);
             self.show_detected(updates);
         }
@@ -161,6 +187,15 @@ impl Gathered {
         self.messages.push(RecordedMessage::State(state, forces));
     }
 
+    /// As [`read`](Self::read), of a column that is to be shown.
+    fn read_shown<M: Message + DeserializeOwned>(
+        &mut self,
+        message: &recording::Message,
+        column_id: impl Fn(&M) -> &String,
+    ) -> Option<M> {
+        self.read(message).filter(|it| self.is_shown(column_id(it)))
+    }
+
     /// Decodes a message of type `M`; `None` if it has another type or cannot be decoded.
     fn read<M: Message + DeserializeOwned>(&mut self, message: &recording::Message) -> Option<M> {
         if *message.type_name != *M::INTERFACE.ros_name() {
@@ -173,6 +208,44 @@ impl Gathered {
                 .get_or_insert_with(|| format!("{}: {error}", message.topic));
         }
         read.ok()
+    }
+
+    /// Checks that there is something to show, of one column.
+    fn check_column(&self, bag: &Path) -> Result<(), Failure> {
+        let bag = bag.display();
+        let with_states = match self.with_states.is_empty() {
+            true => "none".to_owned(),
+            false => listed_columns(&self.with_states),
+        };
+        let reason = match &self.wanted {
+            Some(wanted) if !self.known.contains(wanted) => {
+                let known = listed_columns(&self.known);
+                VerifyError::NoSuchColumn {
+                    wanted: wanted.clone(),
+                    columns: known,
+                }
+                .to_string()
+            }
+            None if self.known.len() > 1 => format!(
+                "expected the recording of one column to show, found {} columns in {bag}; choose one with --column (columns with \
+                 states: {with_states})",
+                self.known.len(),
+            ),
+            wanted if self.shown == 0 => {
+                let of_column = wanted.as_ref().map(|it| format!(" of column {it:?}"));
+                format!(
+                    "{bag} has nothing{} to show: expected messages of type {} and {} with equal stamps, found {} and {} without a \
+                     partner (columns with states: {with_states})",
+                    of_column.unwrap_or_default(),
+                    ColumnState::INTERFACE.ros_name(),
+                    HingeForces::INTERFACE.ros_name(),
+                    self.states.len(),
+                    self.forces.len(),
+                )
+            }
+            _ => return Ok(()),
+        };
+        Err(Failure::plain(Exit::BadInput, reason))
     }
 
     fn report_unshown(&self) {

@@ -60,6 +60,10 @@ pub struct ReplayArgs {
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE", requires = "shown")]
     config: Option<PathBuf>,
+    /// Show this column of a fleet, with --rrd or --serve
+    #[cfg(feature = "viewer")]
+    #[arg(long, value_name = "ID", requires = "shown")]
+    column: Option<String>,
     /// Instead of publishing, serve the recording to Foxglove at this address, with playback control, until Ctrl-C; needs a program
     /// with the feature `foxglove`
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = FOXGLOVE, conflicts_with_all = ["clock", "wait_for_readers"])]
@@ -79,10 +83,12 @@ program.
 Keys: space pauses and resumes, right arrow publishes the next message while paused, up and down
 change the rate by 10 %, Ctrl-C stops.
 
-Examples: ten times slower; only the events, for a twin that follows simulated time; in the viewer
+Examples: ten times slower; only the events, for a twin that follows simulated time; in the viewer;
+one column of a fleet in the viewer
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --rate 0.1
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --topics /impact_event --clock
   column-twin replay impact --rrd impact.rrd && rerun impact.rrd
+  column-twin replay fleet --column a3 --rrd a3.rrd && rerun a3.rrd
 
 Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 some messages could not be
 sent.";
@@ -193,7 +199,11 @@ fn report(replayed: &Replayed, out: &mut impl Write) -> Result<(), Failure> {
 #[cfg(feature = "viewer")]
 fn show(arguments: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let failed = |error| Failure::plain(Exit::Failed, error);
-    let recorded = super::recorded_items::of_recording(&arguments.bag, arguments.config.as_ref())?;
+    let recorded = super::recorded_items::of_recording(
+        &arguments.bag,
+        arguments.config.as_ref(),
+        arguments.column.as_deref(),
+    )?;
     if let Some(path) = &arguments.rrd {
         column_twin::viewer::write_rrd(path, &recorded.parameters, recorded.items, false)
             .map_err(failed)?;

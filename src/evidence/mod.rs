@@ -83,4 +83,6 @@ pub use node_recording::{NodeRecording, WallClock};
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::Topics;
 pub use verification::{ColumnCheck, LEAST_SHARE, NOT_RECOMPUTED, TopicCheck, Verification};
-pub use verify::{Observed, VerifyError, verify, verify_column, verify_observed, verify_reader};
+pub use verify::{
+    Observed, VerifyError, listed_columns, verify, verify_column, verify_observed, verify_reader,
+};

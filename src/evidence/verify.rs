@@ -63,6 +63,23 @@ pub enum VerifyError {
     },
 }
 
+/// The identifiers of columns for an error, as many as fit into a line.
+#[must_use]
+pub fn listed_columns(
+    columns: impl IntoIterator<Item: std::fmt::Debug, IntoIter: ExactSizeIterator>,
+) -> String {
+    let mut rest = columns.into_iter();
+    let named = rest.by_ref().take(MAX_NAMED);
+    let mut listed = named
+        .map(|it| format!("{it:?}"))
+        .collect::<Vec<_>>()
+        .join(", ");
+    if let more @ 1.. = rest.len() {
+        listed += &format!(" and {more} more");
+    }
+    listed
+}
+
 /// What an observer of a verification is shown, in the order of the recording.
 #[derive(Debug)]
 pub enum Observed<'a> {
@@ -220,11 +237,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             return Ok(());
         };
         if !known.iter().any(|it| **it == *wanted) {
-            let columns = known.iter().take(MAX_NAMED).map(|it| format!("{it:?}"));
-            let mut columns = columns.collect::<Vec<_>>().join(", ");
-            if let more @ 1.. = known.len().saturating_sub(MAX_NAMED) {
-                columns += &format!(" and {more} more");
-            }
+            let columns = listed_columns(&known);
             let wanted = wanted.to_owned();
             return Err(VerifyError::NoSuchColumn { wanted, columns });
         }

@@ -34,6 +34,8 @@ mod scenarios;
 mod scripted_fleet;
 mod sealed;
 mod second_opinion;
+#[cfg(feature = "viewer")]
+mod shown;
 #[allow(dead_code)] // the tests of the sensors use the rest
 #[path = "../estimation/signals.rs"]
 mod signals;
