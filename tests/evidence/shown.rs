@@ -9,6 +9,7 @@ use arrow_array::{Array as _, ArrayRef};
 use column_twin::column::ImpactSpecification;
 use column_twin::parameters::{Parameters, RecordMode, Value};
 use column_twin::twin::{Command, ImpactCommand};
+use column_twin::viewer::WALL_CLOCK;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::{LogMsg, StoreKind};
 use rerun::log::Chunk;
@@ -32,7 +33,7 @@ fn columns() -> Parameters {
     parameters().with_changes(values).expect("admissible")
 }
 
-/// Two hits on a column, the second one after its top load has been changed, and beside them hits on another.
+/// Two hits on a column, the second one after its top load has been changed, and a hit on another while the first one moves.
 fn fleet() -> tempfile::TempDir {
     let mut fleet = ScriptedFleet::new(4, &columns(), RecordMode::Events);
     fleet.hit(1, hit("a", "c1", fleet.now));
@@ -170,7 +171,8 @@ fn a_column_of_a_fleet_is_shown_as_a_single_twin_is() {
     assert_eq!(show(&twin.path(), " --column c1"), own);
     // The other column has had an impact of its own.
     let other = show(&of_fleet, " --column c0");
-    let energy = |it: &Shown| it.times[&("/plots/energy".to_owned(), "stamp".to_owned())].clone();
+    let energy =
+        |it: &Shown| it.times[&("/plots/energy".to_owned(), WALL_CLOCK.to_owned())].clone();
     assert!(!energy(&other).is_empty());
     assert_ne!(energy(&other), energy(&own));
 }
