@@ -69,7 +69,7 @@ impl RecordedDetected {
         }
     }
 
-    /// Takes measurements that arrived at `received` \[ns\].
+    /// Takes measurements that arrived at `received`, by the clock of the twin \[ns\].
     pub fn measurement(&mut self, measurement: &Measurement, received: i64) {
         let intake = self.intake.as_mut();
         // What the node has not taken is not shown either.

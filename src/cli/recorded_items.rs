@@ -167,7 +167,8 @@ impl Gathered {
         } else if let Some(measurement) =
             self.read_shown::<Measurement>(message, |it| &it.column_id)
         {
-            self.detected.measurement(&measurement, message.log_time);
+            self.detected
+                .measurement(&measurement, message.publish_time);
         } else if let Some(estimate) =
             self.read_shown::<ImpactEstimate>(message, |it| &it.column_id)
         {

@@ -7,14 +7,18 @@ use std::path::Path;
 
 use arrow_array::{Array as _, ArrayRef};
 use column_twin::column::ImpactSpecification;
+use column_twin::evidence::{JournalEntry, JournalLine};
 use column_twin::parameters::{Parameters, RecordMode, Value};
-use column_twin::twin::{Command, ImpactCommand};
+use column_twin::recording::Message;
+use column_twin::twin::{Command, ImpactCommand, Journal};
 use column_twin::viewer::WALL_CLOCK;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::{LogMsg, StoreKind};
 use rerun::log::Chunk;
 
 use super::commands::typed;
+use super::copies::{messages, written};
+use super::recomputed_estimates::recorded;
 use super::recorded_twin::{MS, RecordedTwin, event, parameters, the_one_recording};
 use super::scripted_fleet::ScriptedFleet;
 
@@ -145,18 +149,21 @@ impl Shown {
     }
 }
 
+/// What the file has that `replay` writes with these options.
+fn shown(folder: &Path, bag: &Path, options: &str) -> Shown {
+    let line = format!("replay {} --rrd shown.rrd{options}", bag.display());
+    let (code, stdout, stderr) = typed(folder, &line);
+    assert_eq!((code, stderr.as_str()), (0, ""), "{line}");
+    assert_eq!(stdout, "rerun shown.rrd\n");
+    Shown::read(&folder.join("shown.rrd"))
+}
+
 #[test]
 fn a_column_of_a_fleet_is_shown_as_a_single_twin_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let (fleet, twin) = (fleet(), twin().finish());
     let of_fleet = the_one_recording(fleet.path());
-    let show = |bag: &Path, options: &str| {
-        let line = format!("replay {} --rrd shown.rrd{options}", bag.display());
-        let (code, stdout, stderr) = typed(folder.path(), &line);
-        assert_eq!((code, stderr.as_str()), (0, ""), "{line}");
-        assert_eq!(stdout, "rerun shown.rrd\n");
-        Shown::read(&folder.path().join("shown.rrd"))
-    };
+    let show = |bag: &Path, options: &str| shown(folder.path(), bag, options);
     let own = show(&twin.path(), "");
     for entity in ["/column/steel", "/plots/energy", "/log", "/panel"] {
         assert!(own.entities().contains(entity), "{:?}", own.entities());
@@ -224,4 +231,72 @@ fn a_column_that_cannot_be_shown_is_an_error_that_names_those_that_can() {
     // Only what is shown is chosen.
     let line = format!("replay {} --column c1", of_fleet.display());
     assert_eq!(typed(folder.path(), &line).0, 2);
+}
+
+/// The messages of a single twin with sensors as those of a column of a fleet, whose journal tells of the sensors in a line of their
+/// own.
+fn as_of_fleet(of_twin: Vec<Message>, column_id: &str) -> Vec<Message> {
+    let mut of_fleet = Vec::new();
+    let mut has_begun = false;
+    for message in of_twin {
+        if !message.topic.ends_with("/journal") {
+            of_fleet.push(message);
+            continue;
+        }
+        let mut line = JournalLine::decode(&message.data).expect("a line");
+        let mut push = |line: JournalLine| {
+            let data = line.encode().expect("a line");
+            of_fleet.push(Message {
+                data,
+                ..message.clone()
+            });
+        };
+        if let (JournalEntry::Twin(Journal::Checkpoint(start)), false) = (&line.entry, has_begun) {
+            has_begun = true;
+            let sensors = start.parameters.sensors();
+            let mut of_sensors = line.clone().of_column(Some(column_id));
+            of_sensors.entry = JournalEntry::Sensors { sensors };
+            let mut list = line.clone();
+            list.entry = JournalEntry::Fleet {
+                columns: [column_id, "other"].map(Into::into).into(),
+            };
+            list.intake = None;
+            push(list);
+            push(of_sensors);
+        }
+        line.intake = None;
+        push(line.of_column(Some(column_id)));
+    }
+    of_fleet
+}
+
+/// The stamps of the measurements are those of a simulated clock, and the recording goes by that of the system: readings that are
+/// judged by the time of the recording are not shown.
+#[test]
+fn what_the_sensors_of_a_column_of_a_fleet_have_read_is_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let twin = recorded(&[], &|_, _| ());
+    let own = shown(folder.path(), &twin.path(), "");
+    let all = messages(&twin.path());
+    let column_id = all.iter().find_map(|it| {
+        let line = JournalLine::decode(&it.data).ok()?;
+        match line.entry {
+            JournalEntry::Twin(Journal::Checkpoint(it)) => {
+                Some(it.parameters.settings().column_id.clone())
+            }
+            _ => None,
+        }
+    });
+    let column_id = column_id.expect("a checkpoint");
+    let (_directory, of_fleet) = written(&as_of_fleet(all, &column_id));
+    let column = shown(folder.path(), &of_fleet, &format!(" --column {column_id}"));
+    let read = own.times.iter().filter(|((entity, _), times)| {
+        entity.starts_with("/detected/sensors/")
+            && entity.ends_with("/measured")
+            && !times.is_empty()
+    });
+    let sensors: BTreeSet<_> = read.map(|((entity, _), _)| entity).collect();
+    assert_eq!(sensors.len(), 3, "{sensors:?}");
+    assert_eq!(column.entities(), own.entities());
+    assert!(column == own);
 }
