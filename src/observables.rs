@@ -244,7 +244,7 @@ pub fn each(what: &[Observable], masses: usize) -> impl Iterator<Item = (&Observ
 }
 
 impl Observable {
-    /// The value of this index in the SI unit; the index is 0 of what there is but one.
+    /// The value with this index, in the SI unit; the index is 0 where there is only one.
     #[must_use]
     pub fn value(&self, sample: &Sample, index: usize) -> f64 {
         match self.of {

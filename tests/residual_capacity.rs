@@ -240,16 +240,20 @@ fn buckling_lengths_are_those_that_are_given() {
     assert_eq!(swaying.undamaged, default.undamaged);
 }
 
+/// A column whose structure above is proven to take so much of the load \[N\]; with 0, nothing is.
+fn with_proof(mut values: Vec<(&'static str, Value)>, limit: f64) -> Parameters {
+    if limit > 0.0 {
+        values.push(("top.redistribution_limit", limit.into()));
+        values.push(("top.redistribution_proof", "calculation 17".into()));
+    }
+    Parameters::from_values(values).expect("a column")
+}
+
 /// The load is that before any help, but for what is proven.
 #[test]
 fn what_the_structure_above_takes_counts_up_to_its_proven_limit() {
     let remaining = |spring: f64, limit: f64| {
-        let mut values = vec![("top.spring_stiffness", Value::from(spring))];
-        if limit > 0.0 {
-            values.push(("top.redistribution_limit", limit.into()));
-            values.push(("top.redistribution_proof", "calculation 17".into()));
-        }
-        let parameters = Parameters::from_values(values).expect("a column");
+        let parameters = with_proof(vec![("top.spring_stiffness", Value::from(spring))], limit);
         let properties = parameters.column_properties();
         let model = Model::new(&properties).expect("a column");
         let impact = Impact::rigid(1500.0, 10.0);
@@ -278,15 +282,11 @@ fn what_the_structure_above_takes_counts_up_to_its_proven_limit() {
 #[test]
 fn a_column_that_hangs_from_its_spring_is_shored_at_least() {
     let judged = |load: f64, velocity: f64, limit: f64| {
-        let mut values = vec![
+        let values = vec![
             ("top.spring_stiffness", Value::from(1e8)),
             ("top.load", load.into()),
         ];
-        if limit > 0.0 {
-            values.push(("top.redistribution_limit", limit.into()));
-            values.push(("top.redistribution_proof", "calculation 17".into()));
-        }
-        let parameters = Parameters::from_values(values).expect("a column");
+        let parameters = with_proof(values, limit);
         let properties = parameters.column_properties();
         let model = Model::new(&properties).expect("a column");
         let impact = Impact::rigid(1500.0, velocity);

@@ -507,8 +507,7 @@ def check_replay(program, folder, environment, recording, peer):
     """A recording goes to the peer as it was recorded."""
     names = ("column_state", "hinge_forces", "impact_report")
     with Reader(recording) as reader:
-        counts = {it.topic.rpartition("/")[2]: it.msgcount for it in reader.connections}
-    counts = {name: counts[name] for name in names}
+        counts = {name: it.msgcount for it in reader.connections if (name := it.topic.rpartition("/")[2]) in names}
     for name in names:
         peer.seen[name].clear()
     replay = Program([program, "replay", str(recording), "--transport", "zenoh", "--rate", "10", "--wait-for-readers", "30"], folder,

@@ -244,8 +244,7 @@ impl Estimator {
                 (peak, deviation) = (highest, deviation.max(noise));
             }
         }
-        let peak = peak.max(LEAST_PEAK);
-        [libm::log(peak), (deviation / peak).min(1.0)]
+        logarithm_of_peak(peak, deviation)
     }
 
     /// What a member with this weight says of these powers of mass and speed, multiplied: logarithms. Their distributions are skew, and
@@ -299,11 +298,10 @@ impl Estimator {
         all.filter(|(_, weight)| *weight > 0.0)
     }
 
-    /// See [`Estimator::spread_of_vehicle`]. A vehicle of an unknown kind has the mass and the speed that are probable before anything is
-    /// measured.
-    fn spread_of_vehicles(&self, weights: &[f64], powers: [f64; 2]) -> Vec<Spread> {
+    /// See [`Estimator::spread_of_vehicle`] and [`Estimator::explained`]. A vehicle of an unknown kind has the mass and the speed that are
+    /// probable before anything is measured.
+    fn spread_of_vehicles(&self, weights: &[f64], explained: f64, powers: [f64; 2]) -> Vec<Spread> {
         let largest = self.largest_momentum();
-        let explained = self.explained(weights);
         let members = self.weighted(weights).flat_map(|(member, weight)| {
             self.spread_of_vehicle(member, explained * weight, powers, largest)
         });
@@ -329,13 +327,13 @@ impl Estimator {
         let Highest {
             value, deviation, ..
         } = records.last();
-        let mean = libm::log(value.max(LEAST_PEAK));
+        let [mean, deviation] = logarithm_of_peak(value, deviation);
         let [sum, total] = by_members.iter().fold([0.0; 2], |[sum, total], it| {
             [sum + it.weight * it.mean, total + it.weight]
         });
         ((mean - sum / total).abs() <= libm::log(MISSED_PEAK)).then(|| Spread {
             mean,
-            deviation: libm::hypot(deviation / value, self.scale_deviation(sensor)),
+            deviation: libm::hypot(deviation, self.scale_deviation(sensor)),
             weight: 1.0 - CONTRADICTED,
         })
     }
@@ -395,7 +393,7 @@ impl Estimator {
     pub fn shares_below(&self, momentum: f64, peak_v1: f64, residual_v1: f64) -> [f64; 3] {
         let weights = self.weights();
         let effective = effective(&weights);
-        let vehicles = self.spread_of_vehicles(&weights, [1.0, 1.0]);
+        let vehicles = self.spread_of_vehicles(&weights, self.explained(&weights), [1.0, 1.0]);
         let peak = libm::log((peak_v1 - self.rest_v1).max(LEAST_PEAK));
         [
             share_below(vehicles, effective, libm::log(momentum)),
@@ -410,8 +408,9 @@ impl Estimator {
         let assessed = self.assess(&weights, count);
         let members = || self.weighted(&weights);
         let effective = effective(&weights);
+        let explained = self.explained(&weights);
         let positive = |powers: [f64; 2]| {
-            let each = self.spread_of_vehicles(&weights, powers);
+            let each = self.spread_of_vehicles(&weights, explained, powers);
             CredibleInterval::of_spread(each, effective).map(libm::exp)
         };
         let before = self.rest_v1;
@@ -424,7 +423,6 @@ impl Estimator {
         };
         let mut vehicles = self.vehicles(&weights);
         // The share of the evidence for the hypotheses that is left where none of them explains the data.
-        let explained = self.explained(&weights);
         if explained < 1.0 {
             vehicles.iter_mut().for_each(|it| it.1 *= explained);
             vehicles.push((UNKNOWN_VEHICLE.to_owned(), 1.0 - explained));
@@ -460,6 +458,12 @@ impl Estimator {
             doubtful_sensors,
         }
     }
+}
+
+/// The logarithm of a peak \[m\] with its standard deviation.
+fn logarithm_of_peak(peak: f64, deviation: f64) -> [f64; 2] {
+    let peak = peak.max(LEAST_PEAK);
+    [libm::log(peak), (deviation / peak).min(1.0)]
 }
 
 /// The interval of these powers of mass and speed, multiplied, before anything is measured.
