@@ -52,6 +52,20 @@ fn wait_for(outputs: &mut Receiver, column: u32, is: fn(&Output) -> bool) {
     }
 }
 
+/// Waits until every column has given its first status: before, the viewer knows nothing of it.
+fn wait_for_first_statuses(outputs: &mut Receiver, count: usize) {
+    let given_up = Instant::now() + PATIENCE;
+    let mut known = vec![false; count];
+    while known.contains(&false) {
+        assert!(Instant::now() < given_up, "a column has no status");
+        match outputs.try_next_of() {
+            Some((of, Output::Status(_))) => known[of as usize] = true,
+            Some(_) => {}
+            None => outputs.wait(Duration::from_millis(10)),
+        }
+    }
+}
+
 /// Lets cars hit some columns of a fleet, one after another, and returns the file that the viewer's thread has written.
 fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec<u32>) -> PathBuf {
     let columns = columns(count);
@@ -79,6 +93,7 @@ fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec
         log,
     );
     let viewer = viewer.expect("starts").expect("it is on");
+    wait_for_first_statuses(&mut outputs, count);
     for (number, (column, velocity)) in hits.iter().enumerate() {
         let impact = ImpactSpecification {
             mass: 1500.0,
