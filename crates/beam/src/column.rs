@@ -125,13 +125,16 @@ pub enum BeamError {
         /// The load \[N\].
         load: f64,
     },
-    /// Too many steps.
+    /// Too many steps, or too many updates of fibres.
     #[error(
-        "no second opinion: the response did not end within {steps} steps; choose longer steps with beam.dt or fewer elements with beam.elements"
+        "no second opinion: the response did not end within {steps} steps, or within {updates:.0e} updates of a fibre; choose longer \
+         steps with beam.dt, fewer elements with beam.elements or fewer fibres with beam.fibres, or 0 for automatic ones"
     )]
     Budget {
-        /// How many.
+        /// Most steps.
         steps: u64,
+        /// Most updates of a fibre.
+        updates: f64,
     },
     /// Equations that were not solved.
     #[error(

@@ -1,8 +1,11 @@
 //! What an impact leaves in the column: as little as possible, so that a fleet can keep it.
 //!
-//! Plastic strains are kept with single precision, which is 12 Pa of a plastic strain of 1e-3; the equilibrium is found anew
-//! before the next impact. So a column whose damage was stored and restored answers as one whose damage stayed in memory.
+//! Plastic strains are kept as whole numbers of 16 bits, in steps of the largest one of their section over 32 767: 6 kPa where that
+//! is 1e-3, 0.3 MPa where it is 5 %. The equilibrium is found anew before the next impact. So a column whose damage was stored and
+//! restored answers as one whose damage stayed in memory.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD_NO_PAD as TEXT;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -37,9 +40,49 @@ pub struct Damage {
 #[derive(Debug, Clone, PartialEq)]
 struct Yielded {
     place: usize,
-    plain: Vec<f32>,
-    /// Normal and shear.
-    web: Vec<[f32; 2]>,
+    /// Steps of normal and of shear strains.
+    steps: [f32; 2],
+    /// In steps.
+    plain: Vec<i16>,
+    /// Normal and shear, in steps.
+    web: Vec<[i16; 2]>,
+}
+
+impl Yielded {
+    fn of(place: usize, plain: Vec<f64>, web: &[[f64; 2]]) -> Self {
+        let normal = plain.iter().chain(web.iter().map(|[normal, _]| normal));
+        let steps = [
+            Self::step(normal),
+            Self::step(web.iter().map(|[_, shear]| shear)),
+        ];
+        let in_steps = |strain: f64, step: f32| match step > 0.0 {
+            true => libm::round(strain / f64::from(step)) as i16,
+            false => 0,
+        };
+        Self {
+            place,
+            steps,
+            plain: (plain.into_iter().map(|strain| in_steps(strain, steps[0]))).collect(),
+            web: (web.iter())
+                .map(|pair| [0, 1].map(|kind| in_steps(pair[kind], steps[kind])))
+                .collect(),
+        }
+    }
+
+    fn step<'a>(strains: impl Iterator<Item = &'a f64>) -> f32 {
+        let largest = strains.fold(0.0_f64, |largest, strain| largest.max(strain.abs()));
+        (largest / f64::from(i16::MAX)) as f32
+    }
+
+    /// The plastic strain of a fibre without shear.
+    fn plain(&self, fibre: usize) -> f64 {
+        f64::from(self.steps[0]) * f64::from(self.plain[fibre])
+    }
+
+    /// The plastic normal and shear strain of a fibre of the web.
+    fn web(&self, fibre: usize) -> [f64; 2] {
+        [0, 1].map(|kind| f64::from(self.steps[kind]) * f64::from(self.web[fibre][kind]))
+    }
 }
 
 /// The rotation of a triad that was upright.
@@ -83,15 +126,6 @@ impl Damage {
         state: &State<D, R>,
     ) -> Self {
         let section = &beam.section;
-        let yielded = |(place, point)| Yielded {
-            place,
-            plain: section.plastic_strains(point).map(|x| x as f32).collect(),
-            web: point
-                .web
-                .iter()
-                .map(|pair| pair.map(|x| x as f32))
-                .collect(),
-        };
         let points = state.points.iter().enumerate();
         Self {
             heights: beam.places.iter().map(|place| place[0]).collect(),
@@ -102,7 +136,9 @@ impl Damage {
             sliders: state.sliders.clone(),
             points: points
                 .filter(|(place, _)| state.yielded[*place])
-                .map(yielded)
+                .map(|(place, point)| {
+                    Yielded::of(place, section.plastic_strains(point).collect(), &point.web)
+                })
                 .collect(),
             plane: D == 3,
             fibres: section.fibres(),
@@ -115,10 +151,27 @@ impl Damage {
         self.plane
     }
 
-    /// Bytes as stored by [`Damage::to_bytes`].
+    /// Bytes of the text that it would be if every fibre of every section had yielded: no damage of this column takes more as long
+    /// as its mesh is this one.
     #[must_use]
-    pub fn size(&self) -> usize {
-        self.to_bytes().len()
+    pub fn most_bytes(&self) -> usize {
+        let [plain, web] = self.fibres;
+        let every = |place| Yielded {
+            place,
+            steps: [1.0; 2],
+            plain: vec![1; plain],
+            web: vec![[1; 2]; web],
+        };
+        let full = Self {
+            points: (0..POINTS * (self.heights.len() - 1)).map(every).collect(),
+            ..self.clone()
+        };
+        full.text().len()
+    }
+
+    /// As text.
+    fn text(&self) -> String {
+        TEXT.encode(self.to_bytes())
     }
 
     /// Heights of its nodes \[m\].
@@ -152,10 +205,8 @@ impl Damage {
         values
             .chain(scaled.sliders.iter_mut().flatten())
             .for_each(|value| *value *= factor);
-        for point in &mut scaled.points {
-            let strains = point.plain.iter_mut().chain(point.web.iter_mut().flatten());
-            strains.for_each(|strain| *strain = (factor * f64::from(*strain)) as f32);
-        }
+        let steps = (scaled.points.iter_mut()).flat_map(|point| &mut point.steps);
+        steps.for_each(|step| *step = (factor * f64::from(*step)) as f32);
         scaled
     }
 
@@ -217,12 +268,12 @@ impl Damage {
                 let point = &self.points[index];
                 for (k, strain) in plain.iter_mut().enumerate() {
                     let fibre = spread.as_ref().map_or(k, |spread| spread[0][k]);
-                    *strain += share * f64::from(point.plain[fibre]);
+                    *strain += share * point.plain(fibre);
                 }
                 for (k, strains) in web.iter_mut().enumerate() {
                     let fibre = spread.as_ref().map_or(k, |spread| spread[1][k]);
-                    for (strain, by) in strains.iter_mut().zip(point.web[fibre]) {
-                        *strain += share * f64::from(by);
+                    for (strain, by) in strains.iter_mut().zip(point.web(fibre)) {
+                        *strain += share * by;
                     }
                 }
             }
@@ -291,8 +342,8 @@ impl Damage {
         (below, ((x - from) / (to - from)).clamp(0.0, 1.0))
     }
 
-    /// As bytes: nodes, shear angles, then of each section that has yielded a bit for each fibre and the plastic strains of
-    /// those that have. Numbers begin with their lowest byte.
+    /// As bytes: nodes, shear angles, then of each section that has yielded its steps, a bit for each plastic strain, and those that are
+    /// not 0. Numbers begin with their lowest byte.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut to = vec![FORMAT, u8::from(self.plane)];
@@ -315,16 +366,19 @@ impl Damage {
         }
         for point in &self.points {
             to.extend((point.place as u16).to_le_bytes());
+            for step in point.steps {
+                to.extend(step.to_le_bytes());
+            }
             let web = point.web.iter().flatten();
-            let strains: Vec<f32> = point.plain.iter().chain(web).copied().collect();
+            let strains: Vec<i16> = point.plain.iter().chain(web).copied().collect();
             for eight in strains.chunks(8) {
                 let bits = eight.iter().enumerate();
                 to.push(
-                    bits.map(|(bit, strain)| u8::from(*strain != 0.0) << bit)
+                    bits.map(|(bit, strain)| u8::from(*strain != 0) << bit)
                         .sum(),
                 );
             }
-            for strain in strains.iter().filter(|strain| **strain != 0.0) {
+            for strain in strains.iter().filter(|strain| **strain != 0) {
                 to.extend(strain.to_le_bytes());
             }
         }
@@ -380,10 +434,15 @@ impl Damage {
                 return Err(DamageError::Numbers);
             }
             next = place + 1;
+            let steps = [from.take()?, from.take()?].map(f32::from_le_bytes);
+            if !steps.iter().all(|step| step.is_finite()) {
+                return Err(DamageError::Numbers);
+            }
             let strains = from.strains(plain + 2 * web)?;
             let (normal, both) = strains.split_at(plain);
             damage.points.push(Yielded {
                 place,
+                steps,
                 plain: normal.to_vec(),
                 web: both
                     .chunks_exact(2)
@@ -399,7 +458,7 @@ impl Damage {
 }
 
 /// First byte of stored damage.
-const FORMAT: u8 = 1;
+const FORMAT: u8 = 2;
 
 /// Why bytes are not the damage of a beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -424,7 +483,7 @@ pub enum DamageError {
     )]
     Numbers,
     /// Text that does not hold bytes.
-    #[error("the damage of the beam is not text of two hexadecimal digits for each byte")]
+    #[error("the damage of the beam is not text in base64 without padding")]
     Text,
 }
 
@@ -461,7 +520,7 @@ impl Reader<'_> {
         Ok(to)
     }
 
-    fn strains(&mut self, count: usize) -> Result<Vec<f32>, DamageError> {
+    fn strains(&mut self, count: usize) -> Result<Vec<i16>, DamageError> {
         let mut bits = Vec::new();
         for _ in 0..count.div_ceil(8) {
             let [eight] = self.take::<1>()?;
@@ -469,32 +528,22 @@ impl Reader<'_> {
         }
         let mut strains = Vec::with_capacity(count);
         for yielded in bits.into_iter().take(count) {
-            let strain = if yielded {
-                f32::from_le_bytes(self.take()?)
-            } else {
-                0.0
-            };
-            if !strain.is_finite() {
-                return Err(DamageError::Numbers);
-            }
-            strains.push(strain);
+            strains.push(match yielded {
+                true => i16::from_le_bytes(self.take()?),
+                false => 0,
+            });
         }
         Ok(strains)
     }
 }
 
-/// Stored as bytes, or as text of hexadecimal digits where the format is text.
+/// Stored as bytes, or as text in base64 where the format is text.
 impl Serialize for Damage {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let bytes = self.to_bytes();
-        if !to.is_human_readable() {
-            return to.serialize_bytes(&bytes);
+        match to.is_human_readable() {
+            true => to.serialize_str(&self.text()),
+            false => to.serialize_bytes(&self.to_bytes()),
         }
-        let digits = bytes.iter().flat_map(|byte| [byte >> 4, byte & 15]);
-        let text: String = digits
-            .filter_map(|digit| char::from_digit(u32::from(digit), 16))
-            .collect();
-        to.serialize_str(&text)
     }
 }
 
@@ -502,17 +551,7 @@ impl<'de> Deserialize<'de> for Damage {
     fn deserialize<S: Deserializer<'de>>(from: S) -> Result<Self, S::Error> {
         let bytes = if from.is_human_readable() {
             let text = String::deserialize(from)?;
-            let digits: Option<Vec<u8>> = text
-                .chars()
-                .map(|digit| digit.to_digit(16).map(|digit| digit as u8))
-                .collect();
-            let digits = digits
-                .filter(|digits| digits.len().is_multiple_of(2))
-                .ok_or_else(|| serde::de::Error::custom(DamageError::Text))?;
-            digits
-                .chunks_exact(2)
-                .map(|pair| pair[0] << 4 | pair[1])
-                .collect()
+            (TEXT.decode(text)).map_err(|_| serde::de::Error::custom(DamageError::Text))?
         } else {
             from.deserialize_byte_buf(Bytes)?
         };

@@ -13,7 +13,7 @@ use super::newton::Solver;
 use super::outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
 use super::pair::{InTurn, Pair, both};
 use super::remains::{Remains, largest_distance, largest_kink};
-use super::response::{Course, DESCENDED, MAX_STEPS, MOVING, Run};
+use super::response::{Course, DESCENDED, MAX_FIBRE_UPDATES, MAX_STEPS, MOVING, Run};
 use super::statics::{
     come_to_rest, let_go, load_in_steps, push_down, push_sideways, settle, settle_elastically,
 };
@@ -406,7 +406,10 @@ impl BeamModel {
                 load: self.column.top_load,
             },
             Stopped::NotSolved { time } => BeamError::NotSolved { time: *time },
-            Stopped::Budget => BeamError::Budget { steps: MAX_STEPS },
+            Stopped::Budget => BeamError::Budget {
+                steps: MAX_STEPS,
+                updates: MAX_FIBRE_UPDATES as f64,
+            },
         }
     }
 

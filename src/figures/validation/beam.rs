@@ -73,6 +73,17 @@ struct Buckled {
     ratio: f64,
 }
 
+/// The least and the largest ratio of all sections, about an axis and with a length.
+#[derive(Debug, Deserialize)]
+struct BuckledOfAll {
+    axis: String,
+    length_m: f64,
+    least: f64,
+    least_section: String,
+    most: f64,
+    most_section: String,
+}
+
 /// What the tests of the beam have found, from the tables that they keep.
 fn found<T: DeserializeOwned>(name: &str) -> Vec<T> {
     let file = format!("crates/beam/tests/data/found/{name}.csv");
@@ -315,6 +326,22 @@ fn buckling() -> String {
             .collect();
         let _ = writeln!(text, "| {name} |{ratios}");
     }
+    text += BUCKLING_OF_ALL;
+    for row in found::<BuckledOfAll>("buckling_of_all") {
+        let BuckledOfAll {
+            least,
+            least_section,
+            most,
+            most_section,
+            ..
+        } = &row;
+        let _ = writeln!(
+            text,
+            "| {} | {} m | {least:.3} | {least_section} | {most:.3} | {most_section} |",
+            row.axis.to_lowercase(),
+            row.length_m
+        );
+    }
     text
 }
 
@@ -507,10 +534,17 @@ const BUCKLING: &str = "
 
 The largest axial force of pinned columns in S355 with residual stresses and a bow of L/1000, over the buckling curves of EN 1993-1-1, by length.
 Hollow sections have curve a, square corners and no residual stresses.
-The target is 0.95 to 1.15; three slender columns about the strong axis lie above it, HEB220 and HEA220 of 8 m and HEB140 of 6 m, and not because of the mesh: 120 elements change them by 0.06 %.
-They lie above their curve b because a bow of L/1000 and the residual stresses are smaller imperfections than those of the curve: with the bow of L/250 that EN 1993-1-1, table 5.1, puts in their place for this curve, the same columns lie 3 to 5 % below it.
+The target is 0.95 to 1.15; 23 of 930 slender columns lie above it, by at most 0.6 %, and not because of the mesh: 120 elements change HEB220 and HEA220 of 8 m and HEB140 of 6 m by 0.06 %.
+Those about the strong axis lie above their curve b because a bow of L/1000 and the residual stresses are smaller imperfections than those of the curve: with the bow of L/250 that EN 1993-1-1, table 5.1, puts in their place for this curve, the same columns lie 3 to 5 % below it.
 The residual stresses do not grow with the yield strength either: at the same slenderness these columns lie at 1.07 to 1.08 in S235, for which the curves were made, and at 1.08 in S460, to which the code gives the next curve, a.
 
+";
+
+const BUCKLING_OF_ALL: &str = "
+The extremes of all 90 rolled sections of `config/sections.csv` and of the three hollow ones:
+
+| axis | length | least | section | largest | section |
+|---|---|---|---|---|---|
 ";
 
 const PARTING: &str = "

@@ -10,17 +10,17 @@ const GOLDEN: [[u64; 3]; 3] = [
     [
         0x3fab_cb27_107e_baca,
         0x3faa_da18_5caa_a59c,
-        0x4143_6b38_77b4_7ed6,
+        0x4143_6b37_f16d_aa47,
     ],
     [
-        0x3fa9_0eb2_0d22_58cd,
-        0x3fa7_c2d3_dec1_d8a0,
-        0x413a_053c_39f9_519f,
+        0x3fa9_0eb1_cc5e_0073,
+        0x3fa7_c2d3_97f1_a60a,
+        0x413a_053a_cc61_970d,
     ],
     [
-        0x3f6f_5671_2f42_a118,
-        0x3f56_32b0_ff5d_262a,
-        0x413a_2497_d726_9e1f,
+        0x3f6f_5675_21ce_d229,
+        0x3f56_32b9_9a44_72be,
+        0x413a_2495_6fad_ee69,
     ],
 ];
 

@@ -1,7 +1,9 @@
 //! The capacity of undamaged columns against the buckling curves of EN 1993-1-1.
 
+use std::collections::BTreeMap;
+
 use crate::found;
-use crate::reference::{column, section};
+use crate::reference::{column, section, section_names};
 use column_beam::{BeamModel, BowAxes, Shape};
 use column_mechanics::{BendingAxis, BucklingCurve, Support};
 
@@ -54,16 +56,33 @@ fn hollow() -> [Known; 3] {
     ]
 }
 
+/// The sections of which all ratios are kept.
+const SHOWN: [&str; 10] = [
+    "HEB140",
+    "HEB220",
+    "HEB300",
+    "HEA220",
+    "HEA300",
+    "IPE300",
+    "IPE450",
+    "RHS200x200x10",
+    "RHS300x100x8",
+    "CHS219.1x10",
+];
+
+/// Least and largest ratio, each with its section.
+type Extremes = [(f64, String); 2];
+
+/// All sections that the program knows by name, and three hollow ones. A push-down whose first increment was 1.4 times the shortening at
+/// which the column buckles elastically found the equilibrium with the opposite bow: fourteen slender columns had up to 1.38 times the
+/// resistance of their curve.
 #[test]
 fn capacities_lie_on_the_buckling_curves() {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut over) = (Vec::new(), 0);
     let mut rows = Vec::new();
-    let mut extremes = [f64::INFINITY, 0.0_f64];
-    let names = [
-        "HEB140", "HEB220", "HEB300", "HEA220", "HEA300", "IPE300", "IPE450",
-    ];
-    for (name, shape, area, second_moments, curves) in names.map(rolled).into_iter().chain(hollow())
-    {
+    let mut extremes: BTreeMap<(String, u32), Extremes> = BTreeMap::new();
+    let sections = section_names().map(rolled).chain(hollow());
+    for (name, shape, area, second_moments, curves) in sections {
         for length in [2.0, 3.0, 4.0, 6.0, 8.0] {
             for (axis, bow, place) in [
                 (BendingAxis::Strong, BowAxes::Strong, 0),
@@ -80,18 +99,36 @@ fn capacities_lie_on_the_buckling_curves() {
                 let squash = 355e6 * area;
                 let expected = curves[place].reduction((squash / critical).sqrt()) * squash;
                 let ratio = found / expected;
-                rows.push(format!("{name},{axis:?},{length},{ratio:.4}"));
-                extremes = [extremes[0].min(ratio), extremes[1].max(ratio)];
-                // The target is 1.15; three slender columns about the strong axis miss it, up to 1.156.
+                if SHOWN.contains(&name.as_str()) {
+                    rows.push(format!("{name},{axis:?},{length},{ratio:.4}"));
+                }
+                let of_all = extremes
+                    .entry((format!("{axis:?}"), length as u32))
+                    .or_insert([f64::INFINITY, 0.0].map(|it| (it, String::new())));
+                if ratio < of_all[0].0 {
+                    of_all[0] = (ratio, name.clone());
+                }
+                if ratio > of_all[1].0 {
+                    of_all[1] = (ratio, name.clone());
+                }
+                over += usize::from(ratio > 1.15);
+                // The target is 1.15; some slender columns about the strong axis miss it, up to 1.156.
                 if !(0.95..=1.157).contains(&ratio) {
                     wrong.push(format!("{name} {length} m {axis:?} {ratio:.3}"));
                 }
             }
         }
     }
-    println!("extremes {extremes:?}");
+    println!("{over} ratios above 1.15");
     assert!(wrong.is_empty(), "{wrong:#?}");
     found::keep("buckling", "section,axis,length_m,ratio", &rows);
+    let of_all = extremes.iter().map(|((axis, length), [least, most])| {
+        let [(least, lower), (most, upper)] = [least, most];
+        format!("{axis},{length},{least:.4},{lower},{most:.4},{upper}")
+    });
+    let of_all: Vec<_> = of_all.collect();
+    let header = "axis,length_m,least,least_section,most,most_section";
+    found::keep("buckling_of_all", header, &of_all);
 }
 
 /// Three slender columns lie up to 16 % above their curve about the strong axis. The mesh is not the cause, the imperfections are: with

@@ -3,6 +3,13 @@
 use column_beam::{BeamColumn, BowAxes, Hit, Shape, Steel, Torsion};
 use column_mechanics::{CrushCurve, CrushSpring, Impact, RolledSection, Support, Vehicle};
 
+/// The sections of `config/sections.csv`.
+pub fn section_names() -> impl Iterator<Item = &'static str> {
+    let table = include_str!("../../../../config/sections.csv");
+    let lines = table.lines().filter(|line| !line.starts_with('#'));
+    lines.skip(1).filter_map(|line| line.split(',').next())
+}
+
 pub fn section(name: &str) -> RolledSection {
     let table = include_str!("../../../../config/sections.csv");
     let line = table
