@@ -1,16 +1,17 @@
 //! Time from a forecast to the same forecast with the second opinion of the fibre beam, to the one with the range of its verdict, which
-//! contains the beam with a second hardening, and what the beam costs the forecast itself.
+//! contains the beam with a second hardening, and what the beam costs the forecast itself and the stream of states at 1 kHz.
 
 use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin_msgs::{
-    ImpactEvent, ImpactReport, SecondOpinion, TwinStatus,
+    ColumnState, ImpactEvent, ImpactReport, SecondOpinion, TwinStatus,
 };
 use column_twin::ros::qos;
 
 use super::domain::{Domain, PATIENCE};
-use super::peers::{Peer, event, now};
+use super::peers::{Arrival, Peer, event, now};
 use super::program::Program;
+use super::stream::latency;
 use super::table::{Ranked, number, row};
 
 /// Direction \[degrees\], velocity \[m/s\] and vehicle of the hits.
@@ -31,13 +32,13 @@ const ROUNDS: usize = 5;
 /// Between two looks at what has arrived, each with its time.
 const POLL: Duration = Duration::from_millis(1);
 
-/// The times of all hits \[ms\]: from the event to the forecast, from the forecast to the one with the beam, and to the one with the
-/// range of the verdict.
+/// The times of all hits \[ms\]: from the event to the forecast, and of those in the plane and of the oblique ones, from the forecast to
+/// the one with the beam and to the one with the range of the verdict; and from the stamp of a state to its reader.
 struct Times {
+    states: Ranked,
     forecast: Ranked,
-    in_plane: Ranked,
-    oblique: Ranked,
-    range: Ranked,
+    opinion: [Ranked; 2],
+    range: [Ranked; 2],
 }
 
 fn measured(mode: &str) -> Times {
@@ -59,11 +60,16 @@ fn measured(mode: &str) -> Times {
     let stamp = |it: &ImpactReport| it.header.stamp;
     let forecasts = peer.reader(&qos::IMPACT_FORECAST, taken, stamp);
     let reports = peer.reader(&qos::IMPACT_REPORT, taken, stamp);
+    let states = peer.reader(
+        &qos::COLUMN_STATE,
+        |_: ColumnState, it: Arrival| it,
+        |it| it.header.stamp,
+    );
     let reset = peer.reset();
     let events = peer.publisher::<ImpactEvent>(&qos::IMPACT_EVENT);
     let millis = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
-    let (mut forecast_times, mut in_plane, mut oblique) = (vec![], vec![], vec![]);
-    let mut range_times = vec![];
+    let mut forecast_times = vec![];
+    let (mut opinion_times, mut range_times) = ([vec![], vec![]], [vec![], vec![]]);
     for number in 0..ROUNDS * HITS.len() {
         let (degrees, velocity, vehicle) = HITS[number % HITS.len()];
         let id = format!("impact-{number:06}");
@@ -104,22 +110,18 @@ fn measured(mode: &str) -> Times {
         let received = forecast.expect("it was awaited");
         let (at, beam) = known.expect("it was awaited");
         forecast_times.push(millis(sent, received));
+        let kind = usize::from(degrees != 0.0);
         if beam.state == SecondOpinion::KNOWN {
-            let times = if degrees == 0.0 {
-                &mut in_plane
-            } else {
-                &mut oblique
-            };
-            times.push(millis(received, at));
+            opinion_times[kind].push(millis(received, at));
         }
-        range_times.push(millis(received, range.expect("it was awaited")));
+        range_times[kind].push(millis(received, range.expect("it was awaited")));
         reset();
     }
     Times {
+        states: Ranked::new(states.arrivals.try_iter().map(|it| latency(&it))),
         forecast: Ranked::new(forecast_times),
-        in_plane: Ranked::new(in_plane),
-        oblique: Ranked::new(oblique),
-        range: Ranked::new(range_times),
+        opinion: opinion_times.map(Ranked::new),
+        range: range_times.map(Ranked::new),
     }
 }
 
@@ -133,17 +135,28 @@ pub fn run(_: Duration) {
     for (name, times) in [
         ("event to forecast, beam.mode: off", &without.forecast),
         ("event to forecast, with the beam", &with.forecast),
-        ("forecast to second opinion, in the plane", &with.in_plane),
-        ("forecast to second opinion, oblique", &with.oblique),
-        ("forecast to the range of the verdict", &with.range),
+        ("latency of the states, beam.mode: off", &without.states),
+        ("latency of the states, with the beam", &with.states),
+        ("forecast to second opinion, in the plane", &with.opinion[0]),
+        ("forecast to second opinion, oblique", &with.opinion[1]),
+        ("forecast to range, in the plane", &with.range[0]),
+        ("forecast to range, oblique", &with.range[1]),
     ] {
         let columns = [50.0, 95.0, 99.0, 100.0].map(|percent| times.percentile(percent));
         row(name, columns.map(number));
     }
-    let ratio =
-        |percent: f64| with.forecast.percentile(percent) / without.forecast.percentile(percent);
-    row(
-        "forecast with the beam / without",
-        [50.0, 95.0, 99.0, 100.0].map(|percent| number(ratio(percent))),
-    );
+    for (name, times) in [
+        (
+            "forecast with the beam / without",
+            [&with, &without].map(|it| &it.forecast),
+        ),
+        (
+            "states with the beam / without",
+            [&with, &without].map(|it| &it.states),
+        ),
+    ] {
+        let ratio = |percent: f64| times[0].percentile(percent) / times[1].percentile(percent);
+        let percents = [50.0, 95.0, 99.0, 100.0];
+        row(name, percents.map(|percent| number(ratio(percent))));
+    }
 }

@@ -129,7 +129,7 @@ impl Record {
 }
 
 /// From the stamp of a message to the code of the reader \[ms\].
-fn latency(arrival: &Arrival) -> f64 {
+pub(super) fn latency(arrival: &Arrival) -> f64 {
     1e-6 * (arrival.received - arrival.stamp) as f64
 }
 

@@ -200,8 +200,10 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         ImpactEvaluation::complete(&case.parameters, &case.properties, &case.impact, ended)
             .map_err(SimulateError::from)?;
     let start = Instant::now();
-    let second_opinion = SecondOpinion::on(&case.parameters, &mut evaluation);
+    let opinion = SecondOpinion::beside(&case.parameters, &evaluation.report, evaluation.remaining);
     let second_opinion_time = start.elapsed();
+    let second_opinion =
+        opinion.map(|opinion| opinion.taken_into(&case.parameters, &mut evaluation));
 
     let mut files = String::new();
     if history_to_output {

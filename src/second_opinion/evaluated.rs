@@ -25,7 +25,9 @@ pub fn evaluate(parameters: &Parameters) -> Result<Evaluated, SimulationError> {
     let (properties, impact) = (parameters.column_properties(), parameters.impact());
     let ended = respond_and_rest(&properties, &impact, parameters.response_duration())?;
     let mut evaluation = ImpactEvaluation::complete(parameters, &properties, &impact, ended)?;
-    let second_opinion = SecondOpinion::on(parameters, &mut evaluation);
+    let second_opinion =
+        SecondOpinion::beside(parameters, &evaluation.report, evaluation.remaining)
+            .map(|opinion| opinion.taken_into(parameters, &mut evaluation));
     Ok(Evaluated {
         evaluation,
         second_opinion,
@@ -33,18 +35,16 @@ pub fn evaluate(parameters: &Parameters) -> Result<Evaluated, SimulationError> {
 }
 
 impl SecondOpinion {
-    /// The beam's opinion on the impact of these parameters, which the two bars have evaluated. Where its verdict counts and is more
-    /// severe, the assessment and the range of `evaluation` become those of both models; nothing else changes.
-    ///
-    /// # Errors
-    /// Why there is no second opinion; nothing changes then.
-    pub fn on(
+    /// Makes the assessment and the range of `evaluation` those of both models where the verdict of this opinion counts and is more
+    /// severe; nothing else changes. The impact is that of these parameters on the undamaged column.
+    #[must_use]
+    pub fn taken_into(
+        mut self,
         parameters: &Parameters,
         evaluation: &mut ImpactEvaluation,
-    ) -> Result<Self, NoSecondOpinion> {
-        let mut opinion = Self::beside(parameters, &evaluation.report, evaluation.remaining)?;
+    ) -> Self {
         if let Some(assessment) = &mut evaluation.assessment {
-            opinion.weigh(assessment, evaluation.range.as_mut());
+            self.weigh(assessment, evaluation.range.as_mut());
             let verdict = OpenVerdict::from(&*assessment);
             let oblique = ObliqueHit {
                 parameters,
@@ -55,14 +55,8 @@ impl SecondOpinion {
                 earlier: None,
                 beam_before: None,
             };
-            match (oblique.range(&verdict, &mut || true), &mut evaluation.range) {
-                (Some(by_both), range) => *range = Some(by_both),
-                (None, Some(range)) => {
-                    oblique.include_hardening(range, &verdict, opinion.has_yielded());
-                }
-                (None, None) => {}
-            }
+            oblique.complete(&mut evaluation.range, &verdict, self.has_yielded());
         }
-        Ok(opinion)
+        self
     }
 }

@@ -76,6 +76,16 @@ impl ObliqueHit<'_> {
         Some(ActionRange::of_variations(verdict, variations, not_varied))
     }
 
+    /// Makes the range that the two bars have found for this verdict, if any, the range of both models; `yields` tells whether the beam has
+    /// yielded.
+    pub fn complete(&self, range: &mut Option<ActionRange>, verdict: &OpenVerdict, yields: bool) {
+        if let Some(by_both) = self.range(verdict, &mut || true) {
+            *range = Some(by_both);
+        } else if let Some(range) = range {
+            self.include_hardening(range, verdict, yields);
+        }
+    }
+
     /// Includes in the range of this verdict on a hit in the plane what both models say with another hardening of the steel; `yields`
     /// tells whether the beam has yielded. One that stays elastic does not harden, and a damaged column would have another damage:
     /// nothing is included then.

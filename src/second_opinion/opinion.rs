@@ -69,7 +69,7 @@ pub enum WhyItCounts {
     Yielding,
     /// The peak displacements differ by more than [`BAND`].
     Peak,
-    /// A web shears plastically.
+    /// A web shears plastically, by one of both models or by both.
     Shear,
     /// The beam keeps a larger residual bow than the two bars by more than [`BAND`], somewhere between the supports.
     Bow,
@@ -184,10 +184,10 @@ impl SecondOpinion {
         let has_another_peak = self
             .ratio_to_two_bars
             .is_some_and(|ratio| !(1.0 / BAND..=BAND).contains(&ratio));
-        let shears = report
-            .webs
-            .iter()
-            .any(|web| web.plastic_angle.abs() > SHEAR_GOVERNS);
+        let of_bars = report.webs.iter().map(|web| web.plastic_angle.abs());
+        let shears = of_bars
+            .chain(self.beam.residual_shear_angle_rad)
+            .any(|angle| angle > SHEAR_GOVERNS);
         [
             (WhyItCounts::Governing, mode == BeamMode::Governing),
             (WhyItCounts::OutOfPlane, self.is_out_of_plane()),

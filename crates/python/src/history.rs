@@ -9,8 +9,8 @@ use column_twin::observables;
 use column_twin::parameters::Parameters;
 use column_twin::results::{BeamAnswer, ImpactFields, Travel};
 use column_twin::second_opinion::{
-    BeamDamage, BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, ObliqueHit, SecondOpinion,
-    beam_damage_after,
+    self, BeamDamage, BeamDamageBefore, BeamTask, EarlierHit, NoSecondOpinion, ObliqueHit,
+    SecondOpinion, beam_damage_after,
 };
 use column_twin::study::{StudyColumn, VerdictModel};
 use pyo3::prelude::*;
@@ -100,11 +100,24 @@ impl Simulated {
         let mut beam = None;
         if *model != VerdictModel::Bars {
             let start = Instant::now();
-            let opinion = match is_damaged {
-                true => self.opinion_on_damaged(&mut evaluation, input.as_ref()),
-                false => SecondOpinion::on(stated, &mut evaluation),
+            let (opinion, solve_time) = match is_damaged {
+                true => {
+                    let answer = self.answer_on_damaged();
+                    let solve_time = start.elapsed();
+                    let opinion = answer.map(|answer| {
+                        self.opinion_on_damaged(&answer, &mut evaluation, input.as_ref())
+                    });
+                    (opinion, solve_time)
+                }
+                false => {
+                    let beside =
+                        SecondOpinion::beside(stated, &evaluation.report, evaluation.remaining);
+                    let solve_time = start.elapsed();
+                    let opinion = beside.map(|it| it.taken_into(stated, &mut evaluation));
+                    (opinion, solve_time)
+                }
             };
-            beam = Some(BeamAnswer::of(&opinion, start.elapsed()));
+            beam = Some(BeamAnswer::of(&opinion, solve_time));
             if *model == VerdictModel::Beam {
                 let opinion = opinion.map_err(|reason| fault::simulation(reason.to_string()))?;
                 evaluation.assessment = opinion.assessment;
@@ -129,13 +142,10 @@ impl Simulated {
         })
     }
 
-    /// What the beam says of an impact on the damaged column beside this evaluation by the two bars, whose verdict it becomes where it
-    /// counts and is more severe.
-    fn opinion_on_damaged(
+    /// What the beam computes of the impact on the damaged column, with the damage before it.
+    fn answer_on_damaged(
         &self,
-        evaluation: &mut ImpactEvaluation,
-        input: Option<&AssessmentInput>,
-    ) -> Result<SecondOpinion, NoSecondOpinion> {
+    ) -> Result<(second_opinion::BeamAnswer, Option<BeamDamageBefore>), NoSecondOpinion> {
         let hit = &self.hit;
         let parameters = self.study.parameters();
         let damage = self
@@ -149,10 +159,22 @@ impl Simulated {
             hit.direction,
             before.clone(),
         )?;
-        let answer = task.compute()?;
-        let opinion = SecondOpinion::new(&answer, hit.direction, parameters, &evaluation.report);
+        Ok((task.compute()?, before))
+    }
+
+    /// What this answer says of the impact on the damaged column beside this evaluation by the two bars, whose verdict it becomes where
+    /// it counts and is more severe.
+    fn opinion_on_damaged(
+        &self,
+        (answer, before): &(second_opinion::BeamAnswer, Option<BeamDamageBefore>),
+        evaluation: &mut ImpactEvaluation,
+        input: Option<&AssessmentInput>,
+    ) -> SecondOpinion {
+        let hit = &self.hit;
+        let parameters = self.study.parameters();
+        let opinion = SecondOpinion::new(answer, hit.direction, parameters, &evaluation.report);
         let (Some(input), Some(assessment)) = (input, &mut evaluation.assessment) else {
-            return Ok(opinion);
+            return opinion;
         };
         let opinion = opinion.weighed(input, assessment, evaluation.range.as_mut());
         let verdict = OpenVerdict::from(&*assessment);
@@ -170,13 +192,7 @@ impl Simulated {
             earlier: evaluation.earlier.as_ref(),
             beam_before: before.as_ref(),
         };
-        match (oblique.range(&verdict, &mut || true), &mut evaluation.range) {
-            (Some(by_both), range) => *range = Some(by_both),
-            (None, Some(range)) => {
-                oblique.include_hardening(range, &verdict, opinion.has_yielded());
-            }
-            (None, None) => {}
-        }
-        Ok(opinion)
+        oblique.complete(&mut evaluation.range, &verdict, opinion.has_yielded());
+        opinion
     }
 }
