@@ -76,11 +76,13 @@ impl Unit {
 
     /// `si` with four significant digits and the symbol. Round-off of the solver is shown as 0.
     pub fn show(self, si: f64) -> String {
-        const ROUND_OFF: f64 = 1e-15;
         let si = if si.abs() < ROUND_OFF { 0.0 } else { si };
         format!("{} {}", significant(self.of(si), 4), self.symbol)
     }
 }
+
+/// What remains of a quantity in SI units that is zero but for round-off is smaller.
+pub(crate) const ROUND_OFF: f64 = 1e-15;
 
 /// `value` rounded to this number of significant digits, without an exponent if it stays short.
 pub fn significant(value: f64, digits: usize) -> String {

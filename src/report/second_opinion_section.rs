@@ -25,17 +25,19 @@ pub(super) fn markup(
                 p { (reason) "." }
             }
             Some(Ok(opinion)) => {
-                h3 { "Second opinion" }
-                p { (agreement(opinion)) }
-                (comparison(impact, opinion))
-                @match &impact.beam {
-                    Some(_) => {
-                        (figures.markup("second_opinion_shape", &shapes(opinion)))
-                        (figures.markup("second_opinion_displacement", &displacements(opinion)))
+                section.second-opinion {
+                    h3 { "Second opinion" }
+                    p { (agreement(opinion)) }
+                    (comparison(impact, opinion))
+                    @match &impact.beam {
+                        Some(_) => {
+                            (figures.markup("second_opinion_shape", &shapes(opinion)))
+                            (figures.markup("second_opinion_displacement", &displacements(opinion)))
+                        }
+                        None => { p.note { "The movement of the beam is not drawn: the damage before this hit is not known." } }
                     }
-                    None => { p.note { "The movement of the beam is not drawn: the damage before this hit is not known." } }
+                    (of_the_beam(opinion))
                 }
-                (of_the_beam(opinion))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The wording that summary and report share.
 
 use crate::column::{BaseForces, BaseReport, End, Impact, Outcome};
-use crate::figures::units::significant;
+use crate::figures::units::{ROUND_OFF, significant};
 use crate::parameters::{Parameters, RIGID, component_in_words};
 
 /// The outcome of an impact, for a sentence that is a line of its own.
@@ -78,6 +78,11 @@ pub(super) fn described(
 
 /// A length in millimetres with three digits, as the second opinion has it.
 pub(super) fn millimetres(metres: f64) -> String {
+    let metres = if metres.abs() < ROUND_OFF {
+        0.0
+    } else {
+        metres
+    };
     format!("{} mm", significant(1e3 * metres, 3))
 }
 
