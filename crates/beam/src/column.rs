@@ -1,6 +1,6 @@
 //! A column as an engineer gives it, and the beam that is built from it.
 
-use column_mechanics::{BaseResistance, RateProperties, Support};
+use column_mechanics::{RateProperties, Support};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -199,15 +199,6 @@ fn stiffness(support: Support) -> f64 {
 }
 
 impl BeamColumn {
-    /// The column on a base connection: its rotational stiffness about both axes, without the limit of its moment.
-    #[must_use]
-    pub fn on_base(mut self, base: &BaseResistance) -> Self {
-        self.base = Support::SemiRigid {
-            stiffness: base.stiffness,
-        };
-        self
-    }
-
     /// Whole length \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {

@@ -583,3 +583,24 @@ fn the_finest_mesh_ends_within_its_budget() {
     );
     assert!(found.elements >= 200);
 }
+
+#[test]
+fn a_step_does_not_allocate() {
+    for (degrees, front) in [(0.0, None), (30.0, None), (30.0, Some(3e5))] {
+        let vehicle = front.map(|force| vehicle(1500.0, 1e6, Some(force)));
+        let hit = hit(1500.0, 5.0, vehicle, degrees);
+        let allocations = [40_000, 20_000].map(|nanos| {
+            let mut it = column("HEB220", 355e6, 1e-3);
+            (it.shear, it.step_nanos) = (true, nanos);
+            let model = BeamModel::new(&it).unwrap();
+            let counted = allocation_counter::measure(|| {
+                model.respond(&hit).unwrap();
+            });
+            counted.count_total
+        });
+        // Twice as many steps, of which there are hundreds, and perhaps a few sections more or less that have yielded, each of which is
+        // stored with two or three allocations.
+        let more = allocations[0].abs_diff(allocations[1]);
+        assert!(more < 30, "{degrees} {front:?}: {allocations:?}");
+    }
+}
