@@ -176,6 +176,8 @@ fn a_twin_follows_the_system_clock() {
     check_stream(&received, &event);
     let statistics = live.statistics();
     assert!(statistics.cycles > 1 && statistics.newton_iterations > 0);
+    // Forecast, background and response share the column without waiting for each other.
+    assert_eq!(statistics.contended_locks, 0);
     assert!(live.is_running());
     live.stop().expect("no panic");
 }

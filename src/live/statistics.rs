@@ -25,6 +25,8 @@ pub struct LiveStatistics {
     pub steps: u64,
     /// Newton iterations of these steps.
     pub newton_iterations: u64,
+    /// Locks for which a solver thread had to wait for another one; none for a single column, which has one solver thread.
+    pub contended_locks: u64,
     /// State files that could not be written.
     pub state_file_failures: u64,
     /// Estimates that the twin could not take.

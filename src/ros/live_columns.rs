@@ -601,6 +601,7 @@ fn health_of(statistics: LiveStatistics, has_panicked: bool) -> Health {
             ("late cycles", statistics.overruns),
             ("steps", statistics.steps),
             ("Newton iterations", statistics.newton_iterations),
+            ("locks waited for", statistics.contended_locks),
             ("state files not written", statistics.state_file_failures),
         ]
         .map(|(name, count)| (name.to_owned(), count.to_string()))

@@ -1,6 +1,5 @@
 //! What a solver thread does for a column: it passes on an input, steps the column, computes ahead; and what the column needs next.
 
-use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 use super::schedule::{BACKGROUND_SHARE, Job, Plan};
@@ -45,8 +44,7 @@ impl Shared {
             jumps,
             last_jump,
         } = task;
-        let slot = &self.slots[column as usize];
-        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut slot = self.locked(&self.slots[column as usize]);
         let slot = &mut *slot;
         let mut sink = self.sink(column, slot);
         self.counters.jobs.fetch_add(1, Ordering::Relaxed);

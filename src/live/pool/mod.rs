@@ -450,6 +450,7 @@ impl FleetHandle {
             worst_lateness: read(&shared.counters.worst_lateness),
             steps: read(&shared.counters.steps),
             newton_iterations: read(&shared.counters.newton_iterations),
+            contended_locks: read(&shared.counters.contended_locks),
             state_file_failures: shared.keeper.as_ref().map_or(0, |it| it.failures()),
             lost_estimates: self.lost_estimates(),
             queues,

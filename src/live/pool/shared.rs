@@ -1,7 +1,7 @@
 //! What the solver threads share: the columns, what is to be done next, and the ways in and out.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError};
 
 use crossbeam_queue::ArrayQueue;
 
@@ -105,6 +105,8 @@ pub struct Counters {
     pub worst_lateness: AtomicU64,
     pub steps: AtomicU64,
     pub newton_iterations: AtomicU64,
+    /// Locks for which a solver thread had to wait.
+    pub contended_locks: AtomicU64,
     /// Requests that are taken and not begun.
     pub waiting_requests: AtomicUsize,
     pub submitted: AtomicU64,
@@ -192,7 +194,20 @@ impl Shared {
     }
 
     pub fn agreed(&self) -> MutexGuard<'_, Agreed> {
-        self.agreed.lock().unwrap_or_else(PoisonError::into_inner)
+        self.locked(&self.agreed)
+    }
+
+    /// Takes a lock, and counts it where another thread has it.
+    pub fn locked<'a, T>(&self, lock: &'a Mutex<T>) -> MutexGuard<'a, T> {
+        match lock.try_lock() {
+            Ok(guard) => guard,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                let contended = &self.counters.contended_locks;
+                contended.fetch_add(1, Ordering::Relaxed);
+                lock.lock().unwrap_or_else(PoisonError::into_inner)
+            }
+        }
     }
 
     /// Whether there is something that no thread has put into the schedule.
