@@ -55,6 +55,11 @@ impl Bare {
         Self::start(domain, &format!("publisher {count}"))
     }
 
+    /// The identifier of its process.
+    pub fn id(&self) -> u32 {
+        self.0.id()
+    }
+
     /// Answers every [`PING`].
     pub fn echo(domain: &Domain) -> Self {
         Self::start(domain, "echo")

@@ -1,18 +1,23 @@
-//! Processor time of the node at rest.
+//! Processor time of the node at rest, beside that of a participant that does nothing else.
 
 use std::time::Duration;
 
 use column_twin::messages::column_twin_msgs::{ColumnState, TwinStatus};
 use column_twin::ros::qos;
 
+use super::bare::Bare;
 use super::domain::Domain;
 use super::peers::Peer;
-use super::processor::share;
+use super::processor::{share, share_during};
 use super::program::Program;
 use super::table::{number, row};
 
-/// The target \[s of processor time per s\].
+/// The target \[s of processor time per s\], and that of what the node takes above the bare participant.
 const TARGET: f64 = 0.01;
+const TARGET_ABOVE: f64 = 0.001;
+
+/// For which the bare participant is left alone once it has started.
+const START: Duration = Duration::from_secs(3);
 
 pub fn run(span: Duration) {
     let span = span.min(Duration::from_secs(30));
@@ -29,7 +34,12 @@ pub fn run(span: Duration) {
         )
         .find(|vehicles| *vehicles > 0);
     drop(waiting);
-    let alone = share(program.id(), span);
+    let other = Domain::fresh();
+    let bare = Bare::echo(&other);
+    std::thread::sleep(START);
+    let mut alone = 0.0;
+    let of_bare = share_during(bare.id(), || alone = share(program.id(), span));
+    drop(bare);
     let mut peer = Peer::new(&domain);
     let states = peer.reader(
         &qos::COLUMN_STATE,
@@ -48,7 +58,12 @@ pub fn run(span: Duration) {
         span.as_secs()
     );
     row("", ["% of a core".into(), "/ target".into()]);
-    for (name, share) in [("alone", alone), ("with readers", with_readers)] {
-        row(name, [number(100.0 * share), number(share / TARGET)]);
+    for (name, share, target) in [
+        ("alone", alone, TARGET),
+        ("with readers", with_readers, TARGET),
+        ("a bare participant", of_bare, TARGET),
+        ("alone, above the bare one", alone - of_bare, TARGET_ABOVE),
+    ] {
+        row(name, [number(100.0 * share), number(share / target)]);
     }
 }
