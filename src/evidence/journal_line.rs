@@ -18,7 +18,7 @@ use printable::Hexadecimal;
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
 /// The format version that this program writes, and the only one that it reads.
-pub const JOURNAL_VERSION: u32 = 7;
+pub const JOURNAL_VERSION: u32 = 8;
 
 /// One line of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

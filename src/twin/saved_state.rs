@@ -20,9 +20,9 @@ use printable::Hexadecimal;
 /// Format name in every state file.
 const FORMAT: &str = "column_twin state";
 
-/// The format version that this program writes, and the only one that it reads: the names of version 2 and of those before it are
-/// others.
-const VERSION: u32 = 3;
+/// The format version that this program writes, and the only one that it reads: version 3 has the damage of the beam in another form,
+/// and the names of version 2 and of those before it are others.
+const VERSION: u32 = 4;
 
 /// The damage of the column, and the impacts that caused it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -425,13 +425,13 @@ fn a_state_file_of_an_earlier_version_is_rejected_with_what_to_do() {
     let text = bench.twin.saved_state(bench.now).to_json().expect("JSON");
     let parameters = bench.twin.parameters().clone();
     let reason = |version: u32| {
-        let other = text.replacen("\"version\": 3", &format!("\"version\": {version}"), 1);
+        let other = text.replacen("\"version\": 4", &format!("\"version\": {version}"), 1);
         let other = other.replacen("\"content\": {", "\"content\": { \"an_old_name\": 1,", 1);
         assert_ne!(other, text);
         let read = SavedState::from_json(&other, &parameters);
         read.expect_err("another version").to_string()
     };
-    for version in [1, 2] {
+    for version in [1, 2, 3] {
         let said = reason(version);
         assert!(
             said.starts_with(&format!(
@@ -446,9 +446,9 @@ fn a_state_file_of_an_earlier_version_is_rejected_with_what_to_do() {
             "{said}"
         );
     }
-    let later = reason(4);
+    let later = reason(5);
     assert!(
-        later.contains("version 4; expected \"column_twin state\", version 3"),
+        later.contains("version 5; expected \"column_twin state\", version 4"),
         "{later}"
     );
 }
