@@ -1,7 +1,7 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Part, ROW, Triad, UPRIGHT, deformations, gradient, turned, turned_in_plane,
+    Chord, Ends, Part, Triad, UPRIGHT, deformations, gradient, turn_in_plane, turned,
 };
 use super::parts::{Element, RotationSpring};
 use super::section::{PointState, Section};
@@ -195,11 +195,12 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         for (node, increment) in increments.iter().enumerate() {
             let psi = Self::rotation(increment);
             let triad = &state.triads[node];
-            (work.middle[node], work.end[node]) = if D == 3 {
-                turned_in_plane(triad, psi[2])
+            let (middle, end) = (&mut work.middle[node], &mut work.end[node]);
+            if D == 3 {
+                turn_in_plane(triad, psi[2], middle, end);
             } else {
-                turned(triad, &psi)
-            };
+                (*middle, *end) = turned(triad, &psi);
+            }
         }
         for element in 0..self.elements.len() {
             self.add_element(state, (increments, shear), element, share, work);
@@ -282,18 +283,15 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             work.residual[index][dim + k] += total[first + k];
             work.residual[index + 1][dim + k] += total[second + k];
         }
-        let mut kept = [[0.0; ROW]; R];
-        for (to, row) in kept.iter_mut().zip(&rows) {
+        let part = &mut work.parts[index];
+        for (to, row) in part.rows.iter_mut().zip(&rows) {
             to[..Q].copy_from_slice(row);
         }
-        work.parts[index] = Part {
-            rows: kept,
-            chord,
-            forces,
-            stiffness,
-            own,
-            mixed,
-        };
+        part.chord = chord;
+        part.forces = forces;
+        part.stiffness = stiffness;
+        part.own = own;
+        part.mixed = mixed;
     }
 
     /// Whether any part of the column shears.

@@ -50,17 +50,16 @@ pub(crate) fn turned(triad: &Triad, psi: &[f64; 3]) -> (Triad, Triad) {
     (middle, end)
 }
 
-/// The same for a rotation about z alone, of the directors in the plane.
-pub(crate) fn turned_in_plane(triad: &Triad, psi: f64) -> (Triad, Triad) {
+/// The same for a rotation about z alone, of the directors in the plane; the rest of both triads is upright already.
+pub(crate) fn turn_in_plane(triad: &Triad, psi: f64, middle: &mut Triad, end: &mut Triad) {
     let per = 1.0 / (1.0 + 0.25 * psi * psi);
     let half = 0.5 * psi;
-    let (mut middle, mut end) = (*triad, *triad);
     for k in 0..2 {
         let [x, y, _] = triad[k];
-        middle[k] = [per * (x - half * y), per * (y + half * x), 0.0];
-        end[k] = [2.0 * middle[k][0] - x, 2.0 * middle[k][1] - y, 0.0];
+        let (mx, my) = (per * (x - half * y), per * (y + half * x));
+        (middle[k][0], middle[k][1]) = (mx, my);
+        (end[k][0], end[k][1]) = (2.0 * mx - x, 2.0 * my - y);
     }
-    (middle, end)
 }
 
 /// Where the ends of an element are.
@@ -107,6 +106,7 @@ pub(crate) struct Chord {
 
 impl Chord {
     /// From one chord to another; `from` equal to `to` gives the derivatives there.
+    #[inline(always)]
     pub fn new(from: &[f64; 3], to: &[f64; 3]) -> Self {
         let at = mean(from, to);
         let (one, two) = (1.0 / length(from), 1.0 / length(to));
@@ -120,6 +120,7 @@ impl Chord {
     }
 
     /// The gradient of `director.t` by the chord.
+    #[inline(always)]
     fn across(&self, director: &[f64; 3]) -> [f64; 3] {
         let along = self.inverse[1] * dot(&self.at, director);
         [0, 1, 2].map(|k| self.inverse[0] * director[k] - along * self.stretch[k])
@@ -245,7 +246,7 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     }
 }
 
-/// `rows' C rows` of an element in the plane.
+/// `rows' C rows` of an element in the plane: the blocks of the chord and of the rotations, those on and above the diagonal.
 pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
     rows: &[[f64; Q]; R],
     stiffness: &[[f64; R]; R],
@@ -261,7 +262,7 @@ pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
             }
         }
         for a in 0..Q {
-            for k in 0..Q {
+            for k in a - a % 2..Q {
                 into[a][k] += rows[i][a] * row[k];
             }
         }
@@ -269,7 +270,7 @@ pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
 }
 
 /// The same in space, where the bending of an end depends on the chord and the rotation of that end, and the twist on both
-/// rotations; only the blocks on and above the diagonal.
+/// rotations; the same blocks.
 pub(crate) fn add_in_space<const R: usize, const Q: usize>(
     rows: &[[f64; Q]; R],
     stiffness: &[[f64; R]; R],
