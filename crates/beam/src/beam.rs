@@ -1,7 +1,7 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Part, Triad, UPRIGHT, deformations, gradient, turn_in_plane, turned,
+    Chord, Ends, Part, Triad, UPRIGHT, deformations, gradient, length, turn_in_plane, turned,
 };
 use super::parts::{Element, RotationSpring};
 use super::section::{PointState, Section};
@@ -64,6 +64,8 @@ pub(crate) struct Work<const D: usize, const R: usize> {
     pub matrix: Tridiagonal<D>,
     /// What the matrix needs of each element.
     pub(super) parts: Vec<Part<R>>,
+    /// The chord of each element where the increment begins \[m\], and the inverse of its length \[1/m\].
+    from: Vec<([f64; 3], f64)>,
     pub(super) middle: Vec<Triad>,
     pub(super) end: Vec<Triad>,
     deformation: Vec<[f64; R]>,
@@ -156,6 +158,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             base: [0.0; D],
             matrix: Tridiagonal::new(nodes),
             parts: vec![Part::nothing(); self.elements.len()],
+            from: vec![([0.0; 3], 0.0); self.elements.len()],
             middle: state.triads.clone(),
             end: state.triads,
             deformation: state.deformation,
@@ -170,16 +173,18 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         }
     }
 
-    fn chord(&self, state: &State<D, R>, element: usize) -> [f64; 3] {
-        let mut chord = [0.0; 3];
-        for (k, value) in chord.iter_mut().enumerate() {
-            *value = (self.places[element + 1][k] - self.places[element][k])
-                + (state.moved[element + 1][k] - state.moved[element][k]);
+    /// Prepares for evaluations of increments that begin in this state.
+    pub fn begin(&self, state: &State<D, R>, work: &mut Work<D, R>) {
+        for (element, (chord, inverse)) in work.from.iter_mut().enumerate() {
+            for (k, value) in chord.iter_mut().enumerate() {
+                *value = (self.places[element + 1][k] - self.places[element][k])
+                    + (state.moved[element + 1][k] - state.moved[element][k]);
+            }
+            *inverse = 1.0 / length::<R>(chord);
         }
-        chord
     }
 
-    /// The residual of a trial increment. Contact is added by the caller.
+    /// The residual of a trial increment, after [`Beam::begin`]. Contact is added by the caller.
     pub fn evaluate(
         &self,
         state: &State<D, R>,
@@ -230,14 +235,16 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     ) {
         let dim = dimensions(D);
         let element = &self.elements[index];
-        let from = self.chord(state, index);
+        let (from, inverse) = work.from[index];
         let (one, two) = (
             Self::translation(&increments[index]),
             Self::translation(&increments[index + 1]),
         );
         let to = [0, 1, 2].map(|k| from[k] + (two[k] - one[k]));
+        let l = length::<R>(&to);
         let end = Ends {
             chord: to,
+            length: l,
             triads: [&work.end[index], &work.end[index + 1]],
         };
         let d: [f64; R] = deformations(&end, element.length);
@@ -263,9 +270,9 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             [&work.end[index], &work.end[index + 1]]
         };
         let chord = if share == 0.5 {
-            Chord::new(&from, &to)
+            Chord::new::<R>([&from, &to], [inverse, 1.0 / l])
         } else {
-            Chord::new(&to, &to)
+            Chord::new::<R>([&to, &to], [1.0 / l, 1.0 / l])
         };
         let rows: [[f64; Q]; R] = gradient(&chord, triads);
         let mut total = [0.0; Q];

@@ -163,15 +163,19 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             }
         }
         let dim = dimensions(D);
-        let mut largest: f64 = 0.0;
+        let (mut largest, mut is_nan) = (0.0_f64, false);
         for residual in &work.residual {
             for (k, value) in residual.iter().enumerate() {
-                let size = if k < dim { *value } else { *value / LEVER };
-                largest = largest.max(size.abs());
-                if size.is_nan() {
-                    return f64::NAN;
+                let force = if k < dim { *value } else { *value / LEVER };
+                let size = force.abs();
+                is_nan |= size.is_nan();
+                if size > largest {
+                    largest = size;
                 }
             }
+        }
+        if is_nan {
+            return f64::NAN;
         }
         for value in &work.shear_residual {
             largest = largest.max(value.abs() / LEVER);
@@ -313,6 +317,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         self.tried.clone_from_slice(&self.increments);
         self.tried_shear = self.shear;
         self.has_factored = false;
+        beam.begin(state, &mut self.work);
         let mut size = self.evaluate(beam, state, kind, &mut striker);
         let most = match kind {
             Kind::Motion { .. } => MAX_ITERATIONS,
