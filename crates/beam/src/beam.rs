@@ -374,23 +374,24 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let place = POINTS * index + point;
             let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
             let (strain, strength) = (strains[point], strength(place));
-            let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
-            if stays_elastic[point] {
+            let (f, c, flows) = if stays_elastic[point] {
                 let rigidity = self.section.elastic();
+                let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
                 for k in 0..4 {
                     f[k] = rigidity[k] * strain[k];
                     c[k][k] = rigidity[k];
                 }
-                work.flows[place] = false;
+                (f, c, false)
             } else {
                 let (section, from) = (&self.section, &state.points[place]);
                 work.strains[place] = strain;
-                work.flows[place] = if R == 6 {
-                    section.respond::<true>(&strain, strength, from, &mut f, &mut c)
+                if R == 6 {
+                    section.respond::<true>(&strain, strength, from)
                 } else {
-                    section.respond::<false>(&strain, strength, from, &mut f, &mut c)
-                };
-            }
+                    section.respond::<false>(&strain, strength, from)
+                }
+            };
+            work.flows[place] = flows;
             // Each deformation is one strain times a coefficient.
             let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
             let count = R.min(5);
