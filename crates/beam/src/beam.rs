@@ -1,7 +1,7 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Part, ROW, Triad, UPRIGHT, deformations, gradient, turned, turned_in_plane,
+    Chord, Ends, Part, Triad, UPRIGHT, deformations, gradient, length, turn_in_plane, turned,
 };
 use super::parts::{Element, RotationSpring};
 use super::section::{PointState, Section};
@@ -64,6 +64,8 @@ pub(crate) struct Work<const D: usize, const R: usize> {
     pub matrix: Tridiagonal<D>,
     /// What the matrix needs of each element.
     pub(super) parts: Vec<Part<R>>,
+    /// The chord of each element where the increment begins \[m\], and the inverse of its length \[1/m\].
+    from: Vec<([f64; 3], f64)>,
     pub(super) middle: Vec<Triad>,
     pub(super) end: Vec<Triad>,
     deformation: Vec<[f64; R]>,
@@ -156,6 +158,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             base: [0.0; D],
             matrix: Tridiagonal::new(nodes),
             parts: vec![Part::nothing(); self.elements.len()],
+            from: vec![([0.0; 3], 0.0); self.elements.len()],
             middle: state.triads.clone(),
             end: state.triads,
             deformation: state.deformation,
@@ -170,16 +173,18 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         }
     }
 
-    fn chord(&self, state: &State<D, R>, element: usize) -> [f64; 3] {
-        let mut chord = [0.0; 3];
-        for (k, value) in chord.iter_mut().enumerate() {
-            *value = (self.places[element + 1][k] - self.places[element][k])
-                + (state.moved[element + 1][k] - state.moved[element][k]);
+    /// Prepares for evaluations of increments that begin in this state.
+    pub fn begin(&self, state: &State<D, R>, work: &mut Work<D, R>) {
+        for (element, (chord, inverse)) in work.from.iter_mut().enumerate() {
+            for (k, value) in chord.iter_mut().enumerate() {
+                *value = (self.places[element + 1][k] - self.places[element][k])
+                    + (state.moved[element + 1][k] - state.moved[element][k]);
+            }
+            *inverse = 1.0 / length::<R>(chord);
         }
-        chord
     }
 
-    /// The residual of a trial increment. Contact is added by the caller.
+    /// The residual of a trial increment, after [`Beam::begin`]. Contact is added by the caller.
     pub fn evaluate(
         &self,
         state: &State<D, R>,
@@ -195,11 +200,12 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         for (node, increment) in increments.iter().enumerate() {
             let psi = Self::rotation(increment);
             let triad = &state.triads[node];
-            (work.middle[node], work.end[node]) = if D == 3 {
-                turned_in_plane(triad, psi[2])
+            let (middle, end) = (&mut work.middle[node], &mut work.end[node]);
+            if D == 3 {
+                turn_in_plane(triad, psi[2], middle, end);
             } else {
-                turned(triad, &psi)
-            };
+                (*middle, *end) = turned(triad, &psi);
+            }
         }
         for element in 0..self.elements.len() {
             self.add_element(state, (increments, shear), element, share, work);
@@ -229,14 +235,16 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
     ) {
         let dim = dimensions(D);
         let element = &self.elements[index];
-        let from = self.chord(state, index);
+        let (from, inverse) = work.from[index];
         let (one, two) = (
             Self::translation(&increments[index]),
             Self::translation(&increments[index + 1]),
         );
         let to = [0, 1, 2].map(|k| from[k] + (two[k] - one[k]));
+        let l = length::<R>(&to);
         let end = Ends {
             chord: to,
+            length: l,
             triads: [&work.end[index], &work.end[index + 1]],
         };
         let d: [f64; R] = deformations(&end, element.length);
@@ -262,9 +270,9 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             [&work.end[index], &work.end[index + 1]]
         };
         let chord = if share == 0.5 {
-            Chord::new(&from, &to)
+            Chord::new::<R>([&from, &to], [inverse, 1.0 / l])
         } else {
-            Chord::new(&to, &to)
+            Chord::new::<R>([&to, &to], [1.0 / l, 1.0 / l])
         };
         let rows: [[f64; Q]; R] = gradient(&chord, triads);
         let mut total = [0.0; Q];
@@ -282,18 +290,15 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             work.residual[index][dim + k] += total[first + k];
             work.residual[index + 1][dim + k] += total[second + k];
         }
-        let mut kept = [[0.0; ROW]; R];
-        for (to, row) in kept.iter_mut().zip(&rows) {
+        let part = &mut work.parts[index];
+        for (to, row) in part.rows.iter_mut().zip(&rows) {
             to[..Q].copy_from_slice(row);
         }
-        work.parts[index] = Part {
-            rows: kept,
-            chord,
-            forces,
-            stiffness,
-            own,
-            mixed,
-        };
+        part.chord = chord;
+        part.forces = forces;
+        part.stiffness = stiffness;
+        part.own = own;
+        part.mixed = mixed;
     }
 
     /// Whether any part of the column shears.
@@ -369,23 +374,24 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             let place = POINTS * index + point;
             let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
             let (strain, strength) = (strains[point], strength(place));
-            let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
-            if stays_elastic[point] {
+            let (f, c, flows) = if stays_elastic[point] {
                 let rigidity = self.section.elastic();
+                let (mut f, mut c) = ([0.0; 4], [[0.0; 4]; 4]);
                 for k in 0..4 {
                     f[k] = rigidity[k] * strain[k];
                     c[k][k] = rigidity[k];
                 }
-                work.flows[place] = false;
+                (f, c, false)
             } else {
                 let (section, from) = (&self.section, &state.points[place]);
                 work.strains[place] = strain;
-                work.flows[place] = if R == 6 {
-                    section.respond::<true>(&strain, strength, from, &mut f, &mut c)
+                if R == 6 {
+                    section.respond::<true>(&strain, strength, from)
                 } else {
-                    section.respond::<false>(&strain, strength, from, &mut f, &mut c)
-                };
-            }
+                    section.respond::<false>(&strain, strength, from)
+                }
+            };
+            work.flows[place] = flows;
             // Each deformation is one strain times a coefficient.
             let parts = [(0, 1.0), (1, b1), (1, b2), (2, b1), (2, b2)];
             let count = R.min(5);

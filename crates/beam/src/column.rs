@@ -450,9 +450,10 @@ impl BeamColumn {
         let half_bumper = 0.5 * self.bumper_height;
         let elements = places.windows(2).map(|pair| {
             let chord = [0, 1, 2].map(|k| pair[1][k] - pair[0][k]);
-            let l = length(&chord);
+            let l = length::<6>(&chord);
             let ends = Ends {
                 chord,
+                length: l,
                 triads: [&UPRIGHT, &UPRIGHT],
             };
             let middle = 0.5 * (pair[0][0] + pair[1][0]);

@@ -27,12 +27,20 @@ pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn mean(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [
-        0.5 * (a[0] + b[0]),
-        0.5 * (a[1] + b[1]),
-        0.5 * (a[2] + b[2]),
-    ]
+/// The same of vectors that lie in the plane if there are three deformations.
+fn inner<const R: usize>(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    let in_plane = a[0] * b[0] + a[1] * b[1];
+    if R == 3 {
+        in_plane
+    } else {
+        in_plane + a[2] * b[2]
+    }
+}
+
+/// A vector of these components, the last of which is 0 in the plane.
+fn vector<const R: usize>(component: impl Fn(usize) -> f64) -> [f64; 3] {
+    let last = if R == 3 { 0.0 } else { component(2) };
+    [component(0), component(1), last]
 }
 
 /// The triad in the middle and at the end of Cayley's rotation by `psi`, which is twice the tangent of half the angle.
@@ -50,17 +58,16 @@ pub(crate) fn turned(triad: &Triad, psi: &[f64; 3]) -> (Triad, Triad) {
     (middle, end)
 }
 
-/// The same for a rotation about z alone, of the directors in the plane.
-pub(crate) fn turned_in_plane(triad: &Triad, psi: f64) -> (Triad, Triad) {
+/// The same for a rotation about z alone, of the directors in the plane; the rest of both triads is upright already.
+pub(crate) fn turn_in_plane(triad: &Triad, psi: f64, middle: &mut Triad, end: &mut Triad) {
     let per = 1.0 / (1.0 + 0.25 * psi * psi);
     let half = 0.5 * psi;
-    let (mut middle, mut end) = (*triad, *triad);
     for k in 0..2 {
         let [x, y, _] = triad[k];
-        middle[k] = [per * (x - half * y), per * (y + half * x), 0.0];
-        end[k] = [2.0 * middle[k][0] - x, 2.0 * middle[k][1] - y, 0.0];
+        let (mx, my) = (per * (x - half * y), per * (y + half * x));
+        (middle[k][0], middle[k][1]) = (mx, my);
+        (end[k][0], end[k][1]) = (2.0 * mx - x, 2.0 * my - y);
     }
-    (middle, end)
 }
 
 /// Where the ends of an element are.
@@ -68,22 +75,24 @@ pub(crate) fn turned_in_plane(triad: &Triad, psi: f64) -> (Triad, Triad) {
 pub(crate) struct Ends<'a> {
     /// Vector from the first node to the second \[m\].
     pub chord: [f64; 3],
+    /// Its length \[m\].
+    pub length: f64,
     pub triads: [&'a Triad; 2],
 }
 
-pub(crate) fn length(chord: &[f64; 3]) -> f64 {
-    dot(chord, chord).sqrt()
+pub(crate) fn length<const R: usize>(chord: &[f64; 3]) -> f64 {
+    inner::<R>(chord, chord).sqrt()
 }
 
 /// The deformations, from a straight element of length `l0`.
 pub(crate) fn deformations<const R: usize>(ends: &Ends<'_>, l0: f64) -> [f64; R] {
     let [a, b] = ends.triads;
-    let l = length(&ends.chord);
-    let u = ends.chord.map(|x| x / l);
+    let l = ends.length;
+    let u = vector::<R>(|k| ends.chord[k] / l);
     let mut d = [0.0; R];
     d[0] = l - l0;
-    d[1] = -dot(&a[1], &u);
-    d[2] = -dot(&b[1], &u);
+    d[1] = -inner::<R>(&a[1], &u);
+    d[2] = -inner::<R>(&b[1], &u);
     if R == 6 {
         d[3] = dot(&a[2], &u);
         d[4] = dot(&b[2], &u);
@@ -106,23 +115,24 @@ pub(crate) struct Chord {
 }
 
 impl Chord {
-    /// From one chord to another; `from` equal to `to` gives the derivatives there.
-    pub fn new(from: &[f64; 3], to: &[f64; 3]) -> Self {
-        let at = mean(from, to);
-        let (one, two) = (1.0 / length(from), 1.0 / length(to));
+    /// From one chord to another, with the inverses of their lengths; `from` equal to `to` gives the derivatives there.
+    #[inline(always)]
+    pub fn new<const R: usize>([from, to]: [&[f64; 3]; 2], [one, two]: [f64; 2]) -> Self {
+        let at = vector::<R>(|k| 0.5 * (from[k] + to[k]));
         let per = 2.0 * one * two / (one + two);
         Self {
             at,
-            direction: [0, 1, 2].map(|k| 0.5 * (from[k] * one + to[k] * two)),
-            stretch: at.map(|x| x * per),
+            direction: vector::<R>(|k| 0.5 * (from[k] * one + to[k] * two)),
+            stretch: vector::<R>(|k| at[k] * per),
             inverse: [0.5 * (one + two), one * two],
         }
     }
 
     /// The gradient of `director.t` by the chord.
-    fn across(&self, director: &[f64; 3]) -> [f64; 3] {
-        let along = self.inverse[1] * dot(&self.at, director);
-        [0, 1, 2].map(|k| self.inverse[0] * director[k] - along * self.stretch[k])
+    #[inline(always)]
+    fn across<const R: usize>(&self, director: &[f64; 3]) -> [f64; 3] {
+        let along = self.inverse[1] * inner::<R>(&self.at, director);
+        vector::<R>(|k| self.inverse[0] * director[k] - along * self.stretch[k])
     }
 }
 
@@ -137,7 +147,7 @@ pub(crate) fn gradient<const R: usize, const Q: usize>(
     if R == 3 {
         rows[0][..2].copy_from_slice(&chord.stretch[..2]);
         for (row, (director, place)) in [(&a[1], 2), (&b[1], 3)].into_iter().enumerate() {
-            let across = chord.across(director);
+            let across = chord.across::<R>(director);
             rows[row + 1][0] = -across[0];
             rows[row + 1][1] = -across[1];
             rows[row + 1][place] = t[0] * director[1] - t[1] * director[0];
@@ -153,7 +163,7 @@ pub(crate) fn gradient<const R: usize, const Q: usize>(
     ];
     for (row, (director, place, sign)) in bending.into_iter().enumerate() {
         let lever = cross(director, t);
-        let across = chord.across(director);
+        let across = chord.across::<R>(director);
         for i in 0..3 {
             rows[row + 1][i] = sign * across[i];
             rows[row + 1][place + i] = sign * lever[i];
@@ -177,8 +187,8 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     share: f64,
     into: &mut [[f64; Q]; Q],
 ) {
-    let l = length(&chord.at);
-    let t = chord.at.map(|x| x / l);
+    let l = length::<R>(&chord.at);
+    let t = vector::<R>(|k| chord.at[k] / l);
     let dim = if R == 3 { 2 } else { 3 };
     let bending: [(&[f64; 3], usize, f64); 4] = if R == 3 {
         [
@@ -201,9 +211,9 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     let bending = &bending[..if R == 3 { 2 } else { 4 }];
     for &(director, _, force) in bending {
         let per = share * force / (l * l);
-        let along = dot(director, &t);
+        let along = inner::<R>(director, &t);
         pull -= per * along;
-        for k in 0..3 {
+        for k in 0..dim {
             across[k] += per * (director[k] - along * t[k]);
         }
     }
@@ -215,7 +225,7 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     }
     for &(director, place, force) in bending {
         let force = share * force;
-        let along = force * dot(director, &t);
+        let along = force * inner::<R>(director, &t);
         if R == 3 {
             // d(director) = psi x director, across the chord.
             let turned = [-director[1] * force / l, director[0] * force / l];
@@ -245,7 +255,7 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     }
 }
 
-/// `rows' C rows` of an element in the plane.
+/// `rows' C rows` of an element in the plane: the blocks of the chord and of the rotations, those on and above the diagonal.
 pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
     rows: &[[f64; Q]; R],
     stiffness: &[[f64; R]; R],
@@ -261,7 +271,7 @@ pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
             }
         }
         for a in 0..Q {
-            for k in 0..Q {
+            for k in a - a % 2..Q {
                 into[a][k] += rows[i][a] * row[k];
             }
         }
@@ -269,7 +279,7 @@ pub(crate) fn add_in_plane<const R: usize, const Q: usize>(
 }
 
 /// The same in space, where the bending of an end depends on the chord and the rotation of that end, and the twist on both
-/// rotations; only the blocks on and above the diagonal.
+/// rotations; the same blocks.
 pub(crate) fn add_in_space<const R: usize, const Q: usize>(
     rows: &[[f64; Q]; R],
     stiffness: &[[f64; R]; R],
@@ -332,7 +342,7 @@ impl<const R: usize> Part<R> {
         let unit = [1.0, 0.0, 0.0];
         Self {
             rows: [[0.0; ROW]; R],
-            chord: Chord::new(&unit, &unit),
+            chord: Chord::new::<R>([&unit, &unit], [1.0, 1.0]),
             forces: [0.0; R],
             stiffness: [[0.0; R]; R],
             own: 0.0,

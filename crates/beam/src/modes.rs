@@ -225,7 +225,7 @@ impl Vibrating {
                     shape[node][1] = 0.0;
                 }
             }
-            factored.solve(&mut shape);
+            factored.solve([&mut shape]);
             let most = shape.iter().fold(0.0_f64, |most, node| {
                 if node[0].abs() > most.abs() {
                     node[0]

@@ -95,6 +95,23 @@ impl Watch for () {
     }
 }
 
+/// Shows an observer after each step whether the impact point is further along the hit than before.
+pub(crate) struct Steps<F>(pub F);
+
+impl<F: FnMut(bool)> Watch for Steps<F> {
+    fn begin(&mut self, _: &[[f64; 3]], _: &[[f64; 3]], _: usize) {}
+    fn step<const D: usize, const R: usize>(&mut self, _: f64, _: &State<D, R>, is_peak: bool) {
+        (self.0)(is_peak);
+    }
+    fn end<const D: usize, const R: usize, const Q: usize>(
+        &mut self,
+        _: &Beam<D, R, Q>,
+        _: &State<D, R>,
+        _: bool,
+    ) {
+    }
+}
+
 /// Keeps what a drawing needs in memory that it takes before the first step.
 pub(crate) struct Recorder {
     points: Vec<(f64, [f64; 3])>,

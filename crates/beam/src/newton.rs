@@ -163,15 +163,19 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             }
         }
         let dim = dimensions(D);
-        let mut largest: f64 = 0.0;
+        let (mut largest, mut is_nan) = (0.0_f64, false);
         for residual in &work.residual {
             for (k, value) in residual.iter().enumerate() {
-                let size = if k < dim { *value } else { *value / LEVER };
-                largest = largest.max(size.abs());
-                if size.is_nan() {
-                    return f64::NAN;
+                let force = if k < dim { *value } else { *value / LEVER };
+                let size = force.abs();
+                is_nan |= size.is_nan();
+                if size > largest {
+                    largest = size;
                 }
             }
+        }
+        if is_nan {
+            return f64::NAN;
         }
         for value in &work.shear_residual {
             largest = largest.max(value.abs() / LEVER);
@@ -212,7 +216,6 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 to[k] = -from[k];
             }
         }
-        self.work.matrix.solve(&mut self.direction);
         let mut used = [false; BORDERS];
         let mut own = [1.0; BORDERS];
         let mut right = [0.0; BORDERS];
@@ -237,15 +240,28 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 self.columns[1 + bar].clone_from_slice(&self.work.shear_columns[bar]);
             }
         }
+        let (matrix, direction) = (&self.work.matrix, &mut self.direction);
+        let [face, low, high] = &mut self.columns;
+        match used {
+            [false, false, false] => matrix.solve([direction]),
+            [true, false, false] => matrix.solve([direction, face]),
+            _ => {
+                for (column, used) in [&mut *face, &mut *low, &mut *high].into_iter().zip(used) {
+                    if !used {
+                        column.fill([0.0; D]);
+                    }
+                }
+                matrix.solve([direction, face, low, high]);
+            }
+        }
         let mut dense = [[0.0; BORDERS]; BORDERS];
         for k in 0..BORDERS {
-            if !used[k] {
+            if used[k] {
+                right[k] -= self.border_product(k, striker, &self.direction);
+            } else {
                 dense[k][k] = 1.0;
                 right[k] = 0.0;
-                continue;
             }
-            right[k] -= product(&self.columns[k], &self.direction);
-            self.work.matrix.solve(&mut self.columns[k]);
         }
         for k in 0..BORDERS {
             for other in 0..BORDERS {
@@ -301,6 +317,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         self.tried.clone_from_slice(&self.increments);
         self.tried_shear = self.shear;
         self.has_factored = false;
+        beam.begin(state, &mut self.work);
         let mut size = self.evaluate(beam, state, kind, &mut striker);
         let most = match kind {
             Kind::Motion { .. } => MAX_ITERATIONS,

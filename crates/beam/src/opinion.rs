@@ -8,7 +8,7 @@ use super::column::{BeamColumn, BeamError, BowAxes};
 use super::contact::touches;
 use super::damage::Damage;
 use super::mesh::{self, nearest};
-use super::movement::{Movement, Recorder, Watch};
+use super::movement::{Movement, Recorder, Steps, Watch};
 use super::newton::Solver;
 use super::outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
 use super::pair::{InTurn, Pair, both};
@@ -378,12 +378,26 @@ impl BeamModel {
         passed.map_err(|stopped| self.error(&stopped))
     }
 
-    /// The response alone, without the error estimate and the push-downs: for benchmarks.
+    /// The response alone, without the error estimate and the push-downs: peak and residual displacement along the hit \[m\], NaN
+    /// for the residual one after a collapse, and the time of the peak \[s\].
     ///
     /// # Errors
     /// As [`BeamModel::simulate`].
     pub fn respond(&self, hit: &Hit) -> Result<[f64; 3], BeamError> {
-        let passed = self.respond_to(hit, None, &mut ())?;
+        self.respond_in_steps(hit, |_| {})
+    }
+
+    /// The same. `step` is called after each step of time and receives whether the impact point is further along the hit than
+    /// before: for benchmarks, which read a clock.
+    ///
+    /// # Errors
+    /// As [`BeamModel::simulate`].
+    pub fn respond_in_steps(
+        &self,
+        hit: &Hit,
+        step: impl FnMut(bool),
+    ) -> Result<[f64; 3], BeamError> {
+        let passed = self.respond_to(hit, None, &mut Steps(step))?;
         let residual = passed.residual.map_or(f64::NAN, |it| it.displacement[0]);
         Ok([passed.course.largest[0], residual, passed.course.time])
     }

@@ -529,15 +529,14 @@ impl Section {
     }
 
     /// Returns every fibre to its yield surface `|xi| <= strength` or, in the web,
-    /// `xi_s^2 + 3 xi_t^2 <= strength^2`. Tells whether any flows.
+    /// `xi_s^2 + 3 xi_t^2 <= strength^2`. Returns the forces, the stiffness, and whether any fibre flows.
+    #[inline(always)]
     pub fn respond<const SPACE: bool>(
         &self,
         strain: &[f64; 4],
         strength: f64,
         from: &PointState,
-        forces: &mut PointForces,
-        stiffness: &mut PointStiffness,
-    ) -> bool {
+    ) -> (PointForces, PointStiffness, bool) {
         let e = self.steel.young_modulus;
         let kept = self.kept();
         let [axial, bent, weak] = [e * strain[0], e * strain[1], e * strain[2]];
@@ -602,7 +601,7 @@ impl Section {
             }
         }
         let rigidity = self.plain_elastic;
-        *forces = [0.0; 4];
+        let mut forces = [0.0; 4];
         for k in 0..3 {
             forces[k] = rigidity[k] * strain[k] - from.locked[k];
             if flows {
@@ -615,16 +614,19 @@ impl Section {
             [0.0; 6]
         };
         let all = self.elastic;
-        *stiffness = [
+        let stiffness = [
             [all[0] - a, ay, -az, 0.0],
             [ay, all[1] - ayy, ayz, 0.0],
             [-az, ayz, all[2] - azz, 0.0],
             [0.0, 0.0, 0.0, all[3]],
         ];
         if self.web.len() > 0 {
-            flows |= self.respond_web(strain, strength, from, forces, stiffness);
+            // Copies, so that without a sheared web all of this stays in registers.
+            let (mut forces, mut stiffness) = (forces, stiffness);
+            flows |= self.respond_web(strain, strength, from, &mut forces, &mut stiffness);
+            return (forces, stiffness, flows);
         }
-        flows
+        (forces, stiffness, flows)
     }
 
     /// Takes the flow of the fibres under this strain over into their state.

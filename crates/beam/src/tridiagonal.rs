@@ -66,29 +66,35 @@ impl<const D: usize> Tridiagonal<D> {
         negative
     }
 
-    /// Solves in place for one right-hand side.
-    pub fn solve(&self, values: &mut [[f64; D]]) {
-        for node in 1..values.len() {
-            let before = values[node - 1];
-            for (row, value) in self.coupling[node - 1].iter().zip(before) {
-                for k in 0..D {
-                    values[node][k] -= row[k] * value;
+    /// Solves in place for some right-hand sides at once: each step of one waits for the last, but not for those of the others.
+    pub fn solve<const N: usize>(&self, mut sides: [&mut [[f64; D]]; N]) {
+        let nodes = self.diagonal.len();
+        for node in 1..nodes {
+            let coupling = &self.coupling[node - 1];
+            for values in &mut sides {
+                let before = values[node - 1];
+                for (row, value) in coupling.iter().zip(before) {
+                    for k in 0..D {
+                        values[node][k] -= row[k] * value;
+                    }
                 }
             }
         }
-        for node in (0..values.len()).rev() {
-            let mut x = values[node];
-            solve_block(&self.diagonal[node], &mut x);
-            if let Some(next) = values.get(node + 1) {
-                for (value, row) in x.iter_mut().zip(&self.coupling[node]) {
-                    let mut sum = 0.0;
-                    for k in 0..D {
-                        sum += row[k] * next[k];
+        for node in (0..nodes).rev() {
+            for values in &mut sides {
+                let mut x = values[node];
+                solve_block(&self.diagonal[node], &mut x);
+                if let Some(next) = values.get(node + 1) {
+                    for (value, row) in x.iter_mut().zip(&self.coupling[node]) {
+                        let mut sum = 0.0;
+                        for k in 0..D {
+                            sum += row[k] * next[k];
+                        }
+                        *value -= sum;
                     }
-                    *value -= sum;
                 }
+                values[node] = x;
             }
-            values[node] = x;
         }
     }
 }
@@ -181,7 +187,7 @@ mod tests {
         assert_eq!(matrix.factor(), 0);
         let right: Vec<[f64; 3]> = (0..nodes).map(|k| [1.0, k as f64, -2.0]).collect();
         let mut x = right.clone();
-        matrix.solve(&mut x);
+        matrix.solve([&mut x]);
         for node in 0..nodes {
             for i in 0..3 {
                 let mut sum = 0.0;

@@ -381,8 +381,7 @@ mod tests {
         ];
         for (number, to) in path.into_iter().enumerate() {
             let strain = [0.0, 0.0, 0.0, to];
-            let (mut forces, mut stiffness) = ([0.0; 4], [[0.0; 4]; 4]);
-            section.respond::<false>(&strain, 355e6, &state, &mut forces, &mut stiffness);
+            let (forces, _, _) = section.respond::<false>(&strain, 355e6, &state);
             // The same by bisection on the plastic strain.
             let back = |q: f64| (slope * q).clamp(-(most - 1.0) * first, (most - 1.0) * first);
             let beyond = |q: f64| g * (to - q) - back(q);
@@ -409,18 +408,8 @@ mod tests {
         }
         // The stiffness is the derivative of the forces, with normal stress as well.
         let strain = [4e-4, 1e-3, 0.0, 0.03];
-        let at = |strain: &[f64; 4]| {
-            let (mut forces, mut stiffness) = ([0.0; 4], [[0.0; 4]; 4]);
-            section.respond::<false>(
-                strain,
-                355e6,
-                &section.undamaged(),
-                &mut forces,
-                &mut stiffness,
-            );
-            (forces, stiffness)
-        };
-        let (_, stiffness) = at(&strain);
+        let at = |strain: &[f64; 4]| section.respond::<false>(strain, 355e6, &section.undamaged());
+        let (_, stiffness, _) = at(&strain);
         for k in [0, 1, 3] {
             let step = 1e-8;
             let [more, less] = [step, -step].map(|by| {
@@ -474,12 +463,8 @@ mod tests {
                 [1e-3, 0.2, 0.3, 0.02],
                 [-2e-3, -0.8, -0.1, -0.03],
             ] {
-                let at = |strain: &[f64; 4]| {
-                    let (mut forces, mut stiffness) = ([0.0; 4], [[0.0; 4]; 4]);
-                    section.respond::<true>(strain, strength, &state, &mut forces, &mut stiffness);
-                    (forces, stiffness)
-                };
-                let (_, stiffness) = at(&strain);
+                let at = |strain: &[f64; 4]| section.respond::<true>(strain, strength, &state);
+                let (_, stiffness, _) = at(&strain);
                 for k in 0..4 {
                     let step = 1e-9 * [1.0, 10.0, 10.0, 1.0][k];
                     let [more, less] = [step, -step].map(|by| {
@@ -498,11 +483,10 @@ mod tests {
                     }
                 }
                 let before = state.clone();
-                let (forces, _) = at(&strain);
+                let (forces, _, _) = at(&strain);
                 section.flow(&strain, strength, &mut state);
                 // What has flowed flows no further.
-                let (mut again, mut stiffness) = ([0.0; 4], [[0.0; 4]; 4]);
-                section.respond::<true>(&strain, strength, &state, &mut again, &mut stiffness);
+                let (again, _, _) = section.respond::<true>(&strain, strength, &state);
                 for k in 0..4 {
                     let close = 1e-9 * section.elastic()[k];
                     assert!(

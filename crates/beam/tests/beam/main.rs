@@ -3,8 +3,8 @@
 mod base;
 mod bits;
 mod buckling;
+mod cases;
 mod correction;
-mod cost;
 mod found;
 mod hollow;
 mod known;

@@ -1,8 +1,7 @@
 //! Plane hits against OpenSees (`data/fibre_cases.csv`).
 
+use crate::cases::plane_cases;
 use crate::found;
-use crate::reference;
-use crate::reference::{column, hit, support, vehicle};
 use column_beam::BeamModel;
 
 /// The target is 1 %. Two known misses remain: the column of the paper is given by numbers, which the section of
@@ -17,38 +16,19 @@ fn allowed(name: &str, hardening: f64) -> f64 {
 
 #[test]
 fn plane_hits_agree_with_opensees() {
-    let mut reader = csv::Reader::from_reader(include_str!("../data/fibre_cases.csv").as_bytes());
     let (mut wrong, mut rows) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.unwrap();
-        let number = |k: usize| record[k].parse::<f64>().ok();
-        let hardening = match &record[14] {
-            "b=1e-4" => 1e-4,
-            "b=1e-2" => 1e-2,
-            _ => continue,
-        };
-        let mut it = column(&record[1], number(2).unwrap(), hardening);
-        (it.length_below, it.length_above) = (number(3).unwrap(), number(4).unwrap());
-        (it.base, it.top) = (support(&record[5]), support(&record[6]));
-        it.top_spring_stiffness = number(7).unwrap();
-        it.top_load = number(8).unwrap();
-        let mass = number(9).unwrap();
-        let vehicle = number(12).map(|stiffness| vehicle(mass, stiffness, number(13)));
-        let hit = hit(mass, number(10).unwrap(), vehicle, 0.0);
-        let began = std::time::Instant::now();
+    for case in plane_cases() {
+        let (it, hit) = (case.column, case.hit);
         let model = BeamModel::new(&it).unwrap();
-        let made = began.elapsed();
-        let began = reference::cpu();
         let alone = model.respond(&hit).unwrap();
-        let took = reference::cpu() - began;
         let (outcome, _) = model.simulate(&hit, None).unwrap();
-        let ratio = alone[0] / number(15).unwrap();
-        let (remains, expected) = (alone[1], number(17).unwrap());
+        let ratio = alone[0] / case.peak;
+        let (remains, expected) = (alone[1], case.residual);
         println!(
-            "{:16} {:7} v1 {ratio:.4} t {:.4} res {:.4} | {made:?} {took:.1} ms n {} steps {} err {:.1e} ledger {:.1e} cap {:.3e} -> {:.3e}",
-            &record[0],
-            &record[14],
-            alone[2] / number(16).unwrap(),
+            "{:16} {:7} v1 {ratio:.4} t {:.4} res {:.4} | n {} steps {} err {:.1e} ledger {:.1e} cap {:.3e} -> {:.3e}",
+            case.name,
+            case.hardening,
+            alone[2] / case.time,
             remains / expected,
             outcome.elements,
             outcome.steps,
@@ -59,22 +39,22 @@ fn plane_hits_agree_with_opensees() {
         );
         rows.push(format!(
             "{},{},{},{:.5},{ratio:.4},{expected:.5},{:.4}",
-            record[0].trim(),
+            case.name,
             if hit.impact.vehicle.is_some() {
                 "soft"
             } else {
                 "rigid"
             },
-            &record[14],
-            number(15).unwrap(),
+            case.hardening,
+            case.peak,
             remains / expected,
         ));
-        let allowed = allowed(record[0].trim(), hardening);
+        let allowed = allowed(&case.name, it.steel.hardening_ratio);
         if (ratio - 1.0).abs() > allowed || (remains - expected).abs() > allowed * expected + 1e-5 {
             wrong.push(format!(
                 "{} {}: {ratio} {}",
-                &record[0],
-                &record[14],
+                case.name,
+                case.hardening,
                 remains / expected
             ));
         }

@@ -2,6 +2,7 @@
 
 use column_beam::{BeamColumn, BowAxes, Hit, Shape, Steel, Torsion};
 use column_mechanics::{CrushCurve, CrushSpring, Impact, RolledSection, Support, Vehicle};
+use rustix::time::{ClockId, clock_gettime};
 
 /// The sections of `config/sections.csv`.
 pub fn section_names() -> impl Iterator<Item = &'static str> {
@@ -124,9 +125,8 @@ pub fn hit(mass: f64, velocity: f64, vehicle: Option<Vehicle>, degrees: f64) -> 
     }
 }
 
-/// CPU time of this thread \[ms\].
+/// Processor time of this thread \[ms\].
 pub fn cpu() -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanos = text.split(' ').next().and_then(|x| x.parse::<f64>().ok());
-    nanos.unwrap_or(f64::NAN) * 1e-6
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6
 }
