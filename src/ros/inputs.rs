@@ -286,7 +286,7 @@ impl Services {
         rows: Option<Arc<RowImpacts>>,
         receiving: Receiving,
     ) -> Result<Self, NodeError> {
-        let is_fleet = receiving.face().is_fleet();
+        let kind = receiving.face().kind();
         let rows = rows.map(|rows| {
             let events = node.subscription(&qos::ROW_IMPACT_EVENT)?;
             Ok::<_, NodeError>((events, rows))
@@ -294,8 +294,12 @@ impl Services {
         Ok(Self {
             rows: rows.transpose()?,
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
-            reset: (!is_fleet).then(|| node.server(&qos::RESET)).transpose()?,
-            reset_column: is_fleet
+            reset: qos::RESET
+                .is_of(kind)
+                .then(|| node.server(&qos::RESET))
+                .transpose()?,
+            reset_column: qos::RESET_COLUMN
+                .is_of(kind)
                 .then(|| node.server(&qos::RESET_COLUMN))
                 .transpose()?,
             predict: node.server(&qos::PREDICT)?,

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use column_twin::endpoints::Endpoint;
+use column_twin::endpoints::{Endpoint, NodeKind};
 use column_twin::estimation::Intake;
 use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{
@@ -178,9 +178,14 @@ fn diagnostics_at_rest_are_recorded_when_a_level_changes() {
         directory: directory.path().display().to_string(),
         ..parameters().settings().record.clone()
     };
-    let recording = NodeRecording::start(&record, &Topics::of_default_node(), |it| it)
-        .unwrap()
-        .unwrap();
+    let recording = NodeRecording::start(
+        &record,
+        &Topics::of_default_node(NodeKind::Single),
+        Arc::new(["column".into()]),
+        |it| it,
+    )
+    .unwrap()
+    .unwrap();
     let send = |endpoint, bytes: Vec<u8>| recording.sent(endpoint, &bytes.into());
     send(
         &qos::TWIN_STATUS,
@@ -235,8 +240,9 @@ fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
         ..parameters().settings().record.clone()
     };
     let names = Names::new("/", "column_twin", &[]).unwrap();
-    let topics = Topics::resolved(|it| names.resolve(it.kind(), it.name)).unwrap();
-    let recording = NodeRecording::start(&record, &topics, |it| it)
+    let topics =
+        Topics::resolved(NodeKind::Single, |it| names.resolve(it.kind(), it.name)).unwrap();
+    let recording = NodeRecording::start(&record, &topics, Arc::new(["column".into()]), |it| it)
         .unwrap()
         .unwrap();
     let options = LiveOptions {

@@ -19,7 +19,7 @@ use column_twin::messages::{Message as Encoded, cdr};
 use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
-use column_twin::ros::qos::{Endpoint, Qos};
+use column_twin::ros::qos::{Endpoint, NodeKind, Qos};
 use column_twin::ros::{LiveColumns, Names, Node, Publisher, TwinNode, qos};
 use column_twin::twin::Command;
 use serde::de::DeserializeOwned;
@@ -86,9 +86,9 @@ impl RecordedFleet {
         };
         let ids = columns.columns.iter();
         let ids = ids.map(|it| it.parameters.settings().column_id.as_str().into());
-        let recording = NodeRecording::start_of_fleet(
+        let recording = NodeRecording::start(
             &columns.node.settings().record,
-            &Topics::of_default_fleet(),
+            &Topics::of_default_node(NodeKind::Fleet),
             ids.collect(),
             |options| options,
         );
@@ -353,7 +353,11 @@ fn every_recording_of_a_fleet_is_verified_by_itself() {
 
 fn verified(messages: &[Message]) -> Verification {
     let options = WriterOptions::default();
-    let (_directory, path) = written_on(&Topics::of_default_fleet(), &options, messages);
+    let (_directory, path) = written_on(
+        &Topics::of_default_node(NodeKind::Fleet),
+        &options,
+        messages,
+    );
     verify(&path).expect("readable")
 }
 
