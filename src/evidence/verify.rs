@@ -61,12 +61,15 @@ pub enum VerifyError {
     },
 }
 
-/// The identifiers of columns for an error, as many as fit into a line.
+/// The identifiers of columns for an error, as many as fit into a line; `none` without columns.
 #[must_use]
 pub fn listed_columns(
     columns: impl IntoIterator<Item: std::fmt::Debug, IntoIter: ExactSizeIterator>,
 ) -> String {
     let mut rest = columns.into_iter();
+    if rest.len() == 0 {
+        return "none".to_owned();
+    }
     let named = rest.by_ref().take(MAX_NAMED);
     let mut listed = named
         .map(|it| format!("{it:?}"))

@@ -19,6 +19,7 @@ use column_twin::ros::{LiveColumns, Names, TwinNode, qos};
 use column_twin::twin::{Command, Journal, Output, Rejection, RejectionCode};
 
 use super::domain::{Domain, PATIENCE};
+use super::incoming::{Incoming, reader};
 use super::node::slow_impact;
 use super::recorded_twin::{START, parameters, the_one_recording};
 
@@ -263,15 +264,21 @@ fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
         Some(Arc::clone(&recording) as _),
     )
     .unwrap();
-    for id in ["a", "b", "c"] {
+    let mut peer = reader(&domain);
+    let statuses = Incoming::<TwinStatus>::start(&mut peer, &qos::TWIN_STATUS);
+    for (id, accepted) in [("a", 1), ("b", 2), ("c", 3)] {
         slow_impact(&domain, id);
-        // Some of the responses end before.
-        std::thread::sleep(Duration::from_millis(300));
         if id == "b" {
+            // In the middle of the response.
             let source = "test".into();
             twin.execute(0, Command::Reset { source }).unwrap();
+        } else {
+            statuses.find("the end of the response", |it| {
+                it.is_at_rest() && it.events_accepted == accepted
+            });
         }
     }
+    drop(statuses);
     assert!(twin.health().dropped_states > 0, "{:?}", twin.health());
     node.stop();
     recording.stop().unwrap();

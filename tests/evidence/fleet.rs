@@ -19,6 +19,7 @@ use column_twin::messages::{Message as Encoded, cdr};
 use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
+use column_twin::report::ReportDocument;
 use column_twin::ros::qos::{Endpoint, NodeKind, Qos};
 use column_twin::ros::{LiveColumns, Names, Node, Publisher, TwinNode, qos};
 use column_twin::twin::Command;
@@ -282,6 +283,9 @@ fn a_fleet_is_verified_column_by_column() {
         assert!(matches!(none, VerifyError::NoSuchColumn { .. }), "{none}");
         let known = r#"("c0", "c1", "c2", "c3", "c4", "c5"), found "c9""#;
         assert!(none.to_string().contains(known), "{none}");
+        let unnamed = ReportDocument::of_recording(&path, None, None).expect_err("no column");
+        let hint = r#"--column (columns in the recording: "c0", "c1", "c2", "c3")"#;
+        assert!(unnamed.to_string().ends_with(hint), "{unnamed}");
     }
 }
 
