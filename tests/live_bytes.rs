@@ -10,7 +10,7 @@
 //!   end of a response, nor their old and new values, nor the latency; a single twin said that outputs which it could not publish
 //!   before its end were recorded, even without a recording;
 //! - a fleet computed ahead in longer slices and without a bound on the share of the background, which is a matter of time alone;
-//! - the viewer of a fleet did not show measured beside foreseen readings.
+//! - the viewer of a fleet did not show measured beside predicted readings.
 //!
 //! `UPDATE_BYTES=1 cargo test --release --test live_bytes` writes them again, in a commit that says why they change.
 use std::collections::BTreeMap;

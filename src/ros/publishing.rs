@@ -386,7 +386,10 @@ impl Publishing {
     /// without one, for the recording. `at_once` does not wait.
     fn announce_parameters(&mut self, at_once: bool) {
         let readers = || self.matches.count(self.parameter_events.guid());
-        if let Some(of) = self.unannounced.next(at_once, || readers() > 0) {
+        if let Some(of) = self
+            .unannounced
+            .next(Instant::now(), at_once, || readers() > 0)
+        {
             self.announce(of);
         }
     }

@@ -37,13 +37,13 @@ impl Unannounced {
     /// Those that are to be announced now, if any are.
     pub fn next(
         &mut self,
+        now: Instant,
         at_once: bool,
         has_reader: impl FnOnce() -> bool,
     ) -> Option<Option<u32>> {
         if self.left.is_empty() {
             return None;
         }
-        let now = Instant::now();
         if !at_once && now < self.due && !(self.awaits_reader && has_reader()) {
             return None;
         }
@@ -74,21 +74,23 @@ mod tests {
     fn a_fleet_announces_its_node_and_each_column_once() {
         let names = ["a3", "a4", "a5"].map(Into::into).to_vec();
         let mut left = Unannounced::new(&Face::of_many(names.clone(), names));
-        assert_eq!(left.next(false, || false), None);
-        assert_eq!(left.next(false, || true), Some(None));
+        let now = Instant::now();
+        assert_eq!(left.next(now, false, || false), None);
+        assert_eq!(left.next(now, false, || true), Some(None));
         // The next one has to wait, unless its parameters change.
-        assert_eq!(left.next(false, || true), None);
+        assert_eq!(left.next(now, false, || true), None);
         assert!(left.take(1) && !left.take(1));
-        assert_eq!(left.next(true, || true), Some(Some(0)));
-        assert_eq!(left.next(true, || true), Some(Some(2)));
-        assert_eq!(left.next(true, || true), None);
+        let due = now + ANNOUNCEMENT_PERIOD;
+        assert_eq!(left.next(due, false, || false), Some(Some(0)));
+        assert_eq!(left.next(now, true, || true), Some(Some(2)));
+        assert_eq!(left.next(now, true, || true), None);
         assert_eq!(left.wait(), Duration::MAX);
     }
 
     #[test]
     fn a_single_twin_has_no_parameters_beside_those_of_its_column() {
         let mut left = Unannounced::new(&Face::of_one("a3"));
-        assert_eq!(left.next(true, || false), Some(Some(0)));
-        assert_eq!(left.next(true, || false), None);
+        assert_eq!(left.next(Instant::now(), true, || false), Some(Some(0)));
+        assert_eq!(left.next(Instant::now(), true, || false), None);
     }
 }
