@@ -9,7 +9,7 @@ use super::face::Face;
 /// programs takes up to 3.5 s.
 const MAX_WAIT_FOR_READER: Duration = Duration::from_secs(5);
 
-/// Time between two announcements of parameters. That of a column takes some 20 kB, of which a network, and a reader that keeps the
+/// Time between two announcements of parameters. That of a column takes some 10 kB, of which a network, and a reader that keeps the
 /// newest 1000 messages, are to be spared a burst from a fleet of 2000 columns.
 const ANNOUNCEMENT_PERIOD: Duration = Duration::from_millis(10);
 
