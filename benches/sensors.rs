@@ -146,7 +146,7 @@ fn intake() {
         batches
     });
     assert_eq!(batches.len(), messages.len(), "nothing is lost");
-    let queue = MeasurementQueue::new();
+    let queue = MeasurementQueue::default();
     let (queueing, count) = part("queue", || {
         let mut count = 0;
         for batch in &batches {

@@ -11,22 +11,21 @@ pub struct Endpoint {
     pub direction: Direction,
     /// Quality of service; for a service, that of requests and replies.
     pub qos: Qos,
-    /// Which nodes have it.
-    pub owner: Owner,
+    /// Which nodes have it; `None`: all.
+    pub owner: Option<NodeKind>,
     /// Whether its messages are recorded.
     pub is_recorded: bool,
     /// Whether it shows columns at rest as well, again and again. The others tell what follows from an impact.
     pub shows_rest: bool,
 }
 
-/// The nodes that have an endpoint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Owner {
-    /// All.
-    Every,
-    /// Those of a single twin; in a fleet it is in the namespaces of the columns, if anywhere.
+/// What a node shows of its columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NodeKind {
+    /// One column, under the names of the node. What only such a node has is in the namespaces of the columns of a fleet, if anywhere.
+    #[default]
     Single,
-    /// Those of a fleet.
+    /// Columns that share topics and services, so that messages name their column.
     Fleet,
 }
 
@@ -84,7 +83,7 @@ impl Endpoint {
             type_name,
             direction,
             qos,
-            owner: Owner::Every,
+            owner: None,
             is_recorded: false,
             shows_rest: false,
         }
@@ -92,14 +91,14 @@ impl Endpoint {
 
     const fn single(self) -> Self {
         Self {
-            owner: Owner::Single,
+            owner: Some(NodeKind::Single),
             ..self
         }
     }
 
     const fn fleet(self) -> Self {
         Self {
-            owner: Owner::Fleet,
+            owner: Some(NodeKind::Fleet),
             ..self
         }
     }
@@ -118,15 +117,10 @@ impl Endpoint {
         }
     }
 
-    /// Whether the node of a fleet has it, or that of a single twin.
+    /// Whether a node of this kind has it.
     #[must_use]
-    pub fn is_of(&self, is_fleet: bool) -> bool {
-        self.owner
-            != if is_fleet {
-                Owner::Single
-            } else {
-                Owner::Fleet
-            }
+    pub fn is_of(&self, kind: NodeKind) -> bool {
+        self.owner.is_none_or(|owner| owner == kind)
     }
 
     /// Package and bare name of the type.

@@ -214,10 +214,7 @@ impl Gathered {
     /// Checks that there is something to show, of one column.
     fn check_column(&self, bag: &Path) -> Result<(), Failure> {
         let bag = bag.display();
-        let with_states = match self.with_states.is_empty() {
-            true => "none".to_owned(),
-            false => listed_columns(&self.with_states),
-        };
+        let with_states = listed_columns(&self.with_states);
         let reason = match &self.wanted {
             Some(wanted) if !self.known.contains(wanted) => {
                 let known = listed_columns(&self.known);

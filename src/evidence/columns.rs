@@ -8,10 +8,12 @@ use super::comparison::Place;
 use super::inputs::Inputs;
 use super::journal_line::{JournalEntry, JournalLine};
 use super::lines::Gap;
-use super::measured::{Measured, UNREADABLE};
+use super::measured::UNREADABLE;
 use super::parameter_events::ParameterEvents;
+use super::policy::UNNAMED;
 use super::replayer::Replayer;
 use super::verification::{ColumnCheck, Verification};
+use crate::endpoints::NodeKind;
 use crate::estimation::SharedPreparations;
 use crate::messages::cdr;
 use crate::messages::column_twin_msgs::Measurement;
@@ -32,7 +34,7 @@ pub(super) struct Column {
 
 /// The columns that a recording has told of so far.
 pub(super) struct Columns {
-    /// By their identifiers; that of a single twin is empty here.
+    /// By their identifiers, or [`UNNAMED`].
     columns: BTreeMap<Arc<str>, Column>,
     /// The identifiers of the columns of a fleet.
     fleet: Option<BTreeSet<Arc<str>>>,
@@ -74,6 +76,22 @@ impl Columns {
         self.fleet.as_ref()
     }
 
+    /// The kind of the node that made the recording.
+    pub fn kind(&self) -> NodeKind {
+        match self.fleet {
+            Some(_) => NodeKind::Fleet,
+            None => NodeKind::Single,
+        }
+    }
+
+    /// The column to which a message belongs that names this one. A single twin takes all of them, even if they cannot be read.
+    pub fn addressed<E>(&self, named: impl FnOnce() -> Result<String, E>) -> Result<String, E> {
+        match self.kind().names_columns() {
+            true => named(),
+            false => Ok(UNNAMED.to_owned()),
+        }
+    }
+
     /// Whether a message belongs to a column that is to be verified. One that belongs to no column of the fleet is a difference.
     pub fn is_wanted(&self, column_id: &str, place: &Place<'_>, found: &mut Verification) -> bool {
         let fleet = self.fleet();
@@ -83,7 +101,7 @@ impl Columns {
             found.note_difference(difference);
             return false;
         }
-        let is_wanted = fleet.is_none() || self.is_verified(column_id);
+        let is_wanted = self.is_verified(column_id);
         if !is_wanted {
             found.of_other_columns += 1;
         }
@@ -91,25 +109,23 @@ impl Columns {
     }
 
     fn is_verified(&self, column_id: &str) -> bool {
+        let is_asked_for = || self.only.as_deref().is_none_or(|it| it == column_id);
         let fleet = self.fleet.as_ref();
-        fleet.is_some_and(|fleet| fleet.contains(column_id))
-            && self.only.as_deref().is_none_or(|it| it == column_id)
+        fleet.is_none_or(|fleet| fleet.contains(column_id) && is_asked_for())
     }
 
     /// Takes a message on measurements.
     pub fn measurement(&mut self, message: &Message, place: &Place<'_>, found: &mut Verification) {
         let decoded = cdr::decode::<Measurement>(&message.data);
-        let mut column_id = String::new();
-        if self.fleet.is_some() {
-            match &decoded {
-                Ok(measurement) => column_id.clone_from(&measurement.column_id),
-                Err(error) => {
-                    // It may be of any column.
-                    self.lose_measurements(UNREADABLE, found);
-                    return found.note_difference(place.unreadable(&error));
-                }
+        let named = || decoded.as_ref().map(|it| it.column_id.clone());
+        let column_id = match self.addressed(named) {
+            Ok(column_id) => column_id,
+            Err(error) => {
+                // It may be of any column.
+                self.lose_measurements(UNREADABLE, found);
+                return found.note_difference(place.unreadable(&error));
             }
-        }
+        };
         if self.is_wanted(&column_id, place, found) {
             self.in_column(&column_id, found, |column, found| {
                 let measured = &mut column.replayer.estimates.measured;
@@ -150,7 +166,7 @@ impl Columns {
             _ => return,
         };
         // Nobody asked for this column, or it is unknown, which the handling of the entry itself reports.
-        if self.fleet.is_some() && !self.is_verified(column) {
+        if !self.is_verified(column) {
             return;
         }
         self.in_column(column, found, |column, found| {
@@ -166,17 +182,12 @@ impl Columns {
         found: &mut Verification,
         work: impl FnOnce(&mut Column, &mut Verification) -> T,
     ) -> T {
-        let (of_fleet, continues_at) = (self.fleet.is_some(), self.continues_at);
+        let (kind, continues_at) = (self.kind(), self.continues_at);
         let new = || {
-            let replayer = Replayer::new(self.keeps_outputs, self.declares_losses);
-            let mut replayer = replayer.of(of_fleet, self.known.clone());
-            if of_fleet {
-                replayer.estimates.measured = Measured::of_fleet();
-                replayer.estimates.shared = Some(self.prepared.clone());
-            }
+            let replayer = Replayer::new(kind, self.keeps_outputs, self.declares_losses);
             let mut column = Column {
                 inputs: Inputs::default(),
-                replayer,
+                replayer: replayer.sharing(self.known.clone(), self.prepared.clone()),
                 parameter_events: ParameterEvents::default(),
                 early: [0; Topic::COUNT],
                 has_checkpoint: false,
@@ -190,7 +201,7 @@ impl Columns {
             Some(column) => column,
             None => self.columns.entry(column_id.into()).or_insert_with(new),
         };
-        if !of_fleet {
+        if !kind.names_columns() {
             return work(column, found);
         }
         let before = found.counts();
@@ -220,7 +231,7 @@ impl Columns {
         self.latest = self.latest.max(now);
     }
 
-    /// Frees what the columns of a fleet know of responses to which no impact belongs any more, as they did themselves.
+    /// Frees what the columns know of responses to which no impact belongs any more, as they did themselves.
     pub fn forget_what_is_too_old(&mut self) {
         for column in self.columns.values_mut() {
             column.replayer.forget_what_is_too_old(self.latest);

@@ -11,14 +11,15 @@ use crate::estimation::{
     SharedPreparations,
 };
 use crate::parameters::Parameters;
+use crate::time::Nanos;
 use crate::twin::{Command, MergedEvent};
 
 /// Checks the estimates of a recording.
 #[derive(Debug, Default)]
 pub(super) struct EstimateCheck {
     pub measured: Measured,
-    /// What is prepared for several columns of a fleet; `None` for a single twin.
-    pub shared: Option<SharedPreparations>,
+    /// What is prepared for all columns.
+    shared: SharedPreparations,
     /// The parameters of the twin, and those before them: the estimator may not have followed the last change yet when an
     /// impact came.
     parameters: [Option<Arc<Parameters>>; 2],
@@ -42,6 +43,15 @@ struct Unchecked {
 }
 
 impl EstimateCheck {
+    /// Keeps measurements for this time \[ns\], and shares what is prepared with the checks of other columns.
+    pub fn new(kept_for: Nanos, shared: SharedPreparations) -> Self {
+        Self {
+            measured: Measured::kept_for(kept_for),
+            shared,
+            ..Self::default()
+        }
+    }
+
     /// Takes the parameters that hold from now on.
     pub fn parameters(&mut self, parameters: &Arc<Parameters>) {
         let [now, before] = &mut self.parameters;
@@ -135,10 +145,7 @@ impl EstimateCheck {
             // What was prepared for an earlier impact may hold for this one.
             let prepared = self.recomputation.take();
             let prepared = prepared.filter(|(of, _)| Arc::ptr_eq(of, parameters));
-            let new = || match &self.shared {
-                Some(shared) => Recomputation::sharing(parameters, shared.clone()),
-                None => Recomputation::new(parameters),
-            };
+            let new = || Recomputation::sharing(parameters, self.shared.clone());
             let prepared = prepared.unwrap_or_else(|| (Arc::clone(parameters), new()));
             let (_, recomputation) = self.recomputation.insert(prepared);
             let outcome = recomputation.repeat(recorded, batch).map_err(why);

@@ -9,6 +9,7 @@ use super::selection::{Levels, Selection};
 use crate::endpoints::{self, Endpoint};
 use crate::messages::cdr;
 use crate::messages::column_twin_msgs::{FleetStatus, TwinStatus};
+use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::parameters::{RecordMode, RecordSettings};
 use crate::time::Nanos;
 use crate::twin::{CHECKPOINT_PERIOD, Command, CommandRecord, Journal};
@@ -138,6 +139,10 @@ impl Selection for FleetRecording {
         if endpoint.name == endpoints::TWIN_STATUS.name {
             return self.takes_status(bytes);
         }
+        // A column that nothing happens to costs nothing here; the others tell their parameters before their first command.
+        if endpoint.name == endpoints::PARAMETER_EVENTS.name && announces(bytes) {
+            return false;
+        }
         if !self.events_only || !self.activity.is_idle(now) {
             return true;
         }
@@ -150,6 +155,11 @@ impl Selection for FleetRecording {
         let of_all = cdr::decode::<FleetStatus>(bytes).is_ok_and(|status| status.of_all);
         !of_all && std::mem::take(&mut self.owes_status)
     }
+}
+
+/// Whether an event on parameters tells of new ones, as at the start.
+fn announces(event: &[u8]) -> bool {
+    cdr::decode::<ParameterEvent>(event).is_ok_and(|it| !it.new_parameters.is_empty())
 }
 
 /// Whether a command follows from a received message.

@@ -18,10 +18,6 @@ const MAX_BATCHES: usize = 1 << 16;
 /// Most samples in them, 64 MB: 100 s of 16 sensors at 10 kHz.
 const MAX_SAMPLES: usize = 1 << 24;
 
-/// Time for which the batches of a column of a fleet are kept \[ns\], beside the other bounds: there may be thousands of columns. An
-/// estimate that has to wait for others, or for its responses, comes some seconds after its data.
-const KEPT_OF_A_COLUMN: Nanos = 30_000_000_000;
-
 /// Before the first checkpoint.
 const NO_CHECKPOINT: &str = "the journal does not state the first measurement that it counts";
 
@@ -57,10 +53,10 @@ impl Default for Measured {
 }
 
 impl Measured {
-    /// Those of a column of a fleet.
-    pub fn of_fleet() -> Self {
+    /// None, which will be kept for this time \[ns\].
+    pub fn kept_for(kept_for: Nanos) -> Self {
         Self {
-            kept_for: KEPT_OF_A_COLUMN,
+            kept_for,
             ..Self::default()
         }
     }

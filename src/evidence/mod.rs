@@ -36,6 +36,7 @@
 // - measured.rs: The recorded measurements as the numbered batches that the estimator of the node was given
 // - node_recording.rs: The recording of a running node
 // - parameter_events.rs: Compares the messages on `/parameter_events` with the parameters of the recomputed twin
+// - policy.rs: In what the recordings of the two kinds of nodes differ; all else is the same for both
 // - replayed_twin.rs: A twin that repeats the recorded one, with what it gives out until the recorded messages are found
 // - replayer.rs: Replays a recorded journal with a twin of its own, and compares the outputs with the recorded messages
 // - selection.rs: What a recording has of what its node does: the policies of a single twin and of a fleet
@@ -63,6 +64,7 @@ mod losses;
 mod measured;
 mod node_recording;
 mod parameter_events;
+mod policy;
 mod replayed_twin;
 mod replayer;
 mod selection;

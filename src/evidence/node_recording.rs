@@ -10,7 +10,7 @@ use super::fleet_recording::FleetRecording;
 use super::journal_line::JournalEntry;
 use super::selection::{Selection, SingleRecording};
 use super::topics::Topics;
-use crate::endpoints::{self, Endpoint};
+use crate::endpoints::{self, Endpoint, NodeKind};
 use crate::estimation::{Intake, IntakeState};
 use crate::live::{QueueStats, WhenFull};
 use crate::outgoing::{RecordingHealth, RecordingTap};
@@ -82,45 +82,16 @@ impl Open {
 }
 
 impl NodeRecording {
-    /// Starts the recording of a single twin as the parameters describe it, with `options` adjusted by the caller; `None` if
-    /// `record.mode` is `off`.
+    /// Starts the recording of a node with these topics and columns as the parameters describe it, with `options` adjusted by the
+    /// caller; `None` if `record.mode` is `off`. Of a fleet, both modes leave out the status of columns at rest, which need no place
+    /// in the recording before they execute a command.
     ///
     /// # Errors
     /// The directory cannot be written, or the thread cannot be started.
     pub fn start(
         record: &RecordSettings,
         topics: &Topics,
-        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
-    ) -> Result<Option<Arc<Self>>, RecordingError> {
-        let single = SingleRecording::new(record.mode == RecordMode::Events);
-        Self::start_with(record, topics, Box::new(single), options)
-    }
-
-    /// As [`start`](Self::start) of a fleet of these columns, with the topics of a fleet. Both modes leave out the status of columns
-    /// at rest, which need no place in the recording before they execute a command.
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
-    pub fn start_of_fleet(
-        record: &RecordSettings,
-        topics: &Topics,
         columns: Arc<[Arc<str>]>,
-        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
-    ) -> Result<Option<Arc<Self>>, RecordingError> {
-        let fleet = FleetRecording::new(columns, record);
-        let started = Self::start_with(record, topics, Box::new(fleet), options)?;
-        if let Some(recording) = &started {
-            let mut open = recording.open();
-            let now = open.now();
-            recording.list_columns(&mut open, now, true);
-        }
-        Ok(started)
-    }
-
-    fn start_with(
-        record: &RecordSettings,
-        topics: &Topics,
-        selection: Box<dyn Selection>,
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Result<Option<Arc<Self>>, RecordingError> {
         let events_only = match record.mode {
@@ -130,17 +101,25 @@ impl NodeRecording {
         };
         let options = options(recording::recorder_options(record, SystemTime::now())?);
         let recorder = Recorder::start(options, topics.declared()?)?;
-        Ok(Some(Arc::new(Self {
+        let recording = Self {
             intakes: RwLock::default(),
             open: Mutex::new(Open {
                 clock: Box::new(system_time),
                 recorder: Some(recorder),
                 encoder: EntryEncoder::new(topics, events_only),
-                selection,
+                selection: match topics.kind() {
+                    NodeKind::Single => Box::new(SingleRecording::new(events_only)),
+                    NodeKind::Fleet => Box::new(FleetRecording::new(columns, record)),
+                },
                 last_time: 0,
             }),
             unencoded: AtomicU64::new(0),
-        })))
+        };
+        let mut open = recording.open();
+        let now = open.now();
+        recording.list_columns(&mut open, now, true);
+        drop(open);
+        Ok(Some(Arc::new(recording)))
     }
 
     /// Takes the times of what follows from this clock instead of the system: in a test, hours pass at once.
@@ -169,7 +148,7 @@ impl NodeRecording {
         intakes.get(&column.map(str::to_owned)).map(Arc::clone)
     }
 
-    /// Lists the columns of a fleet where it is due and another recording can begin; `begins` as in [`Selection::due_list`].
+    /// Lists the columns where it is due and another recording can begin; `begins` as in [`Selection::due_list`].
     fn list_columns(&self, open: &mut Open, now: i64, begins: bool) {
         if let Some(list) = open.selection.due_list(now, begins) {
             self.line(open, list, None, now, None);

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::comparison::{Difference, Place};
+use super::policy::UNNAMED;
 use super::verification::Verification;
 use crate::messages::cdr;
 use crate::messages::rcl_interfaces::{Parameter, ParameterEvent, ParameterValue};
@@ -24,19 +25,6 @@ struct Event {
 }
 
 impl ParameterEvents {
-    /// Takes a recorded event.
-    pub fn message(&mut self, bytes: &[u8], place: &Place<'_>, found: &mut Verification) {
-        found.parameter_events.recorded += 1;
-        let event: ParameterEvent = match cdr::decode(bytes) {
-            Ok(event) => event,
-            Err(error) => {
-                found.parameter_events.unexpected += 1;
-                return found.note_difference(place.unreadable(&error));
-            }
-        };
-        self.take(event, place, found);
-    }
-
     /// Takes a recorded event whose names are those of the parameters of the column.
     fn take(&mut self, event: ParameterEvent, place: &Place<'_>, found: &mut Verification) {
         let node = self.node.get_or_insert_with(|| event.node.clone());
@@ -88,30 +76,42 @@ impl ParameterEvents {
     }
 }
 
-/// A recorded event of a fleet, whose parameters have the names of one column before theirs.
+/// A recorded event about one column.
 #[derive(Debug)]
-pub(super) struct EventOfFleet {
+pub(super) struct EventOfColumn {
+    /// [`UNNAMED`] if the names of the parameters do not begin with that of the column.
     pub column_id: Arc<str>,
     /// With the names of the parameters in the column.
     event: ParameterEvent,
 }
 
-impl EventOfFleet {
-    /// Reads a recorded event; the error is the reason, as it is found in the recording.
-    pub fn decode(bytes: &[u8], fleet: &BTreeSet<Arc<str>>) -> Result<Self, String> {
-        let mut event: ParameterEvent =
-            cdr::decode(bytes).map_err(|error| format!("not readable ({error})"))?;
+impl EventOfColumn {
+    /// Reads a recorded event of a fleet of these columns, or of a single twin; the error is the difference.
+    pub fn decode(
+        bytes: &[u8],
+        fleet: Option<&BTreeSet<Arc<str>>>,
+        place: &Place<'_>,
+    ) -> Result<Self, Difference> {
+        let mut event: ParameterEvent = cdr::decode(bytes).map_err(|it| place.unreadable(&it))?;
+        let Some(fleet) = fleet else {
+            let column_id = UNNAMED.into();
+            return Ok(Self { column_id, event });
+        };
+        let other = |name: &str| {
+            let own = "parameters of one column of the fleet";
+            place.difference("the message", format!("a change of {name:?}"), own)
+        };
         let first = event.changed_parameters.first().map_or("", |it| &it.name);
         // An identifier may contain dots.
         let column_id = first
             .rmatch_indices('.')
             .find_map(|(dot, _)| fleet.get(&first[..dot]))
             .cloned()
-            .ok_or_else(|| format!("a change of {first:?}"))?;
+            .ok_or_else(|| other(first))?;
         for parameter in &mut event.changed_parameters {
             let name = parameter.name.strip_prefix(&*column_id);
             let name = name.and_then(|it| it.strip_prefix('.'));
-            let name = name.ok_or_else(|| format!("a change of {:?}", parameter.name))?;
+            let name = name.ok_or_else(|| other(&parameter.name))?;
             parameter.name = name.to_owned();
         }
         Ok(Self { column_id, event })

@@ -7,6 +7,7 @@ use super::comparison::{Difference, Place};
 use super::forecasts::{Forecasts, FoundForecast};
 use super::verification::Verification;
 use crate::column::ModelError;
+use crate::endpoints::NodeKind;
 use crate::estimation::MAX_EVENTS;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin_msgs::{ColumnState, ImpactReport, TwinStatus};
@@ -41,8 +42,8 @@ pub(super) struct ReplayedTwin {
     pub must_report: bool,
     /// The newest events that are the same impact as an estimate.
     pub merged: VecDeque<MergedEvent>,
-    /// It is a column of a fleet, which publishes no joint states and markers.
-    of_fleet: bool,
+    /// Only what such a node has is recorded.
+    kind: NodeKind,
 }
 
 /// Most merged events that are kept: an estimate rests on fewer.
@@ -86,7 +87,7 @@ pub(super) struct Found {
 }
 
 impl ReplayedTwin {
-    pub fn new(checkpoint: &Checkpoint, of_fleet: bool) -> Result<Self, ModelError> {
+    pub fn new(checkpoint: &Checkpoint, kind: NodeKind) -> Result<Self, ModelError> {
         Ok(Self {
             twin: Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos))?,
             outgoing: Outgoing::new(&checkpoint.parameters),
@@ -99,7 +100,7 @@ impl ReplayedTwin {
             has_ended: false,
             must_report: false,
             merged: VecDeque::new(),
-            of_fleet,
+            kind,
         })
     }
 
@@ -256,9 +257,9 @@ impl ReplayedTwin {
         is_misplaced: bool,
     ) -> Option<Message> {
         let mut messages = Vec::new();
-        let of_fleet = self.of_fleet;
+        let kind = self.kind;
         self.outgoing.convert(&Output::State(state), |message| {
-            if !of_fleet || message.column_id().is_some() {
+            if message.topic().endpoint().is_of(kind) {
                 messages.push(message);
             }
         });

@@ -7,6 +7,8 @@ use super::comparison::{Difference, Place, seconds};
 use super::estimates::EstimateCheck;
 use super::replayed_twin::{Found, ReplayedTwin, compare, note_missing};
 use super::verification::Verification;
+use crate::endpoints::NodeKind;
+use crate::estimation::SharedPreparations;
 use crate::messages::cdr::CdrError;
 use crate::messages::column_twin_msgs::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
@@ -50,28 +52,28 @@ pub(super) struct Replayer {
     pub estimates: EstimateCheck,
     /// The recording declares losses, or is damaged: a message that is not expected may belong to what is missing.
     declares_losses: bool,
-    /// It is a column of a fleet.
-    of_fleet: bool,
+    kind: NodeKind,
     /// What was computed in the background for other columns.
     known: KnownResults,
 }
 
 impl Replayer {
-    /// A replayer of a recording that declares losses or is damaged, or not; it keeps the recomputed states and reports for an
-    /// observer, if there is one.
-    pub fn new(keeps_outputs: bool, declares_losses: bool) -> Self {
+    /// A replayer of a column of such a node, whose recording declares losses or is damaged, or not; it keeps the recomputed states
+    /// and reports for an observer, if there is one.
+    pub fn new(kind: NodeKind, keeps_outputs: bool, declares_losses: bool) -> Self {
         Self {
             keeps_outputs,
             declares_losses,
+            kind,
             ..Self::default()
         }
     }
 
-    /// The replayer of a column of a fleet, or of a single twin, with what other columns share with it.
-    pub fn of(self, of_fleet: bool, known: KnownResults) -> Self {
+    /// The replayer with what all columns share.
+    pub fn sharing(self, known: KnownResults, prepared: SharedPreparations) -> Self {
         Self {
-            of_fleet,
             known,
+            estimates: EstimateCheck::new(self.kind.keeps_measurements(), prepared),
             ..self
         }
     }
@@ -92,9 +94,10 @@ impl Replayer {
         Some(Arc::clone(replayed.twin.parameters()))
     }
 
-    /// Frees what the twin of a fleet knows of a response to which no impact at this time or later belongs any more.
+    /// Frees what the twin knows of a response to which no impact at this time or later belongs any more, if the recorded one did.
     pub fn forget_what_is_too_old(&mut self, now: Nanos) {
-        if let Some(replayed) = self.replayed.as_mut().filter(|_| self.of_fleet) {
+        if let (true, Some(replayed)) = (self.kind.has_checkpoints_on_demand(), &mut self.replayed)
+        {
             replayed.twin.forget_what_is_too_old(now);
         }
     }
@@ -187,7 +190,7 @@ impl Replayer {
     /// Starts a new twin at a checkpoint.
     fn start_from(&mut self, checkpoint: &Checkpoint, place: &Place<'_>, found: &mut Verification) {
         self.end_replay(false, found);
-        match ReplayedTwin::new(checkpoint, self.of_fleet) {
+        match ReplayedTwin::new(checkpoint, self.kind) {
             Ok(mut replayed) => {
                 if let Some(vehicles) = &checkpoint.critical_velocities {
                     let task = replayed.twin.task_at_rest();

@@ -7,7 +7,7 @@ use super::entry_encoder::EntryEncoder;
 use super::journal_line::{JournalEntry, JournalError};
 use super::topics::Topics;
 use crate::column::{ImpactSpecification, ModelError, Report};
-use crate::endpoints::{self, Endpoint};
+use crate::endpoints::{self, Endpoint, NodeKind};
 use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
@@ -92,7 +92,7 @@ pub fn record_impact(
         ..ImpactEvent::from(&impact)
     };
     let mut twin = Twin::new(parameters.clone(), None, Box::new(monotonic_nanos), origin)?;
-    let topics = Topics::of_default_node();
+    let topics = Topics::of_default_node(NodeKind::Single);
     let mut recorder = ImpactRecorder {
         writer: Writer::create(directory, options, &topics.declared()?)?,
         encoder: EntryEncoder::new(&topics, false),

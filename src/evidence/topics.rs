@@ -2,19 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use crate::endpoints::{self, ENDPOINTS, Endpoint};
+use crate::endpoints::{self, ENDPOINTS, Endpoint, NodeKind};
 use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// The topics whose messages become commands.
 pub(super) const INPUTS: [&Endpoint; 2] = [&endpoints::IMPACT_EVENT, &endpoints::COLUMN_PARAMETERS];
 
-/// The endpoints that are recorded of a single twin or of a fleet: those that it has.
-fn recorded(of_fleet: bool) -> Vec<&'static Endpoint> {
+/// The endpoints of such a node that are recorded.
+fn recorded(kind: NodeKind) -> Vec<&'static Endpoint> {
     let all = std::iter::once(&endpoints::JOURNAL).chain(ENDPOINTS);
-    let mut recorded: Vec<_> = all
-        .filter(|it| it.is_recorded && it.is_of(of_fleet))
-        .collect();
+    let mut recorded: Vec<_> = all.filter(|it| it.is_recorded && it.is_of(kind)).collect();
     // The log is the last one, as in all recordings.
     recorded.sort_by_key(|it| it.name == endpoints::ROSOUT.name);
     recorded
@@ -26,58 +24,45 @@ const NODE: &str = "column_twin";
 /// The topics of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topics {
+    kind: NodeKind,
     endpoints: Vec<&'static Endpoint>,
     /// In the order of the endpoints.
     names: Vec<String>,
 }
 
 impl Topics {
-    /// The topics of a single twin with the names that `resolve` returns.
+    /// The topics of such a node with the names that `resolve` returns.
     ///
     /// # Errors
     /// The first error of `resolve`.
-    pub fn resolved<E>(resolve: impl FnMut(&Endpoint) -> Result<String, E>) -> Result<Self, E> {
-        Self::of(false, resolve)
-    }
-
-    /// The topics of a fleet with the names that `resolve` returns.
-    ///
-    /// # Errors
-    /// The first error of `resolve`.
-    pub fn resolved_of_fleet<E>(
+    pub fn resolved<E>(
+        kind: NodeKind,
         resolve: impl FnMut(&Endpoint) -> Result<String, E>,
     ) -> Result<Self, E> {
-        Self::of(true, resolve)
-    }
-
-    fn of<E>(
-        of_fleet: bool,
-        resolve: impl FnMut(&Endpoint) -> Result<String, E>,
-    ) -> Result<Self, E> {
-        let endpoints = recorded(of_fleet);
+        let endpoints = recorded(kind);
         let names: Result<_, E> = endpoints.iter().copied().map(resolve).collect();
         Ok(Self {
+            kind,
             endpoints,
             names: names?,
         })
     }
 
-    /// The topics of a node `/column_twin` without remapping.
+    /// The topics of such a node that is called `/column_twin`, without remapping.
     #[must_use]
-    pub fn of_default_node() -> Self {
-        Self::of_default(false)
-    }
-
-    /// The topics of the node `/column_twin` of a fleet without remapping.
-    #[must_use]
-    pub fn of_default_fleet() -> Self {
-        Self::of_default(true)
-    }
-
-    fn of_default(of_fleet: bool) -> Self {
-        let endpoints = recorded(of_fleet);
+    pub fn of_default_node(kind: NodeKind) -> Self {
+        let endpoints = recorded(kind);
         let names = endpoints.iter().copied().map(default_name).collect();
-        Self { endpoints, names }
+        Self {
+            kind,
+            endpoints,
+            names,
+        }
+    }
+
+    /// The kind of node that has them.
+    pub(super) fn kind(&self) -> NodeKind {
+        self.kind
     }
 
     /// The topics as the recorder needs them.
@@ -133,7 +118,7 @@ mod tests {
 
     #[test]
     fn topics_have_the_names_of_a_default_node() {
-        let topics = Topics::of_default_node();
+        let topics = Topics::of_default_node(NodeKind::Single);
         let names: Vec<_> = topics
             .declared()
             .expect("definitions")
@@ -156,7 +141,7 @@ mod tests {
                 .map(|it| it.name)
                 .collect()
         };
-        let of_one = left_out(Topics::of_default_node());
+        let of_one = left_out(Topics::of_default_node(NodeKind::Single));
         assert_eq!(
             of_one,
             [
@@ -167,7 +152,7 @@ mod tests {
             ]
         );
         // A row is recorded as the impacts that it is for its columns. The others show one column.
-        let of_fleet = left_out(Topics::of_default_fleet());
+        let of_many = left_out(Topics::of_default_node(NodeKind::Fleet));
         let absent = [
             "row_impact_event",
             "joint_states",
@@ -175,10 +160,7 @@ mod tests {
             "/clock",
             "~/transition_event",
         ];
-        assert!(
-            absent.iter().all(|it| of_fleet.contains(it)),
-            "{of_fleet:?}"
-        );
-        assert_eq!(of_fleet.len(), absent.len(), "{of_fleet:?}");
+        assert!(absent.iter().all(|it| of_many.contains(it)), "{of_many:?}");
+        assert_eq!(of_many.len(), absent.len(), "{of_many:?}");
     }
 }

@@ -11,7 +11,8 @@ use super::fleet_statuses::FleetStatuses;
 use super::inputs;
 use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::lines::{Gap, Lines};
-use super::parameter_events::EventOfFleet;
+use super::parameter_events::EventOfColumn;
+use super::policy::UNNAMED;
 use super::replayer::RecordedBytes;
 use super::topics::INPUTS;
 use super::verification::Verification;
@@ -20,9 +21,6 @@ use crate::estimation::SensorComparison;
 use crate::outgoing::{Message, Topic};
 use crate::recording::{self, Reader, RecordingError};
 use crate::twin::{Journal, Output};
-
-/// The column of a single twin: its name is known from its first checkpoint only.
-const SINGLE: &str = "";
 
 /// Most columns that an error lists.
 const MAX_NAMED: usize = 20;
@@ -63,12 +61,15 @@ pub enum VerifyError {
     },
 }
 
-/// The identifiers of columns for an error, as many as fit into a line.
+/// The identifiers of columns for an error, as many as fit into a line; `none` without columns.
 #[must_use]
 pub fn listed_columns(
     columns: impl IntoIterator<Item: std::fmt::Debug, IntoIter: ExactSizeIterator>,
 ) -> String {
     let mut rest = columns.into_iter();
+    if rest.len() == 0 {
+        return "none".to_owned();
+    }
     let named = rest.by_ref().take(MAX_NAMED);
     let mut listed = named
         .map(|it| format!("{it:?}"))
@@ -304,15 +305,11 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
 
     /// Takes a message that becomes a command.
     fn input(&mut self, input: usize, message: &recording::Message, place: &Place<'_>) {
-        let mut column_id = String::new();
-        if self.columns.fleet().is_some() {
-            match inputs::column_of(input, &message.data) {
-                Ok(id) => column_id = id,
-                Err(error) => {
-                    return self.found.note_difference(place.unreadable(&error));
-                }
-            }
-        }
+        let named = || inputs::column_of(input, &message.data);
+        let column_id = match self.columns.addressed(named) {
+            Ok(column_id) => column_id,
+            Err(error) => return self.found.note_difference(place.unreadable(&error)),
+        };
         if !self.columns.is_wanted(&column_id, place, &mut self.found) {
             return;
         }
@@ -326,14 +323,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
 
     /// Takes a message about parameters.
     fn parameter_event(&mut self, bytes: &[u8], place: &Place<'_>) {
-        let Some(fleet) = self.columns.fleet() else {
-            return self
-                .columns
-                .in_column(SINGLE, &mut self.found, |column, found| {
-                    column.parameter_events.message(bytes, place, found);
-                });
-        };
-        match EventOfFleet::decode(bytes, fleet) {
+        match EventOfColumn::decode(bytes, self.columns.fleet(), place) {
             Ok(event) => {
                 let column_id = Arc::clone(&event.column_id);
                 if self.columns.is_wanted(&column_id, place, &mut self.found) {
@@ -343,9 +333,9 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                         });
                 }
             }
-            Err(read) => {
-                let own = "parameters of one column of the fleet";
-                let difference = place.difference("the message", read, own);
+            Err(difference) => {
+                self.found.parameter_events.recorded += 1;
+                self.found.parameter_events.unexpected += 1;
                 self.found.note_difference(difference);
             }
         }
@@ -354,21 +344,21 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
     /// Takes a message of the twin.
     fn of_twin(&mut self, topic: Topic, message: &recording::Message, place: &Place<'_>) {
         let decoded = Message::decode(topic, &message.data);
-        let of_fleet = self.columns.fleet().is_some();
-        let column_id = match &decoded {
-            Ok(decoded) => {
-                self.found.note_losses(decoded, message.log_time);
-                if let (Message::TwinStatus(status), true) = (decoded, of_fleet) {
-                    self.statuses.reported(status);
-                }
-                decoded.column_id().filter(|_| of_fleet)
+        if let Ok(decoded) = &decoded {
+            self.found.note_losses(decoded, message.log_time);
+            if let Message::TwinStatus(status) = decoded {
+                self.statuses.reported(status);
             }
-            Err(error) if of_fleet => {
-                return self.found.note_difference(place.unreadable(&error));
-            }
-            Err(_) => None,
+        }
+        let named = || {
+            decoded
+                .as_ref()
+                .map(|it| it.column_id().unwrap_or_default().to_owned())
         };
-        let column_id = column_id.unwrap_or(SINGLE).to_owned();
+        let column_id = match self.columns.addressed(named) {
+            Ok(column_id) => column_id,
+            Err(error) => return self.found.note_difference(place.unreadable(&error)),
+        };
         if !self.columns.is_wanted(&column_id, place, &mut self.found) {
             return;
         }
@@ -379,8 +369,10 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             bytes: &message.data,
             message: decoded,
         };
-        // What a column of a fleet does is preceded by its checkpoint, except after what the recording declares.
-        let is_early = of_fleet && !self.lines.is_late && !self.declares_losses;
+        // What a column does is then preceded by its checkpoint, except after what the recording declares.
+        let is_early = self.columns.kind().has_checkpoints_on_demand()
+            && !self.lines.is_late
+            && !self.declares_losses;
         self.columns
             .in_column(&column_id, &mut self.found, |column, found| {
                 if column.has_checkpoint {
@@ -416,7 +408,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         }
         self.columns.gap(gap, place.log_time, found);
         let is_measured = self.lines.count(line, gap, is_first, place, found);
-        let of_fleet = self.columns.fleet().is_some();
+        let kind = self.columns.kind();
         let is_known = is_measured && matches!(gap, Gap::None | Gap::Earlier(0));
         self.columns.measured_before(line, is_known, place, found);
         let is_wanted = match &line.entry {
@@ -432,20 +424,24 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 self.lines.ended = true;
                 true
             }
-            JournalEntry::RejectedByNode { stamp, .. } if of_fleet && line.column_id.is_none() => {
+            JournalEntry::RejectedByNode { stamp, .. }
+                if kind.names_columns() && line.column_id.is_none() =>
+            {
                 // A request whose sender is not admitted names no column.
                 rejected_by_node(*stamp, line.recorded, place, &mut self.found);
                 true
             }
             entry => {
-                let column_id = line.column_id.as_deref().unwrap_or(SINGLE);
+                let column_id = line.column_id.as_deref().unwrap_or(UNNAMED);
                 let is_wanted = self.columns.is_wanted(column_id, place, &mut self.found);
                 if is_wanted {
                     let is_continued = is_first || matches!(gap, Gap::Earlier(_));
                     self.entry(entry, column_id, line.recorded, is_continued, place);
                 }
                 // The forecasts of a response are known to be missing at its end.
-                if !of_fleet && matches!(entry, JournalEntry::Twin(Journal::Checkpoint(_))) {
+                if !kind.has_checkpoints_on_demand()
+                    && matches!(entry, JournalEntry::Twin(Journal::Checkpoint(_)))
+                {
                     self.settle(place);
                 }
                 is_wanted
@@ -492,7 +488,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         is_continued: bool,
         place: &Place<'_>,
     ) {
-        let of_fleet = self.columns.fleet().is_some();
+        let kind = self.columns.kind();
         if let JournalEntry::Twin(Journal::Command(record)) = entry {
             self.columns.at(record.now);
         }
@@ -521,13 +517,13 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 match entry {
                     Journal::Checkpoint(checkpoint) => {
                         let own = &checkpoint.parameters.settings().column_id;
-                        if of_fleet && own != column_id {
+                        if kind.names_columns() && own != column_id {
                             let wanted = format!("{column_id:?}, as the line has it");
                             let own = format!("{own:?}");
                             found.note_difference(place.difference("column_id", own, wanted));
                         }
-                        // The first checkpoint of a column of a fleet precedes its first command, whatever its number is.
-                        let is_continued = !of_fleet && checkpoint.number > 0;
+                        let is_continued =
+                            !kind.has_checkpoints_on_demand() && checkpoint.number > 0;
                         column.inputs.checkpoint(own, is_continued, place.log_time);
                     }
                     Journal::Command(record) => {
@@ -557,7 +553,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
 
     fn finish(mut self) -> Result<Verification, VerifyError> {
         let wholeness = self.reader.wholeness();
-        if self.found.checkpoints == 0 && self.columns.fleet().is_none() {
+        if self.found.checkpoints == 0 && !self.columns.kind().has_checkpoints_on_demand() {
             let wholeness = wholeness.to_string();
             return Err(VerifyError::NoCheckpoint { wholeness });
         }

@@ -57,15 +57,9 @@ pub struct MeasurementQueue {
 }
 
 impl MeasurementQueue {
-    /// An empty queue, allocated at once.
+    /// An empty queue for so many columns, allocated at once.
     #[must_use]
-    pub fn new() -> Self {
-        Self::of_fleet(1)
-    }
-
-    /// An empty queue for a fleet of so many columns, allocated at once.
-    #[must_use]
-    pub fn of_fleet(columns: usize) -> Self {
+    pub fn new(columns: usize) -> Self {
         let capacity = columns.saturating_mul(QUEUED_BATCHES_OF_A_COLUMN);
         let capacity = capacity.clamp(MAX_QUEUED_BATCHES, MAX_QUEUED_BATCHES_OF_A_FLEET);
         Self {
@@ -77,12 +71,12 @@ impl MeasurementQueue {
         }
     }
 
-    /// An empty queue that also remembers the newest batches for those who look at them.
+    /// An empty queue for one column that also remembers the newest batches for those who look at them.
     #[must_use]
     pub fn remembering() -> Self {
         Self {
             recent: Some(Arc::default()),
-            ..Self::new()
+            ..Self::default()
         }
     }
 
@@ -187,8 +181,9 @@ impl MeasurementQueue {
 }
 
 impl Default for MeasurementQueue {
+    /// That of one column.
     fn default() -> Self {
-        Self::new()
+        Self::new(1)
     }
 }
 
@@ -213,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_oldest_of_too_many_batches_are_lost_and_missing_in_the_serial_numbers() {
-        let queue = MeasurementQueue::new();
+        let queue = MeasurementQueue::default();
         let most = MAX_QUEUED_BATCHES as u64;
         for _ in 0..most + 3 {
             queue.push(batch(1));
@@ -229,7 +224,7 @@ mod tests {
 
     #[test]
     fn many_samples_in_few_batches_are_bounded_too() {
-        let queue = MeasurementQueue::new();
+        let queue = MeasurementQueue::default();
         for _ in 0..5 {
             queue.push(batch(MAX_QUEUED_SAMPLES / 4));
         }
@@ -244,7 +239,7 @@ mod tests {
 
     #[test]
     fn the_columns_of_a_fleet_have_their_own_numbers_and_losses() {
-        let queue = MeasurementQueue::of_fleet(3);
+        let queue = MeasurementQueue::new(3);
         for column in [2, 0, 2, 7] {
             queue.push_of(column, batch(1));
         }
@@ -257,13 +252,13 @@ mod tests {
         }
         assert_eq!([0, 1, 2, 7].map(|it| queue.lost_of(it)), [1, 0, 0, 0]);
         assert_eq!(queue.lost(), 1);
-        let most = MeasurementQueue::of_fleet(2000).stats();
+        let most = MeasurementQueue::new(2000).stats();
         assert_eq!(most.capacity, MAX_QUEUED_BATCHES_OF_A_FLEET);
     }
 
     #[test]
     fn a_batch_before_the_wait_ends_it() {
-        let queue = MeasurementQueue::new();
+        let queue = MeasurementQueue::default();
         queue.push(batch(1));
         queue.wait(Duration::MAX);
         assert_eq!(serials(&queue), [0]);

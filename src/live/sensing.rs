@@ -54,15 +54,8 @@ pub struct Deliver(Arc<TakeEstimate>);
 type TakeEstimate = dyn Fn(u32, EstimateRecord) -> Result<(), Rejection> + Send + Sync;
 
 impl Deliver {
-    /// Passes every estimate to `take`.
+    /// Passes every estimate to `take`, with the index of its column.
     pub fn new(
-        take: impl Fn(EstimateRecord) -> Result<(), Rejection> + Send + Sync + 'static,
-    ) -> Self {
-        Self::of_fleet(move |_, record| take(record))
-    }
-
-    /// Passes every estimate of a fleet to `take`, with the index of its column.
-    pub(super) fn of_fleet(
         take: impl Fn(u32, EstimateRecord) -> Result<(), Rejection> + Send + Sync + 'static,
     ) -> Self {
         Self(Arc::new(take))
@@ -626,7 +619,7 @@ mod tests {
         measurements: &Arc<MeasurementQueue>,
     ) -> (super::super::LiveHandle, Receiver<EstimateRecord>) {
         let (sender, estimates) = sync_channel(1_000);
-        let deliver = Deliver::new(move |record| {
+        let deliver = Deliver::new(move |_, record| {
             let _ = sender.send(record);
             Ok(())
         });
@@ -689,7 +682,7 @@ mod tests {
             reserved: Vec::new(),
             libraries: None,
         };
-        let deliver = Deliver::new(|_| Ok(()));
+        let deliver = Deliver::new(|_, _| Ok(()));
         let mut sensing = Loop::new(measurements, deliver, surroundings, Arc::default());
         for _ in 0..3 {
             sensing.take_news();

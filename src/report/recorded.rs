@@ -80,14 +80,18 @@ pub enum RecordedReportError {
     Column(VerifyError),
     /// It is of a fleet, and no column was named.
     #[error(
-        "expected the recording of one column, found the recording of a fleet of {columns} in {}; name the column with --column",
-        path.display()
+        "expected the recording of one column, found the recording of a fleet of {columns} in {}; name the column with --column (columns \
+         in the recording: {})",
+        path.display(),
+        evidence::listed_columns(present)
     )]
     Fleet {
         /// The recording.
         path: PathBuf,
         /// Number of its columns.
         columns: usize,
+        /// Those of which it has messages.
+        present: Vec<String>,
     },
     /// It is not a recording of this program, or nothing happened in it.
     #[error(
@@ -137,13 +141,15 @@ impl ReportDocument {
         }
         if column_id.is_none()
             && let Ok(Verification {
-                fleet: Some(columns),
+                fleet: Some(fleet),
+                columns,
                 ..
             }) = &verification
         {
             return Err(RecordedReportError::Fleet {
                 path: path.to_path_buf(),
-                columns: *columns,
+                columns: *fleet,
+                present: columns.keys().cloned().collect(),
             });
         }
         let (mut events, _) = recording::summarise_events(&reader)?;

@@ -4,12 +4,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::endpoints::NodeKind;
 use crate::twin::{Rejection, RejectionCode};
 
 /// The columns of a node, and how others tell them apart.
 #[derive(Debug)]
 pub struct Face {
-    is_fleet: bool,
+    kind: NodeKind,
     ids: Vec<Arc<str>>,
     names: Vec<Arc<str>>,
     by_id: HashMap<Arc<str>, u32>,
@@ -19,31 +20,36 @@ impl Face {
     /// The face of a single twin.
     pub(super) fn of_one(column_id: &str) -> Self {
         let id: Arc<str> = column_id.into();
-        Self::new(false, vec![Arc::clone(&id)], vec![id])
+        Self::new(NodeKind::Single, vec![Arc::clone(&id)], vec![id])
     }
 
     /// The face of a fleet, of which these are the identifiers and the full names.
     pub(super) fn of_many(ids: Vec<Arc<str>>, names: Vec<Arc<str>>) -> Self {
-        Self::new(true, ids, names)
+        Self::new(NodeKind::Fleet, ids, names)
     }
 
-    fn new(is_fleet: bool, ids: Vec<Arc<str>>, names: Vec<Arc<str>>) -> Self {
+    fn new(kind: NodeKind, ids: Vec<Arc<str>>, names: Vec<Arc<str>>) -> Self {
         Self {
-            is_fleet,
+            kind,
             by_id: ids.iter().map(Arc::clone).zip(0..).collect(),
             ids,
             names,
         }
     }
 
+    /// What the node shows of its columns.
+    pub(super) fn kind(&self) -> NodeKind {
+        self.kind
+    }
+
     /// Whether the columns share topics.
     pub(super) fn is_fleet(&self) -> bool {
-        self.is_fleet
+        self.kind == NodeKind::Fleet
     }
 
     /// What the node is, in a sentence.
     pub(super) fn noun(&self) -> &'static str {
-        match self.is_fleet {
+        match self.is_fleet() {
             true => "fleet",
             false => "twin",
         }
@@ -76,7 +82,7 @@ impl Face {
     /// The column that takes a message; `None` if the message is to be ignored. A single twin takes all of them, and rejects by itself
     /// what is for another column.
     pub(super) fn addressed(&self, column_id: &str) -> Option<u32> {
-        match self.is_fleet {
+        match self.is_fleet() {
             true => self.index_of(column_id),
             false => Some(0),
         }
@@ -88,7 +94,7 @@ impl Face {
         if let Some(column) = self.index_of(column_id) {
             return Ok(column);
         }
-        let reason = match self.is_fleet {
+        let reason = match self.is_fleet() {
             false if column_id.is_empty() => return Ok(0),
             false => format!(
                 "the request is for column {column_id:?}, but this is the twin of column {:?}",
@@ -104,12 +110,12 @@ impl Face {
 
     /// The column as a recording names it, see [`RecordingTap`](crate::outgoing::RecordingTap).
     pub(super) fn recorded(&self, column: u32) -> Option<&str> {
-        self.is_fleet.then(|| self.id(column))
+        self.is_fleet().then(|| self.id(column))
     }
 
     /// Names the column in a line of the log, after a preposition such as "of"; empty for a single twin.
     pub(super) fn words(&self, preposition: &str, column: u32) -> String {
-        match self.is_fleet {
+        match self.is_fleet() {
             true => format!(" {preposition} column {:?}", self.id(column)),
             false => String::new(),
         }
@@ -119,7 +125,7 @@ impl Face {
     /// that of the column.
     pub(super) fn topic_of(&self, column: u32, topic: &str) -> String {
         let name = self.names.get(column as usize);
-        match name.filter(|_| self.is_fleet && !topic.starts_with(['/', '~'])) {
+        match name.filter(|_| self.is_fleet() && !topic.starts_with(['/', '~'])) {
             Some(namespace) => format!("{namespace}/{topic}"),
             None => topic.to_owned(),
         }
@@ -127,7 +133,7 @@ impl Face {
 
     /// How the full name of a parameter of a column begins.
     pub(super) fn parameter_prefix(&self, column: u32) -> String {
-        match self.is_fleet {
+        match self.is_fleet() {
             true => format!("{}.", self.id(column)),
             false => String::new(),
         }

@@ -12,7 +12,7 @@ use ros2_client::parameters::raw;
 use ros2_client::rcl_interfaces::{ListParametersRequest, SetParametersRequest};
 use serde_json::Value as Json;
 
-use crate::endpoints::{Direction, ENDPOINTS, Endpoint};
+use crate::endpoints::{Direction, ENDPOINTS, Endpoint, NodeKind};
 use crate::host_header::is_name_of_this_machine;
 use crate::messages::column_twin_msgs::{PredictImpactRequest, ResetColumnRequest};
 use crate::messages::{self, INTERFACES, cdr};
@@ -66,12 +66,12 @@ impl NodeFoxglove {
         if wanted.mode == FoxgloveMode::Off {
             return Ok(None);
         }
-        let is_fleet = columns.face().is_fleet();
+        let kind = columns.face().kind();
         let published: Vec<_> = ENDPOINTS
             .iter()
-            .filter(|it| it.direction == Direction::Out && is_published(it, is_fleet))
+            .filter(|it| it.direction == Direction::Out && is_published(it, kind))
             .collect();
-        let services = offered(is_fleet, wanted.control);
+        let services = offered(kind, wanted.control);
         let channels: Result<_, _> = published.iter().map(|it| channel(it, names)).collect();
         let described: Result<_, _> = services.iter().map(|it| service(it, names)).collect();
         let handler = Answers {
@@ -168,18 +168,21 @@ impl NodeFoxglove {
 }
 
 /// Whether a topic shows all columns or the node; its lifecycle is left to the programs that manage it.
-fn is_published(endpoint: &Endpoint, is_fleet: bool) -> bool {
-    endpoint.is_of(is_fleet) && endpoint.name != qos::TRANSITION_EVENT.name
+fn is_published(endpoint: &Endpoint, kind: NodeKind) -> bool {
+    endpoint.is_of(kind) && endpoint.name != qos::TRANSITION_EVENT.name
 }
 
 /// The services that are offered; those that change something only under control.
-fn offered(is_fleet: bool, control: bool) -> Vec<&'static Endpoint> {
-    let reset = match is_fleet {
-        true => &qos::RESET_COLUMN,
-        false => &qos::RESET,
-    };
-    let reset = control.then_some(reset);
-    [Some(&qos::PREDICT), reset].into_iter().flatten().collect()
+fn offered(kind: NodeKind, control: bool) -> Vec<&'static Endpoint> {
+    let all = [
+        (&qos::PREDICT, true),
+        (&qos::RESET, control),
+        (&qos::RESET_COLUMN, control),
+    ];
+    let offered = all
+        .into_iter()
+        .filter(|(it, is_offered)| *is_offered && it.is_of(kind));
+    offered.map(|(it, _)| it).collect()
 }
 
 fn channel(endpoint: &Endpoint, names: &Names) -> Result<Channel, NodeError> {
@@ -374,13 +377,16 @@ mod tests {
 
     #[test]
     fn a_reset_is_offered_only_under_control() {
-        let names = |is_fleet, control| -> Vec<_> {
-            let offered = offered(is_fleet, control).into_iter();
+        let names = |kind, control| -> Vec<_> {
+            let offered = offered(kind, control).into_iter();
             offered.map(|it| it.name).collect()
         };
-        assert_eq!(names(false, false), ["~/predict"]);
-        assert_eq!(names(false, true), ["~/predict", "~/reset"]);
-        assert_eq!(names(true, true), ["~/predict", "~/reset_column"]);
+        assert_eq!(names(NodeKind::Single, false), ["~/predict"]);
+        assert_eq!(names(NodeKind::Single, true), ["~/predict", "~/reset"]);
+        assert_eq!(
+            names(NodeKind::Fleet, true),
+            ["~/predict", "~/reset_column"]
+        );
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The inputs of the node: impact events, parameters, the clock, and service requests.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use futures::channel::oneshot;
@@ -12,6 +12,7 @@ use ros2_client::{Gid, MessageInfo};
 
 use crate::incoming::{column_command, impact_command, nanos};
 use crate::live::BACKGROUND_THREAD;
+use crate::messages::INTERFACES;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin_msgs::{
     ColumnParameters, ConfirmEstimateRequest, ConfirmEstimateResponse, CorrectDamageRequest,
@@ -36,9 +37,16 @@ use super::receiving::{Receiving, each, named};
 use super::requests;
 use super::task::spawn;
 use super::transport::{Server, Subscription};
-use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 use ros_node::guid_prefix::GuidPrefix;
 use ros_node::missed::Missed;
+use ros_node::type_descriptions::{
+    GetTypeDescriptionRequest, GetTypeDescriptionResponse, TypeDescriptions,
+};
+
+/// What the types of the node look like.
+static DESCRIPTIONS: LazyLock<TypeDescriptions<'static>> = LazyLock::new(|| {
+    TypeDescriptions::new(INTERFACES).expect("the definitions are complete, which is tested")
+});
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}
@@ -192,7 +200,7 @@ impl NodeServices {
                 &qos::GET_TYPE_DESCRIPTION,
                 self.descriptions.as_ref(),
                 &self.receiving.counters,
-                |request| type_descriptions::describe(&request),
+                |request| DESCRIPTIONS.answer(&request),
             ),
         );
     }
@@ -286,7 +294,7 @@ impl Services {
         rows: Option<Arc<RowImpacts>>,
         receiving: Receiving,
     ) -> Result<Self, NodeError> {
-        let is_fleet = receiving.face().is_fleet();
+        let kind = receiving.face().kind();
         let rows = rows.map(|rows| {
             let events = node.subscription(&qos::ROW_IMPACT_EVENT)?;
             Ok::<_, NodeError>((events, rows))
@@ -294,8 +302,12 @@ impl Services {
         Ok(Self {
             rows: rows.transpose()?,
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
-            reset: (!is_fleet).then(|| node.server(&qos::RESET)).transpose()?,
-            reset_column: is_fleet
+            reset: qos::RESET
+                .is_of(kind)
+                .then(|| node.server(&qos::RESET))
+                .transpose()?,
+            reset_column: qos::RESET_COLUMN
+                .is_of(kind)
                 .then(|| node.server(&qos::RESET_COLUMN))
                 .transpose()?,
             predict: node.server(&qos::PREDICT)?,
@@ -603,5 +615,33 @@ fn set_column(receiving: &Receiving, message: &ColumnParameters, info: &MessageI
             );
             receiving.not_taken(Some(column), endpoint, what, &rejection);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::endpoints::{Direction, ENDPOINTS};
+    use crate::messages::find;
+
+    #[test]
+    fn every_type_of_the_program_is_described() {
+        // Two types without fields or with equal ones would have one hash if the name were not part of it.
+        let names: Vec<_> = DESCRIPTIONS
+            .all()
+            .map(|it| it.type_description.type_name.as_str())
+            .collect();
+        let mut services: Vec<_> = ENDPOINTS
+            .iter()
+            .filter(|it| it.direction == Direction::Service)
+            .map(|it| it.type_name)
+            .filter(|it| find(&format!("{it}_Request")).is_some())
+            .collect();
+        services.sort_unstable();
+        services.dedup();
+        assert!(services.iter().all(|it| names.contains(it)), "{names:?}");
+        // Those behind `ros2 param` are of the client library.
+        assert_eq!(services.len(), 9, "{services:?}");
+        assert_eq!(names.len(), INTERFACES.len() + services.len());
     }
 }

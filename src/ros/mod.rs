@@ -67,8 +67,7 @@
 // - transport.rs: The endpoints of a node, whichever transport carries their messages: DDS by ros2-client, or Zenoh
 // - transport_error.rs: What a transport could not do, in the words of its library
 // - twin_node.rs: The node of one column or many: all topics and services, in separate threads
-// - type_descriptions.rs: `~/get_type_description`: what the types of the node look like, as every node of rclcpp and rclpy
-//   answers it
+// - unannounced.rs: Which parameters have not been announced on `/parameter_events` as new yet, and when they are
 // - utc.rs: A time for people
 // - zenoh/: Zenoh as the transport of a node, as `rmw_zenoh` speaks it: its keys with type hashes, its liveliness tokens for
 //   the graph, its attachments, and CDR
@@ -125,7 +124,7 @@ mod task;
 mod transport;
 mod transport_error;
 mod twin_node;
-mod type_descriptions;
+mod unannounced;
 mod utc;
 #[cfg_attr(not(feature = "zenoh"), path = "zenoh_absent.rs")]
 mod zenoh;

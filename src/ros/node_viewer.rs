@@ -33,7 +33,7 @@ pub(super) fn measurement_queue(parameters: &Parameters) -> MeasurementQueue {
     let is_shown = cfg!(feature = "viewer") && parameters.settings().viewer.mode != ViewerMode::Off;
     match is_shown {
         true => MeasurementQueue::remembering(),
-        false => MeasurementQueue::new(),
+        false => MeasurementQueue::default(),
     }
 }
 

@@ -117,7 +117,7 @@ fn place<'a>(columns: &impl Configurable, full_name: &'a str) -> Option<Place<'a
 }
 
 /// Whether each column has this parameter for itself.
-fn is_of_a_column(face: &Face, name: &str) -> bool {
+pub(super) fn is_of_a_column(face: &Face, name: &str) -> bool {
     !face.is_fleet() || !is_of_the_fleet(name)
 }
 
@@ -504,20 +504,22 @@ fn result(outcome: Result<String, String>) -> raw::SetParametersResult {
     }
 }
 
-/// The message on `/parameter_events` after a change from `before` to `now`; at the start there is no `before`, and all
-/// parameters are new.
+/// The message on `/parameter_events` after a change from `before` to `now` of the parameters whose names are among the `own` ones; at
+/// the start there is no `before`, and all of these are new.
 pub(super) fn event(
     node: String,
     stamp: i64,
     before: Option<&Parameters>,
     now: &Parameters,
+    own: impl Fn(&str) -> bool,
 ) -> Option<raw::ParameterEvent> {
+    let all = now.iter().filter(|(it, _)| own(it.name));
     let (new, changed) = match before {
-        None => (now.iter().map(entry).collect(), vec![]),
+        None => (all.map(entry).collect(), vec![]),
         Some(before) => {
             let changed = now.changed_from(before).into_iter();
             let names: HashSet<_> = changed.map(|it| it.name).collect();
-            let changed = now.iter().filter(|(it, _)| names.contains(it.name));
+            let changed = all.filter(|(it, _)| names.contains(it.name));
             (vec![], changed.map(entry).collect())
         }
     };
@@ -958,7 +960,8 @@ mod tests {
         let values = get(&fixed(&now), &request).values;
         assert_eq!(values[0].double_array, [3.0, 4.5]);
         assert_eq!(values[1].string_array, ["damage_20"]);
-        let event = event("/n".to_owned(), 5, Some(&before), &now).expect("both have changed");
+        let event =
+            event("/n".to_owned(), 5, Some(&before), &now, |_| true).expect("both have changed");
         let changed = event.changed_parameters.iter();
         let changed: Vec<_> = changed
             .map(|it| (it.name.as_str(), it.value.ptype))
@@ -1054,7 +1057,7 @@ mod tests {
             &DescribeParametersRequest { names: unknown },
         );
         assert!(described.values.iter().all(|it| it.name.is_empty()));
-        let first = event("/n".to_owned(), 5, None, &parameters).expect("all are new");
+        let first = event("/n".to_owned(), 5, None, &parameters, |_| true).expect("all are new");
         let announced: Vec<_> = first.new_parameters.iter().map(|it| &it.name).collect();
         assert!(names.iter().all(|name| announced.contains(&name)));
     }
@@ -1075,11 +1078,12 @@ mod tests {
         let before = Parameters::default();
         let now = before.with_changes([("top.load", 1e5)].map(|(n, v)| (n, Value::Double(v))));
         let now = now.expect("a valid change");
-        let first = event("/n".to_owned(), 5, None, &before).expect("all are new");
+        let first = event("/n".to_owned(), 5, None, &before, |_| true).expect("all are new");
         assert_eq!(first.new_parameters.len(), PARAMETERS.len());
-        let change = event("/n".to_owned(), 5, Some(&before), &now).expect("one has changed");
+        let change =
+            event("/n".to_owned(), 5, Some(&before), &now, |_| true).expect("one has changed");
         assert_eq!(change.changed_parameters[0].name, "top.load");
         assert_eq!(change.changed_parameters.len(), 1);
-        assert!(event("/n".to_owned(), 5, Some(&now), &now).is_none());
+        assert!(event("/n".to_owned(), 5, Some(&now), &now, |_| true).is_none());
     }
 }

@@ -14,7 +14,7 @@ use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::{Message, Outgoing, Topic};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, is_of_the_fleet};
 use crate::twin::{Accepted, Output, ParametersChanged, TwinPhase};
 
 use super::counters::NodeCounters;
@@ -30,6 +30,7 @@ use super::qos;
 use super::security_health::security_health;
 use super::sending::{Sending, encoded};
 use super::transport::Publisher;
+use super::unannounced::Unannounced;
 use ros_node::clock_watch::SeldomWarning;
 use ros_node::matches::Matches;
 use ros_node::raw::Raw;
@@ -37,10 +38,6 @@ use ros_node::security::{Peers, Protection};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
-
-/// Maximum wait for a first reader of `/parameter_events` before the parameters are announced without one. Discovery between ROS 2
-/// programs takes up to 3.5 s.
-const MAX_WAIT_FOR_READER: Duration = Duration::from_secs(5);
 
 /// How long the status is published after the last response of a managed node that is not active: until that of a fleet has been told
 /// as well.
@@ -72,9 +69,7 @@ pub(super) struct Publishing {
     converters: HashMap<u32, Outgoing>,
     /// The parameters of the columns whose parameters have changed since the start.
     changed_parameters: HashMap<u32, Arc<Parameters>>,
-    /// The parameters of a single twin have not been published as new: until then with the deadline for the first reader. Those of a
-    /// fleet would not fit into a message.
-    unannounced: Option<Instant>,
+    unannounced: Unannounced,
     /// The parameters of a single twin that wait for the end of the response.
     waiting: Vec<String>,
     /// The status of a single twin.
@@ -126,7 +121,7 @@ impl Publishing {
             frame_id: of_single(&settings.frame_id),
             converters: HashMap::new(),
             changed_parameters: HashMap::new(),
-            unannounced: is_single.then(|| Instant::now() + MAX_WAIT_FOR_READER),
+            unannounced: Unannounced::new(columns.face()),
             waiting: Vec::new(),
             status: TwinStatus {
                 column_id: of_single(&settings.column_id),
@@ -259,6 +254,7 @@ impl Publishing {
     fn wait(&self) -> Duration {
         let since = self.last_diagnostics.as_ref().map(|(at, _)| at.elapsed());
         let rest = since.map_or(Duration::ZERO, |it| DIAGNOSTICS_PERIOD.saturating_sub(it));
+        let rest = rest.min(self.unannounced.wait());
         let fleet = self.fleet.as_ref();
         fleet.map_or(rest, |it| it.wait(&self.sending.columns, rest))
     }
@@ -389,20 +385,28 @@ impl Publishing {
     /// Publishes all parameters as new, once: as soon as there is a reader, which is only then matched, or after a while
     /// without one, for the recording. `at_once` does not wait.
     fn announce_parameters(&mut self, at_once: bool) {
-        let Some(deadline) = self.unannounced else {
-            return;
-        };
         let readers = || self.matches.count(self.parameter_events.guid());
-        if !at_once && Instant::now() < deadline && readers() == 0 {
-            return;
+        if let Some(of) = self
+            .unannounced
+            .next(Instant::now(), at_once, || readers() > 0)
+        {
+            self.announce(of);
         }
-        self.unannounced = None;
-        let parameters = Arc::clone(self.sending.columns.initial_parameters(0));
-        self.send_parameter_event(0, None, &parameters);
+    }
+
+    fn announce(&self, of: Option<u32>) {
+        let columns = &self.sending.columns;
+        let parameters = match of {
+            Some(column) => columns.initial_parameters(column),
+            None => columns.node_parameters(),
+        };
+        self.send_parameter_event(of, None, parameters);
     }
 
     fn parameters_changed(&mut self, column: u32, changed: ParametersChanged) {
-        self.announce_parameters(true);
+        if self.unannounced.take(column) {
+            self.announce(Some(column));
+        }
         let ParametersChanged {
             names,
             change,
@@ -422,18 +426,32 @@ impl Publishing {
             .changed_parameters
             .insert(column, Arc::clone(&parameters))
             .unwrap_or_else(|| Arc::clone(columns.initial_parameters(column)));
-        self.send_parameter_event(column, Some(&before), &parameters);
+        self.send_parameter_event(Some(column), Some(&before), &parameters);
     }
 
-    /// Publishes which parameters of a column have other values now, and logs them.
-    fn send_parameter_event(&self, column: u32, before: Option<&Parameters>, now: &Parameters) {
+    /// Publishes which parameters of a column, or of the node of a fleet, are new or have other values now, and logs the latter.
+    fn send_parameter_event(
+        &self,
+        column: Option<u32>,
+        before: Option<&Parameters>,
+        now: &Parameters,
+    ) {
         let columns = &self.sending.columns;
         let (node, stamp) = (self.fully_qualified.clone(), columns.now());
-        let Some(mut event) = parameter_services::event(node, stamp, before, now) else {
+        let face = columns.face();
+        let is_own = |name: &str| match column {
+            Some(_) => parameter_services::is_of_a_column(face, name),
+            None => is_of_the_fleet(name),
+        };
+        let Some(mut event) = parameter_services::event(node, stamp, before, now, is_own) else {
             return;
         };
-        let face = columns.face();
-        let (of, prefix) = (face.words("of", column), face.parameter_prefix(column));
+        let (of, prefix) = column.map_or_else(Default::default, |column| {
+            (face.words("of", column), face.parameter_prefix(column))
+        });
+        for it in &mut event.new_parameters {
+            it.name.insert_str(0, &prefix);
+        }
         for it in &mut event.changed_parameters {
             let name = &it.name;
             let old = before.and_then(|it| it.get(name));

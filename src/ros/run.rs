@@ -7,7 +7,7 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use signal_hook::consts::SIGTERM;
 
 #[cfg(feature = "record")]
-use crate::endpoints::Endpoint;
+use crate::endpoints::{Endpoint, NodeKind};
 use crate::live::LiveOptions;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{
@@ -109,6 +109,35 @@ enum Loaded {
     Many(Box<FleetColumns>),
 }
 
+impl Loaded {
+    #[cfg(feature = "record")]
+    fn kind(&self) -> NodeKind {
+        match self {
+            Self::One(_) => NodeKind::Single,
+            Self::Many(_) => NodeKind::Fleet,
+        }
+    }
+
+    /// The parameters of the node.
+    fn node(&self) -> &Parameters {
+        match self {
+            Self::One(parameters) => parameters,
+            Self::Many(fleet) => &fleet.node,
+        }
+    }
+
+    /// The settings of the columns.
+    fn columns(&self) -> Vec<&Settings> {
+        match self {
+            Self::One(parameters) => vec![parameters.settings()],
+            Self::Many(fleet) => {
+                let columns = fleet.columns.iter();
+                columns.map(|it| it.parameters.settings()).collect()
+            }
+        }
+    }
+}
+
 /// Runs the node of a single twin until SIGINT or SIGTERM, or that of a fleet if the parameter files name several columns.
 ///
 /// # Errors
@@ -160,11 +189,8 @@ pub fn try_alarms(options: &RunOptions) -> Result<Option<Vec<column_alarm::Tried
         &options.ros.remap_rules,
     )?;
     let (loaded, _) = load(options, &for_parameters(&names))?;
-    let settings = match &loaded {
-        Loaded::One(parameters) => parameters.settings(),
-        Loaded::Many(columns) => columns.node.settings(),
-    };
-    let tried = super::alarms::try_out(&settings.alarm, &names.fully_qualified());
+    let alarm = &loaded.node().settings().alarm;
+    let tried = super::alarms::try_out(alarm, &names.fully_qualified());
     Ok(tried?)
 }
 
@@ -202,13 +228,7 @@ fn run_loaded(
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     check_types(&names)?;
     let (loaded, mut warnings) = load(&for_parameters(&names))?;
-    warnings.extend(match &loaded {
-        Loaded::One(parameters) => check_overrides(parameters, [parameters.settings()], &names)?,
-        Loaded::Many(fleet) => {
-            let columns = fleet.columns.iter().map(|it| it.parameters.settings());
-            check_overrides(&fleet.node, columns, &names)?
-        }
-    });
+    warnings.extend(check_overrides(loaded.node(), loaded.columns(), &names)?);
     // Before anything starts or is written.
     check_address_space()?;
     check_transport(environment)?;
@@ -226,10 +246,7 @@ fn run_loaded(
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
-    log_folders(match &loaded {
-        Loaded::One(parameters) => parameters.settings(),
-        Loaded::Many(columns) => columns.node.settings(),
-    });
+    log_folders(loaded.node().settings());
     let dds_threads = DdsThreads::stop_on_panic();
     let recording = RunRecording::start(&loaded, &names)?;
     let started = match loaded {
@@ -348,25 +365,11 @@ impl RunRecording {
     fn start(loaded: &Loaded, names: &Names) -> Result<Self, RunError> {
         use crate::evidence::{NodeRecording, Topics};
         let resolve = |endpoint: &Endpoint| names.resolve(endpoint.kind(), endpoint.name);
-        Self::started(match loaded {
-            Loaded::One(parameters) => {
-                let topics = Topics::resolved(resolve)?;
-                NodeRecording::start(&parameters.settings().record, &topics, with_log)
-            }
-            Loaded::Many(fleet) => {
-                let FleetColumns { columns, node, .. } = &**fleet;
-                let topics = Topics::resolved_of_fleet(resolve)?;
-                let ids = columns.iter().map(|it| &it.parameters.settings().column_id);
-                let ids = ids.map(|it| it.as_str().into()).collect();
-                NodeRecording::start_of_fleet(&node.settings().record, &topics, ids, with_log)
-            }
-        })
-    }
-
-    fn started(
-        started: Result<Option<Arc<crate::evidence::NodeRecording>>, RecordingError>,
-    ) -> Result<Self, RunError> {
-        started
+        let topics = Topics::resolved(loaded.kind(), resolve)?;
+        let columns = loaded.columns();
+        let ids = columns.iter().map(|it| it.column_id.as_str().into());
+        let record = &loaded.node().settings().record;
+        NodeRecording::start(record, &topics, ids.collect(), with_log)
             .map(Self)
             .map_err(|error| match crate::recording::with_parameter(&error) {
                 reason if matches!(error, RecordingError::BadKey { .. }) => {
@@ -408,11 +411,7 @@ struct RunRecording;
 #[cfg(not(feature = "record"))]
 impl RunRecording {
     fn start(loaded: &Loaded, _: &Names) -> Result<Self, RunError> {
-        let node = match loaded {
-            Loaded::One(parameters) => parameters,
-            Loaded::Many(columns) => &columns.node,
-        };
-        match node.settings().record.mode {
+        match loaded.node().settings().record.mode {
             RecordMode::Off => Ok(Self),
             _ => Err(RunError::Recording(
                 "record.mode asks for a recording, but this program was built without the feature `record`; set it to off"

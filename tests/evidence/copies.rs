@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use column_twin::endpoints::NodeKind;
 use column_twin::evidence::Topics;
 use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
 use tempfile::TempDir;
@@ -19,7 +20,11 @@ pub fn written(messages: &[Message]) -> (TempDir, PathBuf) {
 
 /// A recording with these options and messages.
 pub fn written_with(options: &WriterOptions, messages: &[Message]) -> (TempDir, PathBuf) {
-    written_on(&Topics::of_default_node(), options, messages)
+    written_on(
+        &Topics::of_default_node(NodeKind::Single),
+        options,
+        messages,
+    )
 }
 
 /// A recording with these topics, options and messages.

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use column_twin::endpoints::Endpoint;
+use column_twin::endpoints::{Endpoint, NodeKind};
 use column_twin::estimation::Intake;
 use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{
@@ -19,6 +19,7 @@ use column_twin::ros::{LiveColumns, Names, TwinNode, qos};
 use column_twin::twin::{Command, Journal, Output, Rejection, RejectionCode};
 
 use super::domain::{Domain, PATIENCE};
+use super::incoming::{Incoming, reader};
 use super::node::slow_impact;
 use super::recorded_twin::{START, parameters, the_one_recording};
 
@@ -178,9 +179,14 @@ fn diagnostics_at_rest_are_recorded_when_a_level_changes() {
         directory: directory.path().display().to_string(),
         ..parameters().settings().record.clone()
     };
-    let recording = NodeRecording::start(&record, &Topics::of_default_node(), |it| it)
-        .unwrap()
-        .unwrap();
+    let recording = NodeRecording::start(
+        &record,
+        &Topics::of_default_node(NodeKind::Single),
+        Arc::new(["column".into()]),
+        |it| it,
+    )
+    .unwrap()
+    .unwrap();
     let send = |endpoint, bytes: Vec<u8>| recording.sent(endpoint, &bytes.into());
     send(
         &qos::TWIN_STATUS,
@@ -235,8 +241,9 @@ fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
         ..parameters().settings().record.clone()
     };
     let names = Names::new("/", "column_twin", &[]).unwrap();
-    let topics = Topics::resolved(|it| names.resolve(it.kind(), it.name)).unwrap();
-    let recording = NodeRecording::start(&record, &topics, |it| it)
+    let topics =
+        Topics::resolved(NodeKind::Single, |it| names.resolve(it.kind(), it.name)).unwrap();
+    let recording = NodeRecording::start(&record, &topics, Arc::new(["column".into()]), |it| it)
         .unwrap()
         .unwrap();
     let options = LiveOptions {
@@ -257,15 +264,21 @@ fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
         Some(Arc::clone(&recording) as _),
     )
     .unwrap();
-    for id in ["a", "b", "c"] {
+    let mut peer = reader(&domain);
+    let statuses = Incoming::<TwinStatus>::start(&mut peer, &qos::TWIN_STATUS);
+    for (id, accepted) in [("a", 1), ("b", 2), ("c", 3)] {
         slow_impact(&domain, id);
-        // Some of the responses end before.
-        std::thread::sleep(Duration::from_millis(300));
         if id == "b" {
+            // In the middle of the response.
             let source = "test".into();
             twin.execute(0, Command::Reset { source }).unwrap();
+        } else {
+            statuses.find("the end of the response", |it| {
+                it.is_at_rest() && it.events_accepted == accepted
+            });
         }
     }
+    drop(statuses);
     assert!(twin.health().dropped_states > 0, "{:?}", twin.health());
     node.stop();
     recording.stop().unwrap();

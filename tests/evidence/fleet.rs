@@ -19,7 +19,8 @@ use column_twin::messages::{Message as Encoded, cdr};
 use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
-use column_twin::ros::qos::{Endpoint, Qos};
+use column_twin::report::ReportDocument;
+use column_twin::ros::qos::{Endpoint, NodeKind, Qos};
 use column_twin::ros::{LiveColumns, Names, Node, Publisher, TwinNode, qos};
 use column_twin::twin::Command;
 use serde::de::DeserializeOwned;
@@ -86,9 +87,9 @@ impl RecordedFleet {
         };
         let ids = columns.columns.iter();
         let ids = ids.map(|it| it.parameters.settings().column_id.as_str().into());
-        let recording = NodeRecording::start_of_fleet(
+        let recording = NodeRecording::start(
             &columns.node.settings().record,
-            &Topics::of_default_fleet(),
+            &Topics::of_default_node(NodeKind::Fleet),
             ids.collect(),
             |options| options,
         );
@@ -282,6 +283,9 @@ fn a_fleet_is_verified_column_by_column() {
         assert!(matches!(none, VerifyError::NoSuchColumn { .. }), "{none}");
         let known = r#"("c0", "c1", "c2", "c3", "c4", "c5"), found "c9""#;
         assert!(none.to_string().contains(known), "{none}");
+        let unnamed = ReportDocument::of_recording(&path, None, None).expect_err("no column");
+        let hint = r#"--column (columns in the recording: "c0", "c1", "c2", "c3")"#;
+        assert!(unnamed.to_string().ends_with(hint), "{unnamed}");
     }
 }
 
@@ -353,7 +357,11 @@ fn every_recording_of_a_fleet_is_verified_by_itself() {
 
 fn verified(messages: &[Message]) -> Verification {
     let options = WriterOptions::default();
-    let (_directory, path) = written_on(&Topics::of_default_fleet(), &options, messages);
+    let (_directory, path) = written_on(
+        &Topics::of_default_node(NodeKind::Fleet),
+        &options,
+        messages,
+    );
     verify(&path).expect("readable")
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use column_twin::endpoints::NodeKind;
 use column_twin::evidence::{
     JournalEntry, JournalError, JournalLine, Topics, Verification, VerifyError, verify,
 };
@@ -398,7 +399,9 @@ fn a_recording_without_a_journal_cannot_be_verified() {
 fn with_journal(line: &serde_json::Value) -> (TempDir, PathBuf) {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("bag");
-    let declared = Topics::of_default_node().declared().unwrap();
+    let declared = Topics::of_default_node(NodeKind::Single)
+        .declared()
+        .unwrap();
     let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
     let text = std_msgs::String {
         data: line.to_string(),

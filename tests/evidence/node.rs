@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use column_twin::column::ImpactSpecification;
+use column_twin::endpoints::NodeKind;
 use column_twin::evidence::{JournalEntry, JournalLine, NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
@@ -87,9 +88,10 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
     ])
     .unwrap();
     let names = Names::new("/", "column_twin", &[]).unwrap();
-    let topics = Topics::resolved(|it| names.resolve(it.kind(), it.name)).unwrap();
+    let topics =
+        Topics::resolved(NodeKind::Single, |it| names.resolve(it.kind(), it.name)).unwrap();
     let record = parameters.settings().record.clone();
-    let recording = NodeRecording::start(&record, &topics, |it| it)
+    let recording = NodeRecording::start(&record, &topics, Arc::new(["column".into()]), |it| it)
         .unwrap()
         .unwrap();
     let options = LiveOptions {
@@ -221,8 +223,8 @@ fn losses_are_counted_and_declared() {
         queue_messages: 4,
         ..options
     };
-    let topics = Topics::of_default_node();
-    let recording = NodeRecording::start(&record, &topics, short)
+    let topics = Topics::of_default_node(NodeKind::Single);
+    let recording = NodeRecording::start(&record, &topics, Arc::new(["column".into()]), short)
         .unwrap()
         .unwrap();
     let bytes: Arc<[u8]> = vec![0, 1, 0, 0].into();

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use column_twin::endpoints::{self, Endpoint};
+use column_twin::endpoints::{self, Endpoint, NodeKind};
 use column_twin::estimation::{Batch, Intake};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::incoming::{column_command, raw_batch};
@@ -150,10 +150,11 @@ impl RecordedTwin {
         let parameters = parameters
             .with_changes([("use_sim_time", Value::from(true))])
             .expect("admissible");
-        let topics = Topics::of_default_node();
-        let recording = NodeRecording::start(&record, &topics, options)
-            .expect("starts")
-            .expect("is asked for");
+        let topics = Topics::of_default_node(NodeKind::Single);
+        let recording =
+            NodeRecording::start(&record, &topics, Arc::new(["column".into()]), options)
+                .expect("starts")
+                .expect("is asked for");
         let sensors = parameters.sensors();
         let intake = (!sensors.is_empty()).then(|| {
             let intake = Intake::new(&sensors, &parameters.settings().column_id);

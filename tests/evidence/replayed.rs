@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use column_twin::endpoints::NodeKind;
 use column_twin::evidence::Topics;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
@@ -205,7 +206,9 @@ fn an_unknown_topic_is_rejected_with_a_list_of_all_topics() {
 /// Writes one state per millisecond.
 fn written(directory: &Path, count: i64) -> (PathBuf, Vec<i64>) {
     let path = directory.join(format!("states_{count}"));
-    let declared = Topics::of_default_node().declared().unwrap();
+    let declared = Topics::of_default_node(NodeKind::Single)
+        .declared()
+        .unwrap();
     let topic = declared
         .iter()
         .position(|it| it.name == "/column_state")

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use column_twin::column::ImpactSpecification;
+use column_twin::endpoints::NodeKind;
 use column_twin::evidence::{JournalLine, Topics, Verification, verify_reader};
 use column_twin::messages::column_twin_msgs::ColumnParameters;
 use column_twin::parameters::{Parameters, RecordMode, Value};
@@ -39,7 +40,7 @@ impl Recorded {
     fn of_twin(twin: RecordedTwin) -> Self {
         let finished = twin.finish();
         let messages = messages(&finished.path());
-        let topics = Topics::of_default_node();
+        let topics = Topics::of_default_node(NodeKind::Single);
         Self { messages, topics }
     }
 }
@@ -208,7 +209,10 @@ fn fleet_after_two_quiet_hours(mode: RecordMode) -> Recorded {
         fleet.hit(column, fleet.event(column, id));
         fleet.until_rest();
     }
-    Recorded::of(fleet.finish().path(), Topics::of_default_fleet())
+    Recorded::of(
+        fleet.finish().path(),
+        Topics::of_default_node(NodeKind::Fleet),
+    )
 }
 
 /// With the default longest duration.
@@ -298,7 +302,10 @@ fn everything_in_a_fleet(mode: RecordMode) -> Recorded {
     fleet.hit(1, fleet.event(1, "e"));
     fleet.until_rest();
     fleet.advance(SECOND);
-    Recorded::of(fleet.finish().path(), Topics::of_default_fleet())
+    Recorded::of(
+        fleet.finish().path(),
+        Topics::of_default_node(NodeKind::Fleet),
+    )
 }
 
 /// The number of recordings that `COLUMN_TWIN_EXPLORE` asks for.
@@ -346,7 +353,7 @@ fn a_recording_may_begin_late_before_any_message() {
 fn a_recording_may_begin_late_while_the_sensors_detect_an_impact() {
     let detected = recomputed_estimates::recorded(&[], &|_, _| ());
     let messages = messages(&detected.path());
-    let topics = Topics::of_default_node();
+    let topics = Topics::of_default_node(NodeKind::Single);
     let recorded = Recorded { messages, topics };
     let cuts = if explored().is_some() { 60 } else { 6 };
     let longest = Duration::from_secs(3600);
@@ -470,7 +477,10 @@ fn fleet_scenario(random: &mut Random, mode: RecordMode) -> Recorded {
         }
     }
     fleet.until_rest();
-    Recorded::of(fleet.finish().path(), Topics::of_default_fleet())
+    Recorded::of(
+        fleet.finish().path(),
+        Topics::of_default_node(NodeKind::Fleet),
+    )
 }
 
 /// A recorder with random limits takes everything, at once or with delays.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 
-use column_twin::endpoints;
+use column_twin::endpoints::{self, NodeKind};
 use column_twin::evidence::{NodeRecording, Topics};
 use column_twin::fleet::StatusBoard;
 use column_twin::messages::builtin_interfaces::Time;
@@ -80,8 +80,8 @@ impl ScriptedFleet {
             sync: false,
             ..options
         };
-        let topics = Topics::of_default_fleet();
-        let recording = NodeRecording::start_of_fleet(&record, &topics, ids, unsynced);
+        let topics = Topics::of_default_node(NodeKind::Fleet);
+        let recording = NodeRecording::start(&record, &topics, ids, unsynced);
         let recording = recording.expect("starts").expect("is asked for");
         let (began, passed) = (system_time(), Arc::<AtomicI64>::default());
         let clock = Arc::clone(&passed);

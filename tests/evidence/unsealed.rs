@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use column_twin::endpoints::NodeKind;
 use column_twin::evidence::Topics;
 use column_twin::recording::{Entry, SealKey, Writer, WriterOptions};
 use tempfile::TempDir;
@@ -66,7 +67,9 @@ fn swapped_field_names_in_the_definition_of_a_type_are_a_difference() {
 
 /// The recorded impact again, flushed many times, as a node writes it; sealed at each flush, if there is a key.
 fn in_many_chunks(folder: &TempDir, seal: Option<SealKey>) {
-    let topics = Topics::of_default_node().declared().unwrap();
+    let topics = Topics::of_default_node(NodeKind::Single)
+        .declared()
+        .unwrap();
     let options = WriterOptions {
         sync: false,
         seal,

@@ -1,5 +1,6 @@
 //! The parameters of the columns of a fleet over the services behind `ros2 param`.
 
+use column_twin::messages::cdr;
 use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::ros::qos::{self, Endpoint};
 use ros2_client::parameters::raw;
@@ -218,6 +219,31 @@ fn a_column_takes_its_parameters_as_a_whole() {
         !results[0].0 && results[0].1.contains("read-only"),
         "{results:?}"
     );
+    drop(events);
+    running.node.stop();
+}
+
+/// Only a single twin announced its parameters.
+#[test]
+fn a_fleet_announces_the_parameters_of_its_node_and_of_each_column() {
+    let domain = Domain::fresh();
+    let mut node = reader(&domain);
+    let events = Incoming::<ParameterEvent>::early(&mut node, &qos::PARAMETER_EVENTS);
+    let running = Running::start(&domain, 3);
+    let mut announced = Vec::new();
+    for prefix in ["", "c0.", "c1.", "c2."] {
+        let event = events.next();
+        assert_eq!(event.node, "/column_twin");
+        assert!(event.changed_parameters.is_empty() && event.deleted_parameters.is_empty());
+        let bytes = cdr::encode(&event).unwrap().len();
+        println!("{bytes} bytes of {:?}", event.new_parameters[0].name);
+        let names = event.new_parameters.into_iter().map(|it| it.name);
+        let names: Vec<_> = names.collect();
+        assert!(names.iter().all(|it| it.starts_with(prefix)), "{names:?}");
+        announced.extend(names);
+    }
+    announced.sort();
+    assert_eq!(announced, list(&domain, &[]).0);
     drop(events);
     running.node.stop();
 }

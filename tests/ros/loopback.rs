@@ -189,6 +189,8 @@ fn an_impact_waits_until_its_twin_is_known_as_a_reader() {
             column_id: "late".to_owned(),
             ..TwinStatus::default()
         }));
+        // That the client does not send yet is nothing to wait for: this is the time in which one that does not wait would send. A
+        // client that waits passes however long it is.
         std::thread::sleep(Duration::from_millis(500));
         let events = Incoming::<ImpactEvent>::early(&mut late.node, &qos::IMPACT_EVENT);
         let event = events.find("the event", |it| it.column_id == "late");

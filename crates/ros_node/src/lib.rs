@@ -22,6 +22,8 @@
 // - rosout.rs: Log messages: on the terminal in the format of ROS, and on `/rosout`
 // - security/: DDS Security: which enclave a participant belongs to, and whether its files can be used
 // - signals.rs: SIGINT and SIGTERM: the first signal asks the program to stop, the second ends it immediately
+// - type_descriptions.rs: `~/get_type_description`: what the types of the node look like, as every node of rclcpp and rclpy
+//   answers it
 
 pub mod arguments;
 pub mod clock_watch;
@@ -39,3 +41,4 @@ pub mod raw;
 pub mod rosout;
 pub mod security;
 pub mod signals;
+pub mod type_descriptions;

@@ -137,6 +137,8 @@ pub struct Recomputation {
     /// What others have prepared.
     shared: Option<SharedPreparations>,
     current: Option<Current>,
+    /// The comparisons with the final estimate, after which what was prepared is not kept.
+    final_comparisons: Vec<SensorComparison>,
 }
 
 /// An impact of which estimates were computed again.
@@ -159,6 +161,7 @@ impl Recomputation {
             prepared: None,
             shared: None,
             current: None,
+            final_comparisons: Vec::new(),
         }
     }
 
@@ -273,6 +276,7 @@ impl Recomputation {
             ..record.clone()
         };
         if record.is_final && self.shared.is_some() {
+            self.final_comparisons = estimator.comparisons();
             self.prepared = None;
         }
         self.current = Some(Current {
@@ -286,8 +290,11 @@ impl Recomputation {
     /// What each sensor has read against what the estimate predicts that was computed again last; empty without one.
     #[must_use]
     pub fn comparisons(&self) -> Vec<SensorComparison> {
-        let estimator = self.prepared.as_ref().filter(|_| self.current.is_some());
-        estimator.map_or_else(Vec::new, |(_, it)| it.comparisons())
+        match (&self.current, &self.prepared) {
+            (None, _) => Vec::new(),
+            (Some(_), Some((_, estimator))) => estimator.comparisons(),
+            (Some(_), None) => self.final_comparisons.clone(),
+        }
     }
 
     fn begin(

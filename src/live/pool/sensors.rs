@@ -35,7 +35,7 @@ impl FleetMeasurements {
     fn of(columns: usize) -> Self {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         let threads = (processors / PROCESSORS_PER_THREAD).clamp(1, MAX_SENSING_THREADS);
-        let queue = |_| Arc::new(MeasurementQueue::of_fleet(columns));
+        let queue = |_| Arc::new(MeasurementQueue::new(columns));
         Self {
             queues: (0..threads).map(queue).collect(),
         }
@@ -73,8 +73,8 @@ pub(in crate::live) struct Sensors {
 }
 
 impl Sensors {
-    /// Those of a fleet in which this is `true` for the columns with sensors; `None` if there is none.
-    pub fn of_fleet(is_sensed: Vec<bool>) -> Option<Self> {
+    /// Those of columns of which this is `true` for the ones with sensors; `None` if there is none.
+    pub fn new(is_sensed: Vec<bool>) -> Option<Self> {
         is_sensed.contains(&true).then(|| Self {
             measurements: FleetMeasurements::of(is_sensed.len()),
             is_sensed,
@@ -83,7 +83,7 @@ impl Sensors {
         })
     }
 
-    /// Those of a single column.
+    /// Those of a single column, which shares nothing and whose measurements have a queue already.
     pub fn of_one(measurements: Arc<MeasurementQueue>, deliver: Option<Deliver>) -> Self {
         Self {
             measurements: FleetMeasurements {
@@ -143,7 +143,7 @@ impl FleetSensing {
         } = sensors;
         let to_the_twins = || {
             let told = Arc::clone(shared);
-            Deliver::of_fleet(move |column, record| {
+            Deliver::new(move |column, record| {
                 let command = Command::Estimate(Arc::new(record));
                 let reply = Reply::none();
                 told.submit(column, Request::Command { command, reply })

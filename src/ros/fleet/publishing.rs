@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-use crate::endpoints::Endpoint;
+use crate::endpoints::{Endpoint, NodeKind};
 use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
@@ -99,7 +99,7 @@ impl FleetPublishing {
     pub fn shared_topic(&self, topic: Topic) -> Option<Endpoint> {
         let endpoint = topic.endpoint();
         let shared = || endpoint.kept_of_all(self.board.columns().len());
-        endpoint.is_of(true).then(shared)
+        endpoint.is_of(NodeKind::Fleet).then(shared)
     }
 
     /// Takes note of an output of a column before it is published.
