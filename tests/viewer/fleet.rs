@@ -1,5 +1,6 @@
 //! A fleet in the viewer: what a file contains of it, and with the real viewer what can be seen.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -13,14 +14,19 @@ use column_twin::fleet::make_twins;
 use column_twin::live::{
     Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock,
 };
+use column_twin::messages::column_twin_msgs::ImpactEstimate;
 use column_twin::parameters::{FleetColumn, Parameters, Value, parse_override};
 use column_twin::shape::action_colour;
 use column_twin::time::Nanos;
 use column_twin::twin::{Command, ImpactCommand, Output};
 use column_twin::viewer::{
-    LiveViewer, Shown, ShownFleet, VIEWER_QUEUE, ViewerLogger, output_queue,
+    ColumnMark, DetectedUpdate, FleetItem, FleetStream, IMPACT_TIME, LiveViewer, Shown, ShownFleet,
+    StreamOptions, VIEWER_QUEUE, ViewerItem, ViewerLogger, output_queue,
 };
+use rerun::RecordingStreamBuilder;
 use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::LogMsg;
+use rerun::log::Chunk;
 
 use super::detected::{self, rows};
 use super::real_viewer::{photograph, pixels, printed};
@@ -245,6 +251,66 @@ fn a_fleet_shows_estimates_and_readings_beside_the_predicted_ones_of_the_struck_
         others.into_iter().all(|it| it.starts_with("/hall/c1/")),
         "{rows:?}"
     );
+}
+
+/// Two columns whose sensors have seen an impact each, and which have not responded: the second one does not begin where the first one
+/// has begun, but after it.
+#[test]
+fn what_the_sensors_of_another_column_see_follows_what_was_seen_before() {
+    let (stream, storage) = RecordingStreamBuilder::new("test")
+        .enabled(true)
+        .memory()
+        .expect("a stream");
+    let parameters = Parameters::load(&detected::files(), &[]).expect("parameters");
+    let parameters = Arc::new(parameters);
+    let column = |number: usize| FleetColumn {
+        name: format!("/hall/c{number}"),
+        parameters: Arc::clone(&parameters),
+    };
+    let columns: Vec<_> = (0..2).map(column).collect();
+    let fleet = Arc::new(ShownFleet::new(&columns, Vec::new()));
+    let marks = vec![ColumnMark::default(); columns.len()];
+    let options = StreamOptions {
+        frame_period: 0,
+        budget: None,
+        curves_period: 0,
+        follows: false,
+        ranges: Default::default(),
+    };
+    let mut shown = FleetStream::new(stream, fleet, marks, options).expect("a stream");
+    for (column, until) in [(0, 0.08), (1, 0.02)] {
+        let update = DetectedUpdate {
+            stamp: 0,
+            estimate: Box::new(ImpactEstimate {
+                event_id: format!("detected-{column}"),
+                ..ImpactEstimate::default()
+            }),
+            until,
+            is_new: true,
+            sensors: Vec::new(),
+        };
+        let newest = FleetItem::Newest {
+            column,
+            parameters: Arc::clone(&parameters),
+        };
+        let detected = FleetItem::Column(column, ViewerItem::Detected(Box::new(update)));
+        shown.show([newest, detected]).expect("written");
+    }
+    shown.stream().flush_blocking().expect("written");
+    let mut times = BTreeMap::new();
+    for message in storage.take() {
+        if let LogMsg::ArrowMsg(_, data) = message
+            && let Ok(chunk) = Chunk::from_arrow_msg(&data)
+            && let mut of_chunk = chunk.timelines().iter()
+            && let Some((_, time)) = of_chunk.find(|(name, _)| name.as_str() == IMPACT_TIME)
+        {
+            let entity = chunk.entity_path().to_string();
+            times.insert(entity, time.times_raw().to_vec());
+        }
+    }
+    assert_eq!(times["/hall/c0/detected/forecast"], [80 * MS]);
+    // 10 ms lie between two impacts.
+    assert_eq!(times["/hall/c1/detected/forecast"], [(80 + 10 + 20) * MS]);
 }
 
 /// The part of a picture that has this colour.
