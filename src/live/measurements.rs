@@ -57,12 +57,12 @@ impl MeasurementQueue {
     /// An empty queue, allocated at once.
     #[must_use]
     pub fn new() -> Self {
-        Self::of_fleet(1)
+        Self::of_columns(1)
     }
 
     /// An empty queue for a fleet of so many columns, allocated at once.
     #[must_use]
-    pub fn of_fleet(columns: usize) -> Self {
+    pub fn of_columns(columns: usize) -> Self {
         let capacity = columns.saturating_mul(QUEUED_BATCHES_OF_A_COLUMN);
         let capacity = capacity.clamp(MAX_QUEUED_BATCHES, MAX_QUEUED_BATCHES_OF_A_FLEET);
         Self {
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn the_columns_of_a_fleet_have_their_own_numbers_and_losses() {
-        let queue = MeasurementQueue::of_fleet(3);
+        let queue = MeasurementQueue::of_columns(3);
         for column in [2, 0, 2, 7] {
             queue.push_of(column, batch(1));
         }
@@ -241,7 +241,7 @@ mod tests {
         }
         assert_eq!([0, 1, 2, 7].map(|it| queue.lost_of(it)), [1, 0, 0, 0]);
         assert_eq!(queue.lost(), 1);
-        let most = MeasurementQueue::of_fleet(2000).stats();
+        let most = MeasurementQueue::of_columns(2000).stats();
         assert_eq!(most.capacity, MAX_QUEUED_BATCHES_OF_A_FLEET);
     }
 

@@ -58,11 +58,11 @@ impl Deliver {
     pub fn new(
         take: impl Fn(EstimateRecord) -> Result<(), Rejection> + Send + Sync + 'static,
     ) -> Self {
-        Self::of_fleet(move |_, record| take(record))
+        Self::of_columns(move |_, record| take(record))
     }
 
     /// Passes every estimate of a fleet to `take`, with the index of its column.
-    pub(super) fn of_fleet(
+    pub(super) fn of_columns(
         take: impl Fn(u32, EstimateRecord) -> Result<(), Rejection> + Send + Sync + 'static,
     ) -> Self {
         Self(Arc::new(take))

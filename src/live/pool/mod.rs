@@ -138,7 +138,7 @@ impl LiveFleet {
         let further = further.map(|it| Arc::new(OutputQueues::new(it)));
         let sensors = {
             let is_sensed = |twin: &Twin| !twin.parameters().settings().sensors.names.is_empty();
-            Sensors::of_fleet(twins.iter().map(is_sensed).collect())
+            Sensors::of_columns(twins.iter().map(is_sensed).collect())
         };
         let pool = Pool {
             real_time: options.real_time,

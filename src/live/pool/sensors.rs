@@ -46,7 +46,7 @@ impl FleetMeasurements {
     fn of(columns: usize) -> Self {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         let threads = (processors / PROCESSORS_PER_THREAD).clamp(1, MAX_SENSING_THREADS);
-        let queue = |_| Arc::new(MeasurementQueue::of_fleet(columns));
+        let queue = |_| Arc::new(MeasurementQueue::of_columns(columns));
         Self::new((0..threads).map(queue).collect())
     }
 
@@ -105,7 +105,7 @@ pub(in crate::live) struct Sensors {
 
 impl Sensors {
     /// Those of a fleet in which this is `true` for the columns with sensors; `None` if there is none.
-    pub fn of_fleet(is_sensed: Vec<bool>) -> Option<Self> {
+    pub fn of_columns(is_sensed: Vec<bool>) -> Option<Self> {
         is_sensed.contains(&true).then(|| Self {
             measurements: FleetMeasurements::of(is_sensed.len()),
             is_sensed,
@@ -172,7 +172,7 @@ impl FleetSensing {
         } = sensors;
         let to_the_twins = || {
             let told = Arc::clone(shared);
-            Deliver::of_fleet(move |column, record| {
+            Deliver::of_columns(move |column, record| {
                 let command = Command::Estimate(Arc::new(record));
                 let reply = Reply::none();
                 told.submit(column, Request::Command { command, reply })
