@@ -114,7 +114,7 @@ const CHASSIS: Look = Look {
     engine: Some([of_cab(0.33), of_cab(0.8)]),
     hull: &[
         (FACE, [0.11, 0.72]), (of_cab(0.15), [0.11, 0.80]), (CAB, [0.11, 0.80]),
-        (CAB, [0.20, 0.28]), (REAR, [0.20, 0.28]),
+        (CAB, [0.20, 0.28]), ([0.0, 1.0, 0.25], [0.20, 0.28]), (REAR, [0.20, 0.28]),
     ],
     boxes: (0.76, 0.28, [of_cab(0.95), CAB]),
     ..LORRY
@@ -507,7 +507,8 @@ impl CrushedVehicle<'_> {
             hull.positions
                 .extend(corners.map(|it| it.map(|it| it as f32)));
             hull.normals.extend([normal.map(|it| it as f32); 4]);
-            hull.is_nose.extend([rear <= self.body.nose; 4]);
+            let is_nose = self.body.nose > 0.0 && rear <= self.body.nose;
+            hull.is_nose.extend([is_nose; 4]);
         };
         for pair in stations.windows(2) {
             let [[ahead, low, high], [rear, rear_low, rear_high]] = [pair[0], pair[1]];
