@@ -791,8 +791,8 @@ mod tests {
             assert_eq!(vehicle.direction, direction);
             let outwards = vehicle.hull.normals.last().expect("corners");
             assert!(
-                (along(*outwards) + 1.0).abs() < 1e-6,
-                "the rear: {outwards:?}"
+                (along(*outwards) - 1.0).abs() < 1e-6,
+                "the front: {outwards:?}"
             );
         }
     }
