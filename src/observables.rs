@@ -45,6 +45,17 @@ pub const HINGE_PLACES: [Place; HINGES] = [
     place(HINGE_NAMES[3], ["base", "at the base"], 0, BarEnd::Lower),
 ];
 
+/// The numbers of the hinges, from the base upwards.
+#[must_use]
+pub fn hinges_upwards() -> [usize; HINGES] {
+    let mut numbers = std::array::from_fn(|number| number);
+    numbers.sort_by_key(|number: &usize| {
+        let Place { bar, end, .. } = HINGE_PLACES[*number];
+        (bar, end == BarEnd::Upper)
+    });
+    numbers
+}
+
 /// The webs, in the order of [`WEB_NAMES`].
 pub const WEB_PLACES: [Place; WEBS] = [
     place(WEB_NAMES[0], BELOW, 0, BarEnd::Whole),

@@ -115,7 +115,7 @@ pub(super) fn normal_forces(response: &ResponseHistory<'_>) -> Drawn<String> {
 /// The moments of 1a and 1b are equal: 1b is dashed over 1a.
 pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
     let unit = Unit::moment(response.largest(&[MOMENT]).max(response.resistance_moment));
-    let curves = colour::HINGES
+    let curves = colour::HINGE
         .into_iter()
         .enumerate()
         .map(|(hinge, colour)| {
@@ -256,7 +256,7 @@ fn first_yield(response: &ResponseHistory<'_>, hinge: usize) -> Option<Mark> {
     Some(Mark {
         time,
         value: sample.hinges[hinge].moment,
-        colour: colour::HINGES[hinge],
+        colour: colour::HINGE[hinge],
         text: None,
     })
 }

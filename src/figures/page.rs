@@ -36,6 +36,8 @@ pub(super) type Drawn<T> = Result<T, DrawingAreaErrorKind<io::Error>>;
 pub(super) mod colour {
     use plotters::style::RGBColor;
 
+    use crate::column::HINGES;
+
     pub const INK: RGBColor = RGBColor(30, 30, 30);
     pub const FAINT: RGBColor = RGBColor(120, 120, 120);
     pub const GRID: RGBColor = RGBColor(225, 225, 225);
@@ -49,8 +51,8 @@ pub(super) mod colour {
     pub const CONTACT: RGBColor = RGBColor(0, 114, 178);
     pub const IMPACT_IMPULSE: RGBColor = RGBColor(213, 94, 0);
 
-    /// Colours of the hinges 1a, 1b, 2, 3.
-    pub const HINGES: [RGBColor; 4] = [
+    /// Colours of the hinges, in the order of [`HINGE_PLACES`](crate::observables::HINGE_PLACES).
+    pub const HINGE: [RGBColor; HINGES] = [
         RGBColor(230, 159, 0),
         RGBColor(0, 80, 140),
         RGBColor(0, 158, 115),

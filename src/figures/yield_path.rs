@@ -38,7 +38,7 @@ pub(super) fn yield_path(response: &ResponseHistory<'_>, hinge: usize) -> Drawn<
             ))
         }),
         path,
-        colour: colour::HINGES[hinge],
+        colour: colour::HINGE[hinge],
     };
     let title = format!(
         "Moment and normal force of hinge {} in its yield surface",

@@ -4,7 +4,6 @@
 //! Every batch has a serial number, counted from the first one of its column since the start of the program: a reader sees by them
 //! how many it lost. The columns of a fleet share a queue, and each has its own numbers.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -12,7 +11,6 @@ use crossbeam_queue::ArrayQueue;
 
 use super::notifier::Notifier;
 use super::queue::{QueueStats, WhenFull};
-use super::recent_batches::RecentBatches;
 use crate::estimation::Batch;
 
 /// Most batches in the queue: 5 s of 16 sensors that send a batch every 10 ms.
@@ -53,7 +51,6 @@ pub struct MeasurementQueue {
     samples: AtomicUsize,
     columns: Box<[Counts]>,
     notifier: Notifier,
-    recent: Option<Arc<RecentBatches>>,
 }
 
 impl MeasurementQueue {
@@ -67,22 +64,7 @@ impl MeasurementQueue {
             samples: AtomicUsize::new(0),
             columns: (0..columns).map(|_| Counts::default()).collect(),
             notifier: Notifier::default(),
-            recent: None,
         }
-    }
-
-    /// An empty queue for one column that also remembers the newest batches for those who look at them.
-    #[must_use]
-    pub fn remembering() -> Self {
-        Self {
-            recent: Some(Arc::default()),
-            ..Self::default()
-        }
-    }
-
-    /// The newest batches, if they are remembered.
-    pub fn recent(&self) -> Option<Arc<RecentBatches>> {
-        self.recent.clone()
     }
 
     /// Adds a batch of a single twin, as [`push_of`](Self::push_of).
@@ -96,9 +78,6 @@ impl MeasurementQueue {
         let Some(counts) = self.columns.get(column as usize) else {
             return;
         };
-        if let Some(recent) = &self.recent {
-            recent.push(&batch);
-        }
         let serial = counts.next_serial.fetch_add(1, Ordering::Relaxed);
         let added = batch.values.len();
         let mut samples = self.samples.fetch_add(added, Ordering::Relaxed) + added;
@@ -162,6 +141,11 @@ impl MeasurementQueue {
     pub fn lost_of(&self, column: u32) -> u64 {
         let counts = self.columns.get(column as usize);
         counts.map_or(0, |it| it.lost.load(Ordering::Relaxed))
+    }
+
+    /// Number of the columns that share it.
+    pub(super) fn columns(&self) -> usize {
+        self.columns.len()
     }
 
     /// Its state, for diagnostics.

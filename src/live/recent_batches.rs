@@ -10,16 +10,28 @@ use crate::time::Nanos;
 /// Time for which batches are kept \[ns\]: the final estimate of an impact comes some seconds after it.
 const KEPT: Nanos = 5_000_000_000;
 
-/// Most batches that are kept: 5 s of 16 sensors that send a batch every 10 ms.
+/// Most batches of a column that are kept: 5 s of 16 sensors that send a batch every 10 ms.
 const MAX_BATCHES: usize = 8192;
 
-/// Most samples that are kept, 8 MB: 5 s of 40 sensors at 10 kHz.
+/// Most samples of a column that are kept, 8 MB: 5 s of 40 sensors at 10 kHz.
 const MAX_SAMPLES: usize = 1 << 21;
 
-/// The newest batches of all sensors.
-#[derive(Debug, Default)]
+/// Most samples of all columns together that are kept, 64 MB: 5 s of 160 columns with two sensors at 10 kHz. The columns have equal
+/// shares.
+const MAX_SAMPLES_OF_ALL: usize = 1 << 24;
+
+/// The newest batches of all sensors of a column.
+#[derive(Debug)]
 pub struct RecentBatches {
     kept: Mutex<Kept>,
+    max_samples: usize,
+}
+
+impl Default for RecentBatches {
+    /// Those of a single column.
+    fn default() -> Self {
+        Self::of_columns(1)
+    }
 }
 
 #[derive(Debug, Default)]
@@ -29,6 +41,16 @@ struct Kept {
 }
 
 impl RecentBatches {
+    /// Those of one of so many columns, empty.
+    #[must_use]
+    pub fn of_columns(columns: usize) -> Self {
+        let share = MAX_SAMPLES_OF_ALL / columns.max(1);
+        Self {
+            kept: Mutex::default(),
+            max_samples: share.min(MAX_SAMPLES),
+        }
+    }
+
     /// Remembers a batch, and forgets those that are too old or too many. The samples are shared, not copied.
     pub fn push(&self, batch: &Batch) {
         let mut kept = self.kept();
@@ -37,7 +59,7 @@ impl RecentBatches {
         let oldest_time = batch.end().saturating_sub(KEPT);
         while let Some(oldest) = kept.batches.front()
             && (oldest.end() < oldest_time
-                || kept.samples > MAX_SAMPLES
+                || kept.samples > self.max_samples
                 || kept.batches.len() > MAX_BATCHES)
         {
             kept.samples -= oldest.values.len();
@@ -72,6 +94,21 @@ mod tests {
             period: 10_000_000 / samples as u64,
             values: vec![0.0; samples].into(),
         }
+    }
+
+    #[test]
+    fn the_windows_of_many_columns_are_bounded_together() {
+        let windows: Vec<_> = (0..100).map(|_| RecentBatches::of_columns(100)).collect();
+        let kept = |it: &RecentBatches| it.kept().samples;
+        for window in &windows {
+            (0..300).for_each(|number| window.push(&batch(10_000_000 * number, 1_000)));
+        }
+        let all: usize = windows.iter().map(kept).sum();
+        assert!((MAX_SAMPLES_OF_ALL - 100_000..=MAX_SAMPLES_OF_ALL).contains(&all));
+        // One alone keeps all of it, which is less than it may.
+        let alone = RecentBatches::default();
+        (0..300).for_each(|number| alone.push(&batch(10_000_000 * number, 1_000)));
+        assert_eq!(kept(&alone), 300_000);
     }
 
     #[test]

@@ -10,7 +10,6 @@ use super::pool::Sensors;
 use super::pool::{FleetHandle, Pool, Upkeep};
 use super::queue::{OutputQueue, OutputQueues, Receiver};
 use super::real_time::RealTime;
-use super::recent_batches::RecentBatches;
 use super::sensing::Deliver;
 use super::statistics::{LiveStatistics, Panicked};
 use crate::column::ImpactSpecification;
@@ -62,10 +61,8 @@ impl Live {
     ) -> std::io::Result<LiveHandle> {
         let outputs = options.outputs.iter();
         let outputs: Vec<_> = outputs.map(|it| Arc::new(OutputQueues::new(it))).collect();
-        let sensors = {
-            let measurements = options.measurements.clone();
-            measurements.map(|it| Sensors::of_one(it, options.estimates))
-        };
+        let measurements = options.measurements;
+        let sensors = measurements.map(|it| Sensors::of_one(it, options.estimates));
         let pool = Pool {
             real_time: options.real_time,
             threads: 1,
@@ -79,7 +76,6 @@ impl Live {
         };
         Ok(LiveHandle {
             pool: pool.start(vec![twin], Arc::new(clock))?,
-            measurements: options.measurements,
         })
     }
 }
@@ -88,7 +84,6 @@ impl Live {
 #[derive(Debug)]
 pub struct LiveHandle {
     pool: FleetHandle,
-    measurements: Option<Arc<MeasurementQueue>>,
 }
 
 impl LiveHandle {
@@ -111,12 +106,6 @@ impl LiveHandle {
     /// The outputs for the reader with this name; `None` if there is no such queue, or its receiver was taken before.
     pub fn outputs(&self, name: &str) -> Option<Receiver> {
         self.pool.outputs(name)
-    }
-
-    /// The newest measurements; `None` if they are not remembered for those who look at them.
-    #[must_use]
-    pub fn recent_measurements(&self) -> Option<Arc<RecentBatches>> {
-        self.measurements.as_ref().and_then(|it| it.recent())
     }
 
     /// The parameters that hold; a change that waits for the end of a response is not among them yet.

@@ -154,20 +154,20 @@ impl LiveColumns {
         let mut options = LiveOptions {
             state_file: path,
             real_time: RealTime::of(&parameters),
-            measurements: has_sensors
-                .then(|| Arc::new(node_viewer::measurement_queue(&parameters))),
+            measurements: has_sensors.then(Arc::default),
             ..options
         };
-        node_viewer::add_queue(&parameters, &mut options);
-        let handle = Live::start(twin, Arc::clone(&clock), options)?;
+        let viewer_queues = node_viewer::queues(&parameters, 1);
+        options.outputs.extend(viewer_queues);
+        let handle = Live::start(twin, Arc::clone(&clock), options)?.into_pool();
         let outputs = handle
             .outputs(OutputQueue::ROS)
             .ok_or(StartError::NoQueue)?;
-        let viewer = node_viewer::start(&parameters, &handle, clock.now())?;
+        let viewer = node_viewer::start(&parameters, None, &handle, clock.now())?;
         let face = Face::of_one(&settings.column_id);
         let initial = vec![Arc::clone(&parameters)];
         let running = Running {
-            handle: handle.into_pool(),
+            handle,
             _reserved: reserved,
         };
         let columns = Self::new(
@@ -189,6 +189,7 @@ impl LiveColumns {
     /// cannot be used, or a thread cannot be started.
     pub fn start_fleet(fleet: &FleetColumns) -> Result<(Arc<Self>, Receiver), StartError> {
         let FleetColumns { columns, node, .. } = fleet;
+        let node = Arc::new(node.clone());
         let settings = node.settings();
         let selected = &settings.viewer.select;
         let selected = select_columns(columns, selected, MAX_SELECTED_COLUMNS)?;
@@ -198,7 +199,7 @@ impl LiveColumns {
             true => None,
             false => Some(state_file::reserve_folder(&directory)?),
         };
-        let (simulated, clock) = clocks(node);
+        let (simulated, clock) = clocks(&node);
         let mut stored = Stored::default();
         let mut restored = 0;
         for FleetColumn { name, parameters } in columns {
@@ -214,15 +215,16 @@ impl LiveColumns {
         let mut twins = make_twins(columns, &stored.saved, monotonic_nanos, clock.now())?;
         stored.keep_unknown_damage(&mut twins, clock.now())?;
         let options = FleetOptions {
-            real_time: RealTime::of(node),
-            threads: FleetOptions::threads_of(node),
+            real_time: RealTime::of(&node),
+            threads: FleetOptions::threads_of(&node),
             state_files: stored.paths,
             journals: settings.record.mode != RecordMode::Off,
-            further_outputs: node_viewer::fleet_queues(fleet),
+            further_outputs: node_viewer::queues(&node, columns.len()),
         };
         let ids = twins.iter().map(|it| Arc::clone(it.column_id())).collect();
         let (handle, outputs) = LiveFleet::start(twins, Arc::clone(&clock), options)?;
-        let viewer = node_viewer::start_of_fleet(fleet, selected, &handle, clock.now())?;
+        let shown = Some((columns.as_slice(), selected));
+        let viewer = node_viewer::start(&node, shown, &handle, clock.now())?;
         let names = columns.iter().map(|it| it.name.as_str().into()).collect();
         let face = Face::of_many(ids, names);
         let initial = columns.iter().map(|it| Arc::clone(&it.parameters));
@@ -231,14 +233,7 @@ impl LiveColumns {
             _reserved: reserved,
         };
         let (clock, initial) = ((clock, simulated), initial.collect());
-        let columns = Self::new(
-            running,
-            viewer,
-            clock,
-            face,
-            initial,
-            Arc::new(node.clone()),
-        );
+        let columns = Self::new(running, viewer, clock, face, initial, node);
         Ok((columns, outputs))
     }
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::live::{FleetHandle, LiveHandle, LiveOptions, MeasurementQueue, OutputQueue};
-use crate::parameters::{FleetColumns, Parameters, ViewerMode};
+use crate::live::{FleetHandle, OutputQueue};
+use crate::parameters::{FleetColumn, Parameters, ViewerMode};
 
 #[cfg(feature = "viewer")]
-use crate::viewer::{LiveViewer, ShownFleet, ViewerError, fleet_output_queue, output_queue};
+use crate::viewer::{LiveViewer, Shown, ShownFleet, ViewerError, output_queue};
 
 /// Name of the output queue to the viewer.
 pub(super) const QUEUE: &str = "viewer";
@@ -28,122 +28,55 @@ impl NodeViewer {
     }
 }
 
-/// The queue of measurements; with a viewer one that remembers the newest of them, which the viewer shows.
-pub(super) fn measurement_queue(parameters: &Parameters) -> MeasurementQueue {
-    let is_shown = cfg!(feature = "viewer") && parameters.settings().viewer.mode != ViewerMode::Off;
-    match is_shown {
-        true => MeasurementQueue::remembering(),
-        false => MeasurementQueue::default(),
-    }
-}
-
-/// Adds the queue to the viewer to the outputs of the twin, if the parameters enable the viewer.
-pub(super) fn add_queue(parameters: &Parameters, options: &mut LiveOptions) {
-    if parameters.settings().viewer.mode == ViewerMode::Off {
-        return;
-    }
-    #[cfg(feature = "viewer")]
-    options.outputs.push(output_queue());
-    #[cfg(not(feature = "viewer"))]
-    {
-        let _ = options;
-        warn_of_absence();
-    }
-}
-
-#[cfg(not(feature = "viewer"))]
-fn warn_of_absence() {
-    tracing::warn!(
-        "viewer.mode has no effect, because this program was built without the feature `viewer`"
-    );
-}
-
-/// The queues to the viewer of a fleet: one, if the parameters of its node enable the viewer.
-pub(super) fn fleet_queues(fleet: &FleetColumns) -> Vec<OutputQueue> {
-    if fleet.node.settings().viewer.mode == ViewerMode::Off {
+/// The queues to the viewer of so many columns: one, if the parameters of their node enable the viewer.
+pub(super) fn queues(node: &Parameters, columns: usize) -> Vec<OutputQueue> {
+    if node.settings().viewer.mode == ViewerMode::Off {
         return Vec::new();
     }
     #[cfg(feature = "viewer")]
-    return vec![fleet_output_queue(fleet.columns.len())];
+    return vec![output_queue(columns)];
     #[cfg(not(feature = "viewer"))]
     {
-        warn_of_absence();
+        let _ = columns;
+        tracing::warn!(
+            "viewer.mode has no effect, because this program was built without the feature `viewer`"
+        );
         Vec::new()
     }
 }
 
-/// Starts the viewer of a fleet, which shows the columns with the indices `selected` in full, if its queue exists.
+/// Starts the viewer if its queue exists. It shows the column with the parameters of the node or, of a `fleet`, all columns in a plan
+/// and those with these indices in full. Does nothing without the feature `viewer`.
 ///
 /// # Errors
 /// The thread cannot be started.
-#[cfg(feature = "viewer")]
-pub(super) fn start_of_fleet(
-    fleet: &FleetColumns,
-    selected: Vec<u32>,
+pub(super) fn start(
+    node: &Arc<Parameters>,
+    fleet: Option<(&[FleetColumn], Vec<u32>)>,
     handle: &FleetHandle,
     now: i64,
 ) -> std::io::Result<NodeViewer> {
-    let Some(outputs) = handle.outputs(QUEUE) else {
-        return Ok(NodeViewer::default());
-    };
-    let shown = ShownFleet::new(&fleet.columns, selected);
-    if let Some(text) = shown.plan.about_unplaced() {
-        tracing::info!("viewer: {text}");
+    #[cfg(feature = "viewer")]
+    if let Some(outputs) = handle.outputs(QUEUE) {
+        let shown = match fleet {
+            None => Shown::Column(Arc::clone(node)),
+            Some((columns, selected)) => {
+                let fleet = ShownFleet::new(columns, selected);
+                if let Some(text) = fleet.plan.about_unplaced() {
+                    tracing::info!("viewer: {text}");
+                }
+                Shown::Fleet(fleet)
+            }
+        };
+        let measurements = handle.measurements().cloned();
+        let viewer = LiveViewer::start(node, shown, outputs, measurements, now, Arc::new(log));
+        return match viewer {
+            Ok(viewer) => Ok(NodeViewer { viewer }),
+            Err(ViewerError::Thread(error)) => Err(error),
+            Err(error) => Err(std::io::Error::other(error)),
+        };
     }
-    started(LiveViewer::start_of_fleet(
-        &fleet.node,
-        shown,
-        outputs,
-        now,
-        Arc::new(log),
-    ))
-}
-
-/// Does nothing without the feature `viewer`.
-#[cfg(not(feature = "viewer"))]
-pub(super) fn start_of_fleet(
-    _fleet: &FleetColumns,
-    _selected: Vec<u32>,
-    _handle: &FleetHandle,
-    _now: i64,
-) -> std::io::Result<NodeViewer> {
-    Ok(NodeViewer::default())
-}
-
-/// Starts the viewer if its queue exists.
-///
-/// # Errors
-/// The thread cannot be started.
-#[cfg(feature = "viewer")]
-pub(super) fn start(
-    parameters: &Arc<Parameters>,
-    handle: &LiveHandle,
-    now: i64,
-) -> std::io::Result<NodeViewer> {
-    let Some(outputs) = handle.outputs(QUEUE) else {
-        return Ok(NodeViewer::default());
-    };
-    let measured = handle.recent_measurements();
-    let viewer = LiveViewer::start(parameters, outputs, measured, now, Arc::new(log));
-    started(viewer)
-}
-
-#[cfg(feature = "viewer")]
-fn started(viewer: Result<Option<LiveViewer>, ViewerError>) -> std::io::Result<NodeViewer> {
-    match viewer {
-        Ok(viewer) => Ok(NodeViewer { viewer }),
-        Err(ViewerError::Thread(error)) => Err(error),
-        Err(error) => Err(std::io::Error::other(error)),
-    }
-}
-
-/// Does nothing without the feature `viewer`.
-#[cfg(not(feature = "viewer"))]
-pub(super) fn start(
-    _parameters: &Arc<Parameters>,
-    _handle: &LiveHandle,
-    _now: i64,
-) -> std::io::Result<NodeViewer> {
+    let _ = (node, fleet, handle, now);
     Ok(NodeViewer::default())
 }
 
@@ -158,7 +91,6 @@ mod tests {
 
     #[test]
     fn the_viewer_reads_the_queue_of_this_name() {
-        assert_eq!(output_queue().name, QUEUE);
-        assert_eq!(fleet_output_queue(1).name, QUEUE);
+        assert_eq!(output_queue(1).name, QUEUE);
     }
 }

@@ -39,5 +39,5 @@ pub use joints::{Joints, PlanePoint};
 pub use outline::{Outline, Ring};
 pub use round_number::round_number;
 pub use solid::Solid;
-pub use vehicle::{BodyPart, BodyStyle, CrushedVehicle, Hull, VehicleBody, Wheel, hull_triangles};
+pub use vehicle::{CrushedVehicle, Hull, VehicleBody, Wheel, hull_triangles};
 pub use yield_curve::yield_curve;

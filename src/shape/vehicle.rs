@@ -11,47 +11,131 @@
 use crate::column::{MAX_MASSES, VehicleSample};
 use crate::parameters::{CatalogueVehicle, VehiclePart};
 
-/// What a vehicle looks like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BodyStyle {
-    /// The paper's rigid mass: a block, which is a symbol and has no real size.
-    RigidMass,
-    /// Bonnet, cabin, boot.
-    Car,
-    /// A short bonnet and a high body.
-    Van,
-    /// A cab above the front axle; behind it a load area, or a frame if the load is a mass of its own.
-    Lorry,
-    /// A low body with a mast.
-    Forklift,
+/// A place along the hull: a part of its length, a part of the length of the cab, and metres, which add up.
+type Place = [f64; 3];
+
+/// What a kind of vehicle looks like. Heights are parts of that of the hull; those of engine and wheels, of that of the vehicle.
+#[derive(Debug, PartialEq)]
+struct Look {
+    /// Largest length of the cab \[m\], and its largest part of the length of the vehicle.
+    cab: [f64; 2],
+    /// Rear end of the nose.
+    nose: Place,
+    /// Front and rear end of the engine, if it is drawn.
+    engine: Option<[Place; 2]>,
+    /// The cross-sections of the hull: where; bottom and top.
+    hull: &'static [(Place, [f64; 2])],
+    /// The axles of the hull: where, and the radius of the wheels.
+    axles: &'static [(Place, f64)],
+    /// The boxes that stand for the hull: top of the nose; lower edge of the upper box, and its ends.
+    boxes: (f64, f64, [Place; 2]),
 }
 
-/// The part of a vehicle that one of its masses is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BodyPart {
-    /// What it is, for labels.
-    pub name: String,
-    /// Front and rear end in the undeformed vehicle \[m\].
-    pub extent: [f64; 2],
-    /// Bottom and top \[m\].
-    pub heights: [f64; 2],
+/// The face, the rear end of the hull, and the rear end of the cab.
+const FACE: Place = [0.0; 3];
+const REAR: Place = part(1.0);
+const CAB: Place = of_cab(1.0);
+
+const fn part(of_length: f64) -> Place {
+    [of_length, 0.0, 0.0]
 }
 
-impl From<&VehiclePart> for BodyPart {
-    fn from(part: &VehiclePart) -> Self {
-        Self {
-            name: part.name.clone(),
-            extent: [part.from_m, part.to_m],
-            heights: [part.bottom_m, part.top_m],
-        }
-    }
+const fn of_cab(part: f64) -> Place {
+    [0.0, part, 0.0]
 }
+
+/// The paper's rigid mass: a block, which is a symbol and has no real size.
+const RIGID_MASS: Look = Look {
+    cab: [f64::INFINITY, 1.0],
+    nose: FACE,
+    engine: None,
+    hull: &[(FACE, [0.0, 1.0]), (REAR, [0.0, 1.0])],
+    axles: &[],
+    boxes: (1.0, 1.0, [FACE; 2]),
+};
+
+/// Bonnet, cabin, boot.
+#[rustfmt::skip]
+const CAR: Look = Look {
+    nose: part(0.27),
+    hull: &[
+        (FACE, [0.15, 0.47]), (part(0.03), [0.13, 0.56]), (part(0.27), [0.13, 0.67]),
+        (part(0.42), [0.13, 0.98]), (part(0.58), [0.13, 1.0]), (part(0.72), [0.13, 0.96]),
+        (part(0.88), [0.13, 0.70]), (part(0.98), [0.13, 0.66]), (REAR, [0.17, 0.50]),
+    ],
+    axles: &[(part(0.19), 0.22), (part(0.80), 0.22)],
+    boxes: (0.47, 0.66, [part(0.36), part(0.80)]),
+    ..RIGID_MASS
+};
+
+/// A short bonnet and a high body.
+#[rustfmt::skip]
+const VAN: Look = Look {
+    nose: part(0.21),
+    hull: &[
+        (FACE, [0.12, 0.36]), (part(0.02), [0.10, 0.42]), (part(0.16), [0.10, 0.50]),
+        (part(0.28), [0.10, 0.93]), (part(0.36), [0.10, 1.0]), (part(0.98), [0.10, 1.0]), (REAR, [0.12, 0.97]),
+    ],
+    axles: &[(part(0.16), 0.14), (part(0.78), 0.14)],
+    boxes: (0.36, 0.50, [part(0.21), REAR]),
+    ..RIGID_MASS
+};
+
+/// A low body with a mast.
+#[rustfmt::skip]
+const FORKLIFT: Look = Look {
+    nose: part(0.15),
+    hull: &[
+        (FACE, [0.08, 1.0]), (part(0.06), [0.08, 1.0]), (part(0.06), [0.08, 0.40]),
+        (part(0.45), [0.08, 0.40]), (part(0.55), [0.08, 0.55]), (REAR, [0.10, 0.55]),
+    ],
+    axles: &[(part(0.2), 0.16), (part(0.85), 0.12)],
+    boxes: (0.55, 0.55, [FACE, part(0.06)]),
+    ..RIGID_MASS
+};
+
+/// A cab above the front axle, and a load area, in one piece.
+#[rustfmt::skip]
+const LORRY: Look = Look {
+    cab: [2.1, 0.3],
+    nose: of_cab(0.95),
+    engine: None,
+    hull: &[
+        (FACE, [0.11, 0.72]), (of_cab(0.15), [0.11, 0.80]), (CAB, [0.11, 0.80]), (CAB, [0.20, 0.28]),
+        ([0.0, 1.0, 0.25], [0.20, 0.28]), ([0.0, 1.0, 0.25], [0.20, 1.0]), (REAR, [0.20, 1.0]),
+    ],
+    axles: &[([0.0, 0.0, 1.4], 0.14), (part(0.78), 0.14)],
+    boxes: (0.76, 0.28, [CAB, REAR]),
+};
+
+/// A lorry whose load is a mass of its own, behind the cab on a frame.
+#[rustfmt::skip]
+const CHASSIS: Look = Look {
+    engine: Some([of_cab(0.33), of_cab(0.8)]),
+    hull: &[
+        (FACE, [0.11, 0.72]), (of_cab(0.15), [0.11, 0.80]), (CAB, [0.11, 0.80]),
+        (CAB, [0.20, 0.28]), ([0.0, 1.0, 0.25], [0.20, 0.28]), (REAR, [0.20, 0.28]),
+    ],
+    boxes: (0.76, 0.28, [of_cab(0.95), CAB]),
+    ..LORRY
+};
+
+/// The same in front of a trailer.
+const TRACTOR: Look = Look {
+    axles: &[([0.0, 0.0, 1.4], 0.14), (part(0.85), 0.14)],
+    ..CHASSIS
+};
+
+/// A part whose rear end is this far behind the hull \[m\] has wheels of its own.
+const REACHES_FAR: f64 = 2.0;
+
+/// Distances of their axles from that end \[m\], and their radius as a part of the height of the vehicle.
+const REAR_AXLES: ([f64; 3], f64) = ([1.3, 2.6, 3.9], 0.13);
 
 /// The body of a vehicle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleBody {
-    /// What it looks like.
-    pub style: BodyStyle,
+    look: &'static Look,
     /// Overall length, width and height \[m\].
     pub size: [f64; 3],
     /// Length of the undeformed nose, which the crush of spring 1 shortens \[m\].
@@ -61,7 +145,7 @@ pub struct VehicleBody {
     /// Front and rear end of the engine \[m\], if it is drawn.
     pub engine: Option<[f64; 2]>,
     /// Its masses, front first. The first one is the hull, with nose and wheels.
-    pub parts: Vec<BodyPart>,
+    pub parts: Vec<VehiclePart>,
     /// Distance that closes before the spring in front of each part acts \[m\].
     pub slack: Vec<f64>,
 }
@@ -80,9 +164,6 @@ const FRONT_MARGIN: f64 = 0.08;
 
 /// Bottom and top of the engine, as fractions of the height of the vehicle.
 const ENGINE: [f64; 2] = [0.13, 0.29];
-
-/// Length of the cab of a lorry \[m\], and its largest share of the length.
-const CAB: [f64; 2] = [2.1, 0.3];
 
 /// A wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,11 +184,20 @@ pub struct CrushedVehicle<'a> {
     moved: [f64; MAX_MASSES],
 }
 
-/// Rear end of the cab \[m\].
-fn cab(style: BodyStyle, length: f64) -> f64 {
-    match style {
-        BodyStyle::Lorry => CAB[0].min(CAB[1] * length),
-        _ => length,
+fn vehicle_part(name: &str, [from_m, to_m]: [f64; 2], [bottom_m, top_m]: [f64; 2]) -> VehiclePart {
+    VehiclePart {
+        name: name.to_owned(),
+        from_m,
+        to_m,
+        bottom_m,
+        top_m,
+    }
+}
+
+impl Look {
+    /// Length of the cab of a vehicle of this length \[m\].
+    fn cab(&self, length: f64) -> f64 {
+        self.cab[0].min(self.cab[1] * length)
     }
 }
 
@@ -116,12 +206,8 @@ impl VehicleBody {
     #[must_use]
     pub fn rigid_mass() -> Self {
         let size = [1.6, 1.4, 0.7];
-        let block = BodyPart {
-            name: "rigid mass".to_owned(),
-            extent: [0.0, size[0]],
-            heights: [0.0, size[2]],
-        };
-        Self::new(BodyStyle::RigidMass, size, vec![block], &[0.0])
+        let block = vehicle_part("rigid mass", [0.0, size[0]], [0.0, size[2]]);
+        Self::new(&RIGID_MASS, size, vec![block], &[0.0])
     }
 
     /// A body for a vehicle that is given by masses and springs alone: its size is an assumption of ours, which follows from
@@ -130,52 +216,40 @@ impl VehicleBody {
     /// `slack` \[m\] has one entry for each of its springs, front first.
     #[must_use]
     pub fn assumed(total: f64, slack: &[f64]) -> Self {
-        let (style, size) = match slack.len() {
-            0 | 1 if total < 2_500.0 => (BodyStyle::Car, [4.5, 1.8, 1.5]),
-            0 | 1 if total < 4_000.0 => (BodyStyle::Van, [5.9, 2.0, 2.5]),
-            _ if total < 4_000.0 => (BodyStyle::Lorry, [5.5, 1.9, 2.2]),
-            _ if total < 20_000.0 => (BodyStyle::Lorry, [8.0, 2.5, 3.4]),
-            _ => (BodyStyle::Lorry, [16.5, 2.55, 3.8]),
+        let (look, size) = match slack.len() {
+            0 | 1 if total < 2_500.0 => (&CAR, [4.5, 1.8, 1.5]),
+            0 | 1 if total < 4_000.0 => (&VAN, [5.9, 2.0, 2.5]),
+            _ if total < 4_000.0 => (&LORRY, [5.5, 1.9, 2.2]),
+            _ if total < 20_000.0 => (&LORRY, [8.0, 2.5, 3.4]),
+            _ => (&LORRY, [16.5, 2.55, 3.8]),
         };
         let [length, _, height] = size;
         let count = slack.len().max(1);
         let is_articulated = count > 1 && length > 12.0;
-        let hull = if is_articulated { 6.0 } else { length };
-        let first = BodyPart {
-            name: match count {
-                1 => "vehicle",
-                _ if is_articulated => "tractor",
-                _ => "cab and chassis",
-            }
-            .to_owned(),
-            extent: [0.0, hull],
-            heights: [0.13 * height, 0.87 * height],
+        let (name, hull, top) = match count {
+            1 => ("vehicle", length, height),
+            _ if is_articulated => ("tractor", 6.0, 0.87 * height),
+            _ => ("cab and chassis", length, 0.87 * height),
         };
-        let mut parts = vec![first];
+        let mut parts = vec![vehicle_part(name, [0.0, hull], [0.13 * height, top])];
         // The other masses divide the length behind the cab; the gaps in front of them are what can close.
-        let cab = cab(style, length);
+        let cab = look.cab(length);
         let gap = |spring: usize| 0.5 + slack[spring];
         let gaps: f64 = (1..count).map(gap).sum();
         let each = ((length - cab - gaps) / (count.max(2) - 1) as f64).max(0.2 * length);
         let mut from = cab;
         for spring in 1..count {
             from += gap(spring);
-            parts.push(BodyPart {
-                name: match spring {
-                    1 if is_articulated => "trailer",
-                    1 => "load",
-                    _ => "rear load",
-                }
-                .to_owned(),
-                extent: [from, from + each],
-                heights: [0.36 * height, height],
-            });
+            let name = match spring {
+                1 if is_articulated => "trailer",
+                1 => "load",
+                _ => "rear load",
+            };
+            let extent = [from, from + each];
+            parts.push(vehicle_part(name, extent, [0.36 * height, height]));
             from += each;
         }
-        if count == 1 {
-            parts[0].heights[1] = height;
-        }
-        Self::new(style, size, parts, slack)
+        Self::new(look, size, parts, slack)
     }
 
     /// The body of the vehicle of this name in the catalogue; for other names an assumed one of this total mass \[kg\].
@@ -190,43 +264,38 @@ impl VehicleBody {
         let Some(vehicle) = known else {
             return Self::assumed(total, slack);
         };
-        let size = &vehicle.size.value;
-        let parts: Vec<_> = vehicle.parts.iter().map(BodyPart::from).collect();
-        let style = match parts[0].name.as_str() {
-            _ if parts.len() > 1 => BodyStyle::Lorry,
-            "van" => BodyStyle::Van,
-            "lorry" | "tractor" => BodyStyle::Lorry,
-            "forklift" => BodyStyle::Forklift,
-            _ => BodyStyle::Car,
+        let look = match vehicle.parts[0].name.as_str() {
+            _ if slack.len() > 1 => &LORRY,
+            "van" => &VAN,
+            "lorry" | "tractor" => &LORRY,
+            "forklift" => &FORKLIFT,
+            _ => &CAR,
         };
+        let size = &vehicle.size.value;
         let size = [size.length_m, size.width_m, size.height_m];
-        Self::new(style, size, parts, slack)
+        Self::new(look, size, vehicle.parts.clone(), slack)
     }
 
-    /// A body of this style, this overall length, width and height \[m\] and these parts, one for each of its masses; `slack`
-    /// \[m\] has one entry for each of its springs, front first.
-    #[must_use]
-    pub fn new(style: BodyStyle, size: [f64; 3], parts: Vec<BodyPart>, slack: &[f64]) -> Self {
+    fn new(look: &'static Look, size: [f64; 3], parts: Vec<VehiclePart>, slack: &[f64]) -> Self {
         let [length, ..] = size;
-        let behind = parts.get(1).map(|part| part.extent[0]);
-        let cab = cab(style, length).min(behind.unwrap_or(length));
-        let nose = match style {
-            BodyStyle::RigidMass => 0.0,
-            BodyStyle::Car => 0.27 * length,
-            BodyStyle::Van => 0.21 * length,
-            BodyStyle::Forklift => 0.15 * length,
-            BodyStyle::Lorry => 0.95 * cab,
+        let look = match &parts[..] {
+            [hull, _, ..] if hull.to_m < length => &TRACTOR,
+            [_, _, ..] => &CHASSIS,
+            _ => look,
         };
-        let has_engine = style == BodyStyle::Lorry && parts.len() > 1;
-        Self {
-            style,
+        let behind = parts.get(1).map_or(length, |part| part.from_m);
+        let mut body = Self {
+            look,
             size,
-            nose,
-            cab,
-            engine: has_engine.then_some([0.33 * cab, 0.8 * cab]),
+            nose: 0.0,
+            cab: look.cab(length).min(behind),
+            engine: None,
             parts,
             slack: slack.to_vec(),
-        }
+        };
+        body.nose = body.place(look.nose);
+        body.engine = look.engine.map(|ends| ends.map(|it| body.place(it)));
+        body
     }
 
     /// Names of what the masses are, front first.
@@ -236,14 +305,17 @@ impl VehicleBody {
 
     /// Rear end of the undeformed hull, which moves with the first mass \[m\].
     fn hull_length(&self) -> f64 {
-        self.parts
-            .first()
-            .map_or(self.size[0], |hull| hull.extent[1])
+        self.parts[0].to_m
+    }
+
+    /// How far a place of the undeformed hull is behind its face \[m\].
+    fn place(&self, [of_length, of_cab, metres]: Place) -> f64 {
+        of_length * self.hull_length() + of_cab * self.cab + metres
     }
 
     /// The second and the third mass.
-    fn rear(&self) -> &[BodyPart] {
-        self.parts.get(1..).unwrap_or_default()
+    fn rear(&self) -> &[VehiclePart] {
+        &self.parts[1..]
     }
 
     /// Overall length \[m\].
@@ -267,7 +339,7 @@ impl VehicleBody {
     /// Whether it is a vehicle on wheels and not a rigid mass.
     #[must_use]
     pub fn is_real(&self) -> bool {
-        self.style != BodyStyle::RigidMass
+        !self.look.axles.is_empty()
     }
 
     /// Height of the road above the base of the column \[m\], so that the front hits the column at the height `impact`: 0 where
@@ -295,8 +367,8 @@ impl VehicleBody {
             // The crush of these springs is counted from the end of the slack. No part can be drawn inside the one ahead.
             let closed = crush + slack;
             let closed = if closed.is_finite() { closed } else { 0.0 };
-            moved[index] = moved[index - 1] + closed.min(part.extent[0] - ahead);
-            ahead = part.extent[1];
+            moved[index] = moved[index - 1] + closed.min(part.from_m - ahead);
+            ahead = part.to_m;
         }
         CrushedVehicle {
             body: self,
@@ -307,86 +379,25 @@ impl VehicleBody {
 
     /// The cross-sections of the undeformed hull.
     fn stations(&self) -> [Station; HULL_STATIONS] {
-        let h = self
-            .parts
-            .first()
-            .map_or(self.size[2], |hull| hull.heights[1]);
-        let l = self.hull_length();
-        let outline: &[Station] = match self.style {
-            BodyStyle::RigidMass => &[[0.0, 0.0, h], [l, 0.0, h]],
-            BodyStyle::Car => &[
-                [0.0, 0.15 * h, 0.47 * h],
-                [0.03 * l, 0.13 * h, 0.56 * h],
-                [0.27 * l, 0.13 * h, 0.67 * h],
-                [0.42 * l, 0.13 * h, 0.98 * h],
-                [0.58 * l, 0.13 * h, h],
-                [0.72 * l, 0.13 * h, 0.96 * h],
-                [0.88 * l, 0.13 * h, 0.70 * h],
-                [0.98 * l, 0.13 * h, 0.66 * h],
-                [l, 0.17 * h, 0.50 * h],
-            ],
-            BodyStyle::Van => &[
-                [0.0, 0.12 * h, 0.36 * h],
-                [0.02 * l, 0.10 * h, 0.42 * h],
-                [0.16 * l, 0.10 * h, 0.50 * h],
-                [0.28 * l, 0.10 * h, 0.93 * h],
-                [0.36 * l, 0.10 * h, h],
-                [0.98 * l, 0.10 * h, h],
-                [l, 0.12 * h, 0.97 * h],
-            ],
-            BodyStyle::Forklift => &[
-                [0.0, 0.08 * h, h],
-                [0.06 * l, 0.08 * h, h],
-                [0.06 * l, 0.08 * h, 0.40 * h],
-                [0.45 * l, 0.08 * h, 0.40 * h],
-                [0.55 * l, 0.08 * h, 0.55 * h],
-                [l, 0.10 * h, 0.55 * h],
-            ],
-            BodyStyle::Lorry => {
-                let (cab, box_front) = (self.cab, self.cab + 0.25);
-                let frame = [0.20 * h, 0.28 * h];
-                let roof = if self.rear().is_empty() { h } else { frame[1] };
-                &[
-                    [0.0, 0.11 * h, 0.72 * h],
-                    [0.15 * cab, 0.11 * h, 0.80 * h],
-                    [cab, 0.11 * h, 0.80 * h],
-                    [cab, frame[0], frame[1]],
-                    [box_front, frame[0], frame[1]],
-                    [box_front, frame[0], roof],
-                    [l, frame[0], roof],
-                ]
-            }
-        };
-        let last = outline.len() - 1;
-        std::array::from_fn(|index| outline[index.min(last)])
+        let (hull, h) = (self.look.hull, self.parts[0].top_m);
+        std::array::from_fn(|index| {
+            let (place, [bottom, top]) = hull[index.min(hull.len() - 1)];
+            [self.place(place), bottom * h, top * h]
+        })
     }
 
     /// Axles of the undeformed vehicle, front first: distance behind the face, radius, and the mass that carries them.
     fn axles(&self) -> Vec<(f64, f64, usize)> {
-        let [_, _, h] = self.size;
-        let l = self.hull_length();
-        let mut axles = match self.style {
-            BodyStyle::RigidMass => Vec::new(),
-            BodyStyle::Car => vec![(0.19, 0.22), (0.80, 0.22)],
-            BodyStyle::Van => vec![(0.16, 0.14), (0.78, 0.14)],
-            BodyStyle::Forklift => vec![(0.2, 0.16), (0.85, 0.12)],
-            BodyStyle::Lorry if l < self.length() => vec![(1.4 / l, 0.14), (0.85, 0.14)],
-            BodyStyle::Lorry => vec![(1.4 / l, 0.14), (0.78, 0.14)],
-        }
-        .into_iter()
-        .map(|(along, radius)| (along * l, radius * h, 0))
-        .collect::<Vec<_>>();
-        if self.style == BodyStyle::Lorry {
-            for (index, part) in self.parts.iter().enumerate().skip(1) {
-                // A part that reaches far behind the frame has wheels of its own.
-                if part.extent[1] > l + 2.0 {
-                    let radius = 0.13 * h;
-                    let behind = [1.3, 2.6, 3.9].map(|from_rear| part.extent[1] - from_rear);
-                    axles.extend(behind.map(|behind| (behind, radius, index)));
-                }
-            }
-        }
-        axles
+        let h = self.size[2];
+        let own = self.look.axles.iter();
+        let own = own.map(|(place, radius)| (self.place(*place), radius * h, 0));
+        let (from_rear, radius) = REAR_AXLES;
+        let far = self.hull_length() + REACHES_FAR;
+        let rear = self.parts.iter().enumerate().skip(1);
+        let rear = rear.filter(|(_, part)| part.to_m > far);
+        let rear =
+            rear.flat_map(|(index, part)| from_rear.map(|it| (part.to_m - it, radius * h, index)));
+        own.chain(rear).collect()
     }
 }
 
@@ -435,7 +446,7 @@ impl CrushedVehicle<'_> {
     /// Front and rear end of the second and the third mass.
     pub fn rear_parts(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let parts = self.body.rear().iter().zip(&self.moved[1..]);
-        parts.map(|(part, moved)| part.extent.map(|end| end - moved))
+        parts.map(|(part, moved)| [part.from_m, part.to_m].map(|end| end - moved))
     }
 
     /// The boxes of engine and rear parts: front and rear end, bottom and top, half the width \[m\]; the engine first.
@@ -446,7 +457,8 @@ impl CrushedVehicle<'_> {
             (extent, heights, 0.22 * width)
         });
         let rear = self.rear_parts().zip(self.body.rear());
-        let rear = rear.map(move |(extent, part)| (extent, part.heights, 0.5 * width));
+        let rear =
+            rear.map(move |(extent, part)| (extent, [part.bottom_m, part.top_m], 0.5 * width));
         engine.into_iter().chain(rear)
     }
 
@@ -456,28 +468,17 @@ impl CrushedVehicle<'_> {
     #[must_use]
     pub fn hull_boxes(&self) -> [([f64; 2], [f64; 2]); 3] {
         let body = self.body;
+        let h = body.parts[0].top_m;
+        let (nose_top, edge, upper) = body.look.boxes;
+        let (nose_top, edge) = (nose_top * h, edge * h);
         let stations = body.stations();
-        let [_, bottom, front_top] = stations[0];
+        let bottom = stations[0][1];
         let top = stations.iter().map(|it| it[2]).fold(0.0, f64::max);
-        let length = body.hull_length();
-        // Ends of the upper box, and its lower edge.
-        let (upper, edge) = match body.style {
-            BodyStyle::RigidMass => ([0.0, 0.0], top),
-            BodyStyle::Car => ([0.36 * length, 0.80 * length], 0.66 * top),
-            BodyStyle::Van => ([body.nose, length], 0.50 * top),
-            BodyStyle::Forklift => ([0.0, 0.06 * length], 0.55 * top),
-            BodyStyle::Lorry if body.parts.len() > 1 => ([body.nose, body.cab], stations[3][2]),
-            BodyStyle::Lorry => ([body.cab, length], stations[3][2]),
-        };
-        let nose_top = match body.style {
-            BodyStyle::Lorry => 0.5 * (front_top + stations[2][2]),
-            BodyStyle::Forklift => edge,
-            _ => front_top,
-        };
+        let upper = upper.map(|it| body.place(it));
         let place = |extent: [f64; 2]| extent.map(|end| self.of_hull(end));
         [
             (place([0.0, body.nose]), [bottom, nose_top]),
-            (place([body.nose, length]), [bottom, edge]),
+            (place([body.nose, body.hull_length()]), [bottom, edge]),
             (place(upper), [edge, top]),
         ]
     }
@@ -500,63 +501,46 @@ impl CrushedVehicle<'_> {
     #[must_use]
     pub fn hull(&self, front: f64, road: f64) -> Hull {
         let half = 0.5 * self.body.width();
-        let stations = self
-            .body
-            .stations()
-            .map(|[behind, bottom, top]| [front - self.of_hull(behind), road + bottom, road + top]);
-        let mut hull = Hull {
-            positions: Vec::with_capacity(HULL_CORNERS),
-            normals: Vec::with_capacity(HULL_CORNERS),
-            is_nose: Vec::with_capacity(HULL_CORNERS),
+        let stations = self.body.stations();
+        let mut hull = Hull::default();
+        let mut add = |corners: [[f64; 3]; 4], normal: [f64; 3], rear: f64| {
+            hull.positions
+                .extend(corners.map(|it| it.map(|it| it as f32)));
+            hull.normals.extend([normal.map(|it| it as f32); 4]);
+            let is_nose = self.body.nose > 0.0 && rear <= self.body.nose;
+            hull.is_nose.extend([is_nose; 4]);
         };
-        let ahead = self.body.stations();
-        for (pair, undeformed) in stations.windows(2).zip(ahead.windows(2)) {
-            let [[x, bottom, top], [rear, rear_bottom, rear_top]] = [pair[0], pair[1]];
-            let in_nose = undeformed[1][0] <= self.body.nose;
-            let mut face = |corners: [[f64; 3]; 4], normal| hull.add(corners, normal, in_nose);
+        for pair in stations.windows(2) {
+            let [[ahead, low, high], [rear, rear_low, rear_high]] = [pair[0], pair[1]];
+            let side = [
+                (ahead, low),
+                (rear, rear_low),
+                (rear, rear_high),
+                (ahead, high),
+            ];
             for y in [-half, half] {
-                face(
-                    [
-                        [x, y, bottom],
-                        [rear, y, rear_bottom],
-                        [rear, y, rear_top],
-                        [x, y, top],
-                    ],
-                    [0.0, y.signum(), 0.0],
-                );
-            }
-            for (up, [z, rear_z]) in [(-1.0, [bottom, rear_bottom]), (1.0, [top, rear_top])] {
-                let (along, rise) = (x - rear, z - rear_z);
-                let length = along.hypot(rise);
-                let normal = if length > 0.0 {
-                    [-up * rise / length, 0.0, up * along / length]
-                } else {
-                    [0.0, 0.0, up]
-                };
-                let corners = [
-                    [x, -half, z],
-                    [x, half, z],
-                    [rear, half, rear_z],
-                    [rear, -half, rear_z],
-                ];
-                face(corners, normal);
+                let corners = side.map(|(behind, z)| [front - self.of_hull(behind), y, road + z]);
+                add(corners, [0.0, y.signum(), 0.0], rear);
             }
         }
-        for (station, outwards) in [(stations[0], 1.0), (stations[HULL_STATIONS - 1], -1.0)] {
-            let [x, bottom, top] = station;
-            let corners = [
-                [x, -half, bottom],
-                [x, half, bottom],
-                [x, half, top],
-                [x, -half, top],
-            ];
-            let in_nose = outwards > 0.0 && self.body.nose > 0.0;
-            hull.add(corners, [outwards, 0.0, 0.0], in_nose);
+        let [left, right] = [-half, half].map(|y| self.outline(front, road, y));
+        let behind = stations.iter().chain(stations.iter().rev());
+        let behind: Vec<_> = behind.chain([&stations[0]]).map(|it| it[0]).collect();
+        for (edge, behind) in (0..left.len()).zip(behind.windows(2)) {
+            let next = edge + 1;
+            let ([x, _, z], [next_x, _, next_z]) = (left[edge], left[next]);
+            let length = (next_x - x).hypot(next_z - z);
+            let normal = match length > 0.0 {
+                true => [(next_z - z) / length, 0.0, (x - next_x) / length],
+                false => [0.0, 0.0, 1.0],
+            };
+            let corners = [left[edge], right[edge], right[next], left[next]];
+            add(corners, normal, behind[0].max(behind[1]));
         }
         hull
     }
 
-    /// The outline of the hull on the side `y` \[m\], closed.
+    /// The outline of the hull on the side `y` \[m\], closed: backwards along its top, and forwards along its bottom.
     #[must_use]
     pub fn outline(&self, front: f64, road: f64, y: f64) -> Vec<[f64; 3]> {
         let stations = self.body.stations();
@@ -588,14 +572,6 @@ impl Hull {
             positions: vec![[0.0; 3]; HULL_CORNERS],
             normals: vec![[0.0, 0.0, 1.0]; HULL_CORNERS],
             is_nose: vec![false; HULL_CORNERS],
-        }
-    }
-
-    fn add(&mut self, corners: [[f64; 3]; 4], normal: [f64; 3], is_nose: bool) {
-        for corner in corners {
-            self.positions.push(corner.map(|it| it as f32));
-            self.normals.push(normal.map(|it| it as f32));
-            self.is_nose.push(is_nose);
         }
     }
 }
@@ -645,7 +621,7 @@ mod tests {
             assert!(body.nose > 0.4, "{}: {}", it.name, body.nose);
         }
         let car = VehicleBody::named("mid_car", 1719.0, &[0.0]);
-        assert_eq!((car.style, car.size), (BodyStyle::Car, [4.9, 1.84, 1.45]));
+        assert_eq!((car.look, car.size), (&CAR, [4.9, 1.84, 1.45]));
         // The number of masses tells that this is another vehicle.
         let other = VehicleBody::named("mid_car", 9_000.0, &[0.0, 0.0]);
         assert_eq!(other, VehicleBody::assumed(9_000.0, &[0.0, 0.0]));
@@ -679,7 +655,7 @@ mod tests {
         for body in bodies() {
             for crush in [0.0, 0.05, 0.3, 0.9, 1.9, 50.0, f64::INFINITY] {
                 let vehicle = body.crushed(&crushed([crush, 0.0, 0.0])).nose();
-                assert_eq!(vehicle, (body.nose - crush).max(0.0), "{:?}", body.style);
+                assert_eq!(vehicle, (body.nose - crush).max(0.0), "{:?}", body.look);
             }
             let whole = body.crushed(&crushed([-0.2, 0.0, 0.0]));
             assert_eq!((whole.nose(), whole.crushed_share()), (body.nose, 0.0));
@@ -714,11 +690,23 @@ mod tests {
             let [front, _] = vehicle.rear_parts().next().expect("a load");
             front
         };
-        let undeformed = body.parts[1].extent[0];
+        let undeformed = body.parts[1].from_m;
         let at_first = [0.0, -0.3, 0.0];
         assert!((front(at_first) - undeformed).abs() < 1e-12);
         assert!((front([0.0, 0.0, 0.0]) - (undeformed - 0.3)).abs() < 1e-12);
         assert!((front([0.5, 0.2, 0.0]) - (undeformed - 0.3 - 0.2 - 0.5)).abs() < 1e-12);
+    }
+
+    /// Checks that no box, given by its ends and heights, is inside another one.
+    fn share_no_space(boxes: &[([f64; 2], [f64; 2])], body: &VehicleBody) {
+        let apart =
+            |one: [f64; 2], other: [f64; 2]| one[0] >= other[1] - 1e-9 || other[0] >= one[1] - 1e-9;
+        for (index, (extent, heights)) in boxes.iter().enumerate() {
+            for (other, other_heights) in &boxes[..index] {
+                let are_apart = apart(*extent, *other) || apart(*heights, *other_heights);
+                assert!(are_apart, "{body:?}: {boxes:?}");
+            }
+        }
     }
 
     /// No box is inside another one or in front of the contact face, however large the crush is.
@@ -727,19 +715,9 @@ mod tests {
         for body in bodies() {
             for sample in crushes() {
                 let vehicle = body.crushed(&sample);
-                let boxes: Vec<_> = vehicle.boxes().collect();
-                for (index, (extent, heights, _)) in boxes.iter().enumerate() {
-                    assert!(extent[0] >= -1e-12, "{:?}: {extent:?}", body.style);
-                    for (other, other_heights, _) in &boxes[..index] {
-                        let apart = |one: [f64; 2], other: [f64; 2]| {
-                            one[0] >= other[1] - 1e-9 || other[0] >= one[1] - 1e-9
-                        };
-                        assert!(
-                            apart(*extent, *other) || apart(*heights, *other_heights),
-                            "{body:?} {sample:?}: {boxes:?}"
-                        );
-                    }
-                }
+                let boxes: Vec<_> = vehicle.boxes().map(|(ends, z, _)| (ends, z)).collect();
+                assert!(boxes.iter().all(|(ends, _)| ends[0] >= -1e-12), "{boxes:?}");
+                share_no_space(&boxes, &body);
                 // The rear parts are behind the cab.
                 if let Some([front, _]) = vehicle.rear_parts().next() {
                     assert!(front >= vehicle.of_hull(body.cab) - 1e-9);
@@ -785,24 +763,15 @@ mod tests {
         for body in bodies() {
             for crush in [0.0, 0.4, 1.3, 9.0] {
                 let vehicle = body.crushed(&crushed([crush, 0.0, 0.0]));
-                let boxes = vehicle.hull_boxes();
-                let is_there = |it: &&([f64; 2], [f64; 2])| it.0[1] > it.0[0];
-                let boxes: Vec<_> = boxes.iter().filter(is_there).collect();
+                let mut boxes = vehicle.hull_boxes().to_vec();
+                boxes.retain(|(ends, _)| ends[1] > ends[0]);
                 assert!(!boxes.is_empty());
                 let end = vehicle.of_hull(body.hull_length());
-                for (index, (extent, heights)) in boxes.iter().enumerate() {
+                for (extent, heights) in &boxes {
                     assert!(extent[0] >= 0.0 && extent[1] <= end + 1e-12);
                     assert!(heights[0] < heights[1] && heights[1] <= body.size[2] + 1e-12);
-                    for (other, other_heights) in &boxes[..index] {
-                        let apart = |one: [f64; 2], other: [f64; 2]| {
-                            one[0] >= other[1] - 1e-9 || other[0] >= one[1] - 1e-9
-                        };
-                        assert!(
-                            apart(*extent, *other) || apart(*heights, *other_heights),
-                            "{body:?}: {boxes:?}"
-                        );
-                    }
                 }
+                share_no_space(&boxes, &body);
             }
         }
     }
@@ -815,7 +784,7 @@ mod tests {
             for impact in [0.05, 0.3, 0.6, 1.0, 1.25, 3.0] {
                 let road = body.road(impact);
                 let above = impact - road;
-                assert!(bottom < above && above < top, "{:?}", body.style);
+                assert!(bottom < above && above < top, "{:?}", body.look);
                 let margin = FRONT_MARGIN;
                 if body.is_real() && (bottom + margin..top - margin).contains(&impact) {
                     assert_eq!(road, 0.0);

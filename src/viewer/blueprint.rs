@@ -272,12 +272,13 @@ impl Blueprint {
         self.write(&self.container_path(CURVES), &curves)?;
         let hinges = grid(self.hinges(), 4).with_display_name("Hinges");
         self.write(&self.container_path(RIGHT), &hinges)?;
-        let mut others = vec![self.container_path(CURVES), self.container_path(RIGHT)];
+        let mut others = Vec::new();
         if detected > 0 {
             let detected = grid(self.detected_views(detected), 3).with_display_name("Sensors");
             self.write(&self.container_path(DETECTED), &detected)?;
             others.push(self.container_path(DETECTED));
         }
+        others.extend([CURVES, RIGHT].map(|it| self.container_path(it)));
         others.push(self.view_path(LOG));
         self.write(&self.container_path(MIDDLE), &tabs(others))?;
         let root = vertical([LEFT, MIDDLE].map(|it| self.container_path(it)))

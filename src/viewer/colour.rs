@@ -60,7 +60,7 @@ pub const SURFACE: Rgb = [190, 190, 190];
 /// Axes.
 pub const AXIS: Rgb = [90, 90, 90];
 
-/// Hinges 1a, 1b, 2, 3 in the plots.
+/// Hinges in the plots, in the order of [`HINGE_PLACES`](crate::observables::HINGE_PLACES).
 pub const HINGE: [Rgb; HINGES] = [
     [120, 190, 255],
     [255, 170, 90],

@@ -82,7 +82,7 @@ impl Announcement {
 }
 
 impl ViewerItem {
-    /// Converts an output of the twin; `None` if it is not shown, or if it is an estimate, which needs the readings:
+    /// Converts an output of the twin; `None` if it is not shown, or if it is an estimate, which needs the measurements:
     /// [`DetectedImpacts`](super::DetectedImpacts).
     #[must_use]
     pub fn of_twin(output: Output) -> Option<Self> {

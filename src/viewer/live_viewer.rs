@@ -7,14 +7,13 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use super::destination::{Destination, live_options};
-use super::detected::DetectedImpacts;
 use super::error::{ViewerError, ViewerLogger};
-use super::fleet::{Fact, FleetFeed, FleetStream, ShownFleet};
-use super::item::ViewerItem;
+use super::fleet::{FleetFeed, FleetStream, ShownFleet};
+use super::live_items::LiveItems;
 use super::picture::{FleetSubject, Picture};
 use super::plots::Ranges;
 use super::stream::ViewerStream;
-use crate::live::{OutputQueue, OutputSource, Receiver, RecentBatches, Waker, WhenFull};
+use crate::live::{FleetMeasurements, OutputQueue, OutputSource, Receiver, Waker, WhenFull};
 use crate::parameters::{Parameters, ViewerMode};
 use crate::twin::{NoticeLevel, Output};
 
@@ -44,15 +43,25 @@ const FILE_STOP_TIMEOUT: Duration = Duration::from_secs(4);
 /// Maximum number of items per period, which bounds the memory.
 const MAX_ITEMS: usize = 2048;
 
-/// The queue of outputs that a [`LiveViewer`] reads.
+/// The queue of the outputs of so many columns that a [`LiveViewer`] reads: several columns may respond at once, and at the start each
+/// has a status.
 #[must_use]
-pub fn output_queue() -> OutputQueue {
+pub fn output_queue(columns: usize) -> OutputQueue {
     OutputQueue {
         name: VIEWER_QUEUE.to_owned(),
-        states: 256,
-        others: 64,
+        states: columns.saturating_mul(256).min(MAX_ITEMS),
+        others: 64 + 2 * columns,
         when_full: WhenFull::DropOldest,
     }
+}
+
+/// What a [`LiveViewer`] shows.
+#[derive(Debug)]
+pub enum Shown {
+    /// The column with these parameters.
+    Column(Arc<Parameters>),
+    /// Several columns: all of them in a plan, and some in full.
+    Fleet(ShownFleet),
 }
 
 /// A thread that shows a running twin. Dropping the value tells the thread to stop and does not wait for it.
@@ -66,67 +75,17 @@ pub struct LiveViewer {
     log: ViewerLogger,
 }
 
-/// The queue of the outputs of a fleet that a [`LiveViewer`] reads: several columns may respond at once, and at the start each has a
-/// status.
-#[must_use]
-pub fn fleet_output_queue(columns: usize) -> OutputQueue {
-    OutputQueue {
-        name: VIEWER_QUEUE.to_owned(),
-        states: MAX_ITEMS,
-        others: 64 + 2 * columns,
-        when_full: WhenFull::DropOldest,
-    }
-}
-
 impl LiveViewer {
-    /// Starts the thread, unless `viewer.mode` is off. `measured` are the readings of the sensors, which it shows with the estimates.
-    /// Later failures are logged; they do not affect the twin.
+    /// Starts the thread, as the parameters `viewer.*` of a `node` tell, unless `viewer.mode` is off. It shows the `measurements` of
+    /// the sensors with the estimates. Later failures are logged; they do not affect the twin.
     ///
     /// # Errors
     /// The thread cannot be started.
     pub fn start(
-        parameters: &Arc<Parameters>,
-        outputs: Receiver,
-        measured: Option<Arc<RecentBatches>>,
-        now: i64,
-        log: ViewerLogger,
-    ) -> Result<Option<Self>, ViewerError> {
-        let mode = parameters.settings().viewer.mode;
-        if mode == ViewerMode::Off {
-            return Ok(None);
-        }
-        let parameters = Arc::clone(parameters);
-        Self::spawn(mode, outputs, log, move |outputs, log, stop| {
-            let settings = parameters.settings();
-            let options = live_options(Ranges::predicted(&parameters, &parameters.impact()));
-            let subject = Arc::clone(&parameters);
-            let destination = Destination::<ViewerStream>::open(
-                &settings.viewer,
-                &settings.column_id,
-                subject,
-                options,
-                now,
-                log,
-            );
-            let mut detected = DetectedImpacts::new(Arc::clone(&parameters));
-            run(destination, outputs, log, stop, |outputs| {
-                let outputs = outputs.into_iter();
-                let items =
-                    outputs.filter_map(|(_, it)| item(it, &mut detected, measured.as_deref()));
-                items.collect()
-            });
-        })
-        .map(Some)
-    }
-
-    /// The same for a fleet with these parameters of its node.
-    ///
-    /// # Errors
-    /// The thread cannot be started.
-    pub fn start_of_fleet(
         node: &Parameters,
-        fleet: ShownFleet,
+        shown: Shown,
         outputs: Receiver,
+        measurements: Option<FleetMeasurements>,
         now: i64,
         log: ViewerLogger,
     ) -> Result<Option<Self>, ViewerError> {
@@ -134,21 +93,39 @@ impl LiveViewer {
         if viewer.mode == ViewerMode::Off {
             return Ok(None);
         }
+        if let Some(measurements) = &measurements {
+            measurements.remember();
+        }
         Self::spawn(viewer.mode, outputs, log, move |outputs, log, stop| {
-            let fleet = Arc::new(fleet);
-            let subject = FleetSubject::new(Arc::clone(&fleet));
-            // The axes are those of each column.
-            let options = live_options(Ranges::default());
-            let destination =
-                Destination::<FleetStream>::open(&viewer, FLEET, subject, options, now, log);
-            let mut feed = FleetFeed::new(fleet);
-            run(destination, outputs, log, stop, |outputs| {
-                let outputs = outputs.into_iter();
-                let facts = outputs.flat_map(|(column, output)| {
-                    Fact::of_output(output).map(move |fact| (column, fact))
-                });
-                feed.take(facts.collect())
-            });
+            match shown {
+                Shown::Column(parameters) => {
+                    let ranges = Ranges::predicted(&parameters, &parameters.impact());
+                    let name = &parameters.settings().column_id;
+                    let subject = Arc::clone(&parameters);
+                    let options = live_options(ranges);
+                    let destination = Destination::<ViewerStream>::open(
+                        &viewer, name, subject, options, now, log,
+                    );
+                    let mut items = LiveItems::new(0, Arc::clone(&parameters), measurements);
+                    run(destination, outputs, log, stop, |outputs| {
+                        let outputs = outputs.into_iter();
+                        outputs.filter_map(|(_, it)| items.of_output(it)).collect()
+                    });
+                }
+                Shown::Fleet(fleet) => {
+                    let fleet = Arc::new(fleet);
+                    let subject = FleetSubject::new(Arc::clone(&fleet));
+                    // The axes are those of each column.
+                    let options = live_options(Ranges::default());
+                    let destination = Destination::<FleetStream>::open(
+                        &viewer, FLEET, subject, options, now, log,
+                    );
+                    let mut feed = FleetFeed::new(fleet, measurements);
+                    run(destination, outputs, log, stop, |outputs| {
+                        feed.take(outputs)
+                    });
+                }
+            }
         })
         .map(Some)
     }
@@ -220,26 +197,6 @@ impl LiveViewer {
 impl Drop for LiveViewer {
     fn drop(&mut self) {
         self.tell_to_stop();
-    }
-}
-
-/// What an output of a single twin shows.
-fn item(
-    output: Output,
-    detected: &mut DetectedImpacts,
-    measured: Option<&RecentBatches>,
-) -> Option<ViewerItem> {
-    if let Output::ParametersChanged(it) = &output {
-        detected.change(Arc::clone(&it.parameters));
-    }
-    match &output {
-        Output::Estimate(estimate) => {
-            let readings =
-                |from, until| measured.map_or_else(Vec::new, |it| it.between(from, until));
-            let update = detected.of_twin(estimate, readings);
-            Some(ViewerItem::Detected(Box::new(update)))
-        }
-        _ => ViewerItem::of_twin(output),
     }
 }
 

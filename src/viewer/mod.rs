@@ -44,6 +44,8 @@
 //   rebinding)
 // - item.rs: The items that are shown in the viewer; they come from a running twin, a simulation or a recording
 // - labels.rs: Labels that do not cover one another
+// - live_items.rs: The items of a column of a running twin that is shown in full: its outputs, and beside its estimates its
+//   newest measurements
 // - live_viewer.rs: The viewer of a running twin: a thread of its own that reads a queue of its own
 // - map_blueprint.rs: The layout of damage maps in the viewer: the image of each variant with its boundaries and axes, and
 //   beside it what they mean
@@ -84,6 +86,7 @@ mod frames;
 mod guard;
 mod item;
 mod labels;
+mod live_items;
 mod live_viewer;
 mod map_blueprint;
 mod panel;
@@ -107,11 +110,11 @@ pub use detected::{DetectedImpacts, DetectedUpdate, SensorCourse};
 pub use error::{RERUN_VERSION, ViewerError, ViewerLogger};
 pub use events::{Event, EventDetector, summary};
 pub use file::{from_samples, write_rrd};
-pub use fleet::{ColumnMark, Fact, FleetFeed, FleetItem, FleetStream, ShownFleet};
+pub use fleet::{ColumnMark, FleetFeed, FleetItem, FleetStream, ShownFleet};
 pub use frame_budget::FrameBudget;
 pub use item::{Announcement, ViewerItem};
 pub use labels::Label;
-pub use live_viewer::{LiveViewer, VIEWER_QUEUE, VIEWER_THREAD, fleet_output_queue, output_queue};
+pub use live_viewer::{LiveViewer, Shown, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
 pub use panel::{PANEL, Told, panel};
 pub use recorded_message::{RecordedMessage, from_messages};
 pub use scene::{BoxMark, Drawing, FULL_ARC, ForceArrow, HingeMark, Scene, VehicleMark};

@@ -9,7 +9,8 @@ use super::camera::{Camera, Outlook};
 use super::colour::{self, Rgb};
 use super::labels::{self, Label, moved_apart};
 use super::point::Point3;
-use crate::column::{HINGE_NAMES, HINGES, HingeState, MAX_MASSES, Model, Sample, State, Vehicle};
+use crate::column::{HINGES, HingeState, MAX_MASSES, Model, Sample, State, Vehicle};
+use crate::observables::{HINGE_PLACES, Place, hinges_upwards};
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
     BentAxis, Heading, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody, round_number,
@@ -45,7 +46,7 @@ pub const HALF_WHEEL: f64 = 0.12;
 /// Distance of hinges 1a and 1b from the impact point along their bars, as a fraction of the depth of the section.
 const HINGE_OFFSET: f64 = 0.5;
 
-/// Radius of the arc of hinge 1b, which surrounds that of hinge 1a, relative to the radius of the others.
+/// Radius of the arc of a hinge that surrounds that of another one at the same joint, relative to the radius of the others.
 const OUTER_ARC: f64 = 1.25;
 
 /// Turns of the top spring.
@@ -156,7 +157,7 @@ pub struct Scene {
     pub solid: Solid,
     /// Colour of each corner of the solid, by utilisation.
     pub colours: Vec<Rgb>,
-    /// The hinges 1a, 1b, 2, 3.
+    /// The hinges, in the order of [`HINGE_PLACES`].
     pub hinges: [HingeMark; HINGES],
     /// Position of the top of the column.
     pub top: Point3,
@@ -331,21 +332,21 @@ impl Drawing {
     fn colours(&self, sample: &Sample, corners: usize) -> Vec<Rgb> {
         let last = BentAxis::STATIONS - 1;
         let bend = (last - 2) / 4;
-        let [below, above, top, base] = sample.hinges.map(|hinge| hinge.utilisation);
+        let upwards = hinges_upwards().map(|hinge| sample.hinges[hinge].utilisation);
         let per_station = Solid::corners_per_station(&self.outline);
         let mut colours = Vec::with_capacity(corners);
         for station in 0..=last {
-            let (utilisation, distance) = if station <= bend {
-                (base, station)
+            let (hinge, distance) = if station <= bend {
+                (0, station)
             } else if station <= last / 2 {
-                (below, last / 2 - station)
+                (1, last / 2 - station)
             } else if station < last - bend {
-                (above, station - last / 2)
+                (2, station - last / 2)
             } else {
-                (top, last - station)
+                (3, last - station)
             };
             let fading = 1.0 - distance as f64 / bend as f64;
-            let full = colour::of_utilisation(utilisation);
+            let full = colour::of_utilisation(upwards[hinge]);
             let colour = colour::mix(colour::STEEL, full, fading);
             colours.extend(std::iter::repeat_n(colour, per_station));
         }
@@ -364,13 +365,12 @@ impl Drawing {
         let places = joints.hinges(apart);
         let beside = self.beside_hinges() + 0.5 * point * labels::width(HINGE_LABEL);
         let height = point * labels::height(1);
-        // From the base upwards; the label of the top is below its guides.
-        let upwards = [3, 0, 1, 2];
+        // The label of the top is below its guides.
+        let upwards = hinges_upwards();
         let wanted = upwards.map(|index| {
-            let below = if index == 2 {
-                0.1 * self.lengths.total()
-            } else {
-                0.0
+            let below = match HINGE_PLACES[index].joint() {
+                2 => 0.1 * self.lengths.total(),
+                _ => 0.0,
             };
             (places[index].z + 0.5 * height - below, height)
         });
@@ -378,12 +378,15 @@ impl Drawing {
         std::array::from_fn(|index| {
             let hinge = &sample.hinges[index];
             let place = places[index];
-            let radius = self.arc_radius() * if index == 1 { OUTER_ARC } else { 1.0 };
+            let described = &HINGE_PLACES[index];
+            let is_there = |it: &Place| it.joint() == described.joint();
+            let is_around = HINGE_PLACES[..index].iter().any(is_there);
+            let radius = self.arc_radius() * if is_around { OUTER_ARC } else { 1.0 };
             let row = upwards.iter().position(|it| *it == index).unwrap_or(0);
             let label_place = PlanePoint::new(place.x + beside, upper_ends[row]);
             let text = format!(
                 "{}: {} %{}, {}",
-                HINGE_NAMES[index],
+                described.name,
                 percent(hinge.utilisation),
                 match hinge.state {
                     HingeState::Elastic => "",
@@ -788,8 +791,8 @@ mod tests {
             assert_eq!(vehicle.direction, direction);
             let outwards = vehicle.hull.normals.last().expect("corners");
             assert!(
-                (along(*outwards) + 1.0).abs() < 1e-6,
-                "the rear: {outwards:?}"
+                (along(*outwards) - 1.0).abs() < 1e-6,
+                "the front: {outwards:?}"
             );
         }
     }

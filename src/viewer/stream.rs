@@ -491,7 +491,7 @@ impl ViewerStream {
     }
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
-        let last = self.last_moment();
+        let last = self.timeline.at_last(0);
         self.beam.clear(&self.branch, last, None)?;
         self.drawing = Drawing::new(&parameters);
         self.detected = DetectedCurves::new(&parameters);
@@ -567,7 +567,7 @@ impl ViewerStream {
 
     /// The latest moment that was shown.
     pub(super) fn last_moment(&self) -> Moment {
-        self.timeline.at_last(0)
+        self.timeline.shown_until()
     }
 
     /// Makes the frames of the states that have none yet.

@@ -160,8 +160,7 @@ impl Timeline {
 
     /// The beginning of the next impact on [`IMPACT_TIME`]: after everything that was shown so far, on a whole [`PAUSE`].
     fn next_begin(&self) -> i64 {
-        let shown_until = self.last.impact_time.max(self.detected_until);
-        let shown_until = shown_until.max(self.others_until);
+        let shown_until = self.shown_until().impact_time.max(self.others_until);
         let after = shown_until.saturating_add(PAUSE);
         after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0)
     }
@@ -229,6 +228,17 @@ impl Timeline {
     pub fn at_last(&self, stamp: i64) -> Moment {
         Moment {
             wall_clock: stamp,
+            ..self.last
+        }
+    }
+
+    /// Until when something is shown: the states, and what the sensors have detected.
+    #[must_use]
+    pub fn shown_until(&self) -> Moment {
+        let impact_time = self.last.impact_time.max(self.detected_until);
+        Moment {
+            impact_time,
+            step: self.step_at(impact_time),
             ..self.last
         }
     }

@@ -263,6 +263,11 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "MAX_SELECTED_COLUMNS",
                 "columns that the viewer shows in full (`viewer.select`)",
             ),
+            (
+                "src/live/recent_batches.rs",
+                "MAX_SAMPLES_OF_ALL",
+                "newest samples of all columns together that are kept for the viewer",
+            ),
         ],
     ),
     (

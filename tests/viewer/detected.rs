@@ -1,7 +1,7 @@
 //! What the sensors detect, as the viewer gets it: from readings of a simulated impact to the data in a stream.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use column_twin::column::Impact;
@@ -22,18 +22,22 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 
 /// First row of the readings, by the clock of the twin \[ns\].
-const BEGIN: Nanos = 1_800_000_000_000_000_000;
+pub const BEGIN: Nanos = 1_800_000_000_000_000_000;
 
 const IMPACT: f64 = 5.0;
 
-fn parameters() -> Arc<Parameters> {
+/// The parameters of a column with sensors.
+pub fn files() -> [PathBuf; 2] {
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
-    let files = ["heb220_s355.yaml", "sensors_industrial.yaml"].map(|it| config.join(it));
-    Arc::new(Parameters::load(&files, &[]).expect("parameters"))
+    ["heb220_s355.yaml", "sensors_industrial.yaml"].map(|it| config.join(it))
+}
+
+fn parameters() -> Arc<Parameters> {
+    Arc::new(Parameters::load(&files(), &[]).expect("parameters"))
 }
 
 /// What the sensors read of a rigid mass of 1.5 t, as batches of 10 ms, and what is estimated of it.
-fn struck(parameters: &Parameters) -> (Vec<Batch>, RecordedImpact) {
+pub fn struck(parameters: &Parameters) -> (Vec<Batch>, RecordedImpact) {
     let (sensors, properties) = (parameters.sensors(), parameters.column_properties());
     let impact = Impact::rigid(1500.0, IMPACT);
     let readings = simulate_sensors(&properties, &impact, 0.3, &sensors, 2).expect("readings");
@@ -168,7 +172,7 @@ fn readings_are_shown_once_beside_what_was_predicted() {
 }
 
 /// The last data of each entity in a stream: their number of rows, by entity.
-fn rows(messages: &[LogMsg]) -> BTreeMap<String, usize> {
+pub fn rows(messages: &[LogMsg]) -> BTreeMap<String, usize> {
     let mut rows = BTreeMap::new();
     for message in messages {
         if let LogMsg::ArrowMsg(_, data) = message

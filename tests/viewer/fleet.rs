@@ -1,20 +1,36 @@
 //! A fleet in the viewer: what a file contains of it, and with the real viewer what can be seen.
 
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use column_twin::assessment::Action;
 use column_twin::column::ImpactSpecification;
+use column_twin::estimation::Batch;
 use column_twin::fleet::make_twins;
-use column_twin::live::{Clock, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock};
-use column_twin::parameters::{FleetColumn, Parameters, Value};
+use column_twin::live::{
+    Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock,
+};
+use column_twin::messages::column_twin_msgs::ImpactEstimate;
+use column_twin::parameters::{FleetColumn, Parameters, Value, parse_override};
 use column_twin::shape::action_colour;
+use column_twin::time::Nanos;
 use column_twin::twin::{Command, ImpactCommand, Output};
-use column_twin::viewer::{LiveViewer, ShownFleet, VIEWER_QUEUE, ViewerLogger, fleet_output_queue};
+use column_twin::viewer::{
+    ColumnMark, DetectedUpdate, FleetItem, FleetStream, IMPACT_TIME, LiveViewer, Shown, ShownFleet,
+    StreamOptions, VIEWER_QUEUE, ViewerItem, ViewerLogger, output_queue,
+};
+use rerun::RecordingStreamBuilder;
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::LogMsg;
+use rerun::log::Chunk;
 
+use super::detected::{self, rows};
 use super::real_viewer::{photograph, pixels, printed};
-use super::twin::PATIENCE;
+use super::twin::{MS, PATIENCE};
 use super::wheel::program;
 
 /// Most pictures that are taken of a file until one shows all of it.
@@ -40,7 +56,7 @@ fn columns(count: usize) -> Vec<FleetColumn> {
 }
 
 /// Waits for an output of a column.
-fn wait_for(outputs: &mut Receiver, column: u32, is: fn(&Output) -> bool) {
+fn wait_for(outputs: &mut Receiver, column: u32, mut is: impl FnMut(&Output) -> bool) {
     let given_up = Instant::now() + PATIENCE;
     loop {
         assert!(Instant::now() < given_up, "nothing of column {column}");
@@ -66,17 +82,22 @@ fn wait_for_first_statuses(outputs: &mut Receiver, count: usize) {
     }
 }
 
-/// Lets cars hit some columns of a fleet, one after another, and returns the file that the viewer's thread has written.
-fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec<u32>) -> PathBuf {
-    let columns = columns(count);
+/// Lets something happen to a fleet, and returns the file that the viewer's thread has written meanwhile.
+fn file_during(
+    folder: &Path,
+    columns: &[FleetColumn],
+    selected: Vec<u32>,
+    happen: impl FnOnce(&FleetHandle, &mut Receiver, Nanos),
+) -> PathBuf {
+    let count = columns.len();
     let clock = Arc::new(SystemClock::new());
-    let twins = make_twins(&columns, &[], || 0, clock.now()).expect("stand");
+    let twins = make_twins(columns, &[], || 0, clock.now()).expect("stand");
     let options = FleetOptions {
         real_time: RealTime::none(),
         threads: 1,
         state_files: Vec::new(),
         journals: false,
-        further_outputs: vec![fleet_output_queue(count)],
+        further_outputs: vec![output_queue(count)],
     };
     let (handle, mut outputs) = LiveFleet::start(twins, clock.clone(), options).expect("starts");
     let directory = folder.to_str().expect("a name");
@@ -85,49 +106,58 @@ fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec
         ("viewer.directory", Value::from(directory)),
     ]);
     let log: ViewerLogger = Arc::new(|level, text| println!("{level:?}: {text}"));
-    let viewer = LiveViewer::start_of_fleet(
+    let viewer = LiveViewer::start(
         &node.expect("admissible"),
-        ShownFleet::new(&columns, selected),
+        Shown::Fleet(ShownFleet::new(columns, selected)),
         handle.outputs(VIEWER_QUEUE).expect("there"),
+        handle.measurements().cloned(),
         clock.now(),
         log,
     );
     let viewer = viewer.expect("starts").expect("it is on");
     wait_for_first_statuses(&mut outputs, count);
-    for (number, (column, velocity)) in hits.iter().enumerate() {
-        let impact = ImpactSpecification {
-            mass: 1500.0,
-            velocity: *velocity,
-            gap: Some(0.0),
-            restitution: None,
-            height: None,
-            direction: None,
-        };
-        let command = ImpactCommand {
-            event_id: format!("hit-{number}"),
-            column_id: columns[*column as usize]
-                .parameters
-                .settings()
-                .column_id
-                .clone(),
-            stamp: clock.now(),
-            vehicle: String::new(),
-            impact,
-        };
-        handle
-            .execute(*column, Command::Impact(command))
-            .expect("accepted");
-        wait_for(&mut outputs, *column, |it| matches!(it, Output::Report(_)));
-        wait_for(
-            &mut outputs,
-            *column,
-            |it| matches!(it, Output::Status(status) if status.impacts_since_reset > 0 && status.assessed.is_some()),
-        );
-    }
+    happen(&handle, &mut outputs, clock.now());
     handle.stop().expect("no panic");
     viewer.stop();
     let mut files = std::fs::read_dir(folder).expect("there");
     files.next().expect("a file").expect("readable").path()
+}
+
+/// Lets cars hit some columns of a fleet, one after another, and returns the file that the viewer's thread has written.
+fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec<u32>) -> PathBuf {
+    let columns = columns(count);
+    file_during(folder, &columns, selected, |handle, outputs, _| {
+        for (number, (column, velocity)) in hits.iter().enumerate() {
+            let impact = ImpactSpecification {
+                mass: 1500.0,
+                velocity: *velocity,
+                gap: Some(0.0),
+                restitution: None,
+                height: None,
+                direction: None,
+            };
+            let command = ImpactCommand {
+                event_id: format!("hit-{number}"),
+                column_id: columns[*column as usize]
+                    .parameters
+                    .settings()
+                    .column_id
+                    .clone(),
+                stamp: SystemClock::new().now(),
+                vehicle: String::new(),
+                impact,
+            };
+            handle
+                .execute(*column, Command::Impact(command))
+                .expect("accepted");
+            wait_for(outputs, *column, |it| matches!(it, Output::Report(_)));
+            wait_for(
+                outputs,
+                *column,
+                |it| matches!(it, Output::Status(status) if status.impacts_since_reset > 0 && status.assessed.is_some()),
+            );
+        }
+    })
 }
 
 fn has_name(path: &Path) -> bool {
@@ -151,6 +181,136 @@ fn a_fleet_becomes_a_file() {
     println!("20 columns: {few} B, 1000 columns: {many} B");
     // In full a column takes 200 kB and more.
     assert!(few > 100_000 && many < few + 1_000_000);
+}
+
+/// Of the column whose sensors have seen an impact, a fleet's viewer shows what that of a single column does: the estimates, and the
+/// readings beside what was predicted. Nobody has confirmed the impact, so that the twin does not respond.
+#[test]
+fn a_fleet_shows_estimates_and_readings_beside_the_predicted_ones_of_the_struck_column() {
+    let column = |number: usize| FleetColumn {
+        name: format!("/hall/c{number}"),
+        parameters: {
+            let id = parse_override(&format!("column_id:=c{number}"));
+            Arc::new(Parameters::load(&detected::files(), &[id]).expect("parameters"))
+        },
+    };
+    let columns: Vec<_> = (0..3).map(column).collect();
+    let (mut batches, _) = detected::struck(&columns[1].parameters);
+    batches.sort_by_key(|it| it.first);
+    let folder = tempfile::tempdir().expect("a folder");
+    // The first estimate comes before the last readings, which it therefore predicts.
+    let later = batches.partition_point(|it| it.first < detected::BEGIN + 140 * MS);
+    let mut last = None;
+    let file = file_during(
+        folder.path(),
+        &columns,
+        Vec::new(),
+        |handle, outputs, now| {
+            let measurements = handle.measurements().expect("sensors");
+            let send = |batches: &[Batch]| {
+                for batch in batches {
+                    let first = now + batch.first - detected::BEGIN;
+                    let batch = batch.clone();
+                    measurements.push(1, Batch { first, ..batch });
+                }
+            };
+            send(&batches[..later]);
+            wait_for(outputs, 1, |it| matches!(it, Output::Estimate(_)));
+            send(&batches[later..]);
+            wait_for(outputs, 1, |it| match it {
+                Output::Estimate(it) => {
+                    last = Some(it.record.update);
+                    it.record.is_final
+                }
+                _ => false,
+            });
+        },
+    );
+    let updates = 1 + last.expect("a final estimate") as usize;
+    let content = BufReader::new(File::open(&file).expect("there"));
+    let messages: Vec<_> = DecoderApp::decode_lazy(content)
+        .map(|it| it.expect("whole"))
+        .collect();
+    let rows = rows(&messages);
+    let of = |entity: &str| {
+        let entity = format!("/hall/c1/detected/{entity}");
+        rows.get(&entity).copied().unwrap_or_default()
+    };
+    for entity in ["forecast", "momentum", "action"] {
+        assert_eq!(of(entity), updates, "{entity}: {rows:?}");
+    }
+    for sensor in ["accelerometer", "laser", "base_strain"] {
+        let [measured, predicted, explained] =
+            ["measured", "predicted", "explained"].map(|it| of(&format!("sensors/{sensor}/{it}")));
+        // One for each millisecond from 5 ms before contact on; the first estimate has seen what it does not predict.
+        assert!(measured > 60 && explained == measured, "{rows:?}");
+        assert!(predicted > 0 && predicted < measured, "{rows:?}");
+    }
+    let others = rows.keys().filter(|it| it.contains("/detected"));
+    assert!(
+        others.into_iter().all(|it| it.starts_with("/hall/c1/")),
+        "{rows:?}"
+    );
+}
+
+/// Two columns whose sensors have seen an impact each, and which have not responded: the second one does not begin where the first one
+/// has begun, but after it.
+#[test]
+fn what_the_sensors_of_another_column_see_follows_what_was_seen_before() {
+    let (stream, storage) = RecordingStreamBuilder::new("test")
+        .enabled(true)
+        .memory()
+        .expect("a stream");
+    let parameters = Parameters::load(&detected::files(), &[]).expect("parameters");
+    let parameters = Arc::new(parameters);
+    let column = |number: usize| FleetColumn {
+        name: format!("/hall/c{number}"),
+        parameters: Arc::clone(&parameters),
+    };
+    let columns: Vec<_> = (0..2).map(column).collect();
+    let fleet = Arc::new(ShownFleet::new(&columns, Vec::new()));
+    let marks = vec![ColumnMark::default(); columns.len()];
+    let options = StreamOptions {
+        frame_period: 0,
+        budget: None,
+        curves_period: 0,
+        follows: false,
+        ranges: Default::default(),
+    };
+    let mut shown = FleetStream::new(stream, fleet, marks, options).expect("a stream");
+    for (column, until) in [(0, 0.08), (1, 0.02)] {
+        let update = DetectedUpdate {
+            stamp: 0,
+            estimate: Box::new(ImpactEstimate {
+                event_id: format!("detected-{column}"),
+                ..ImpactEstimate::default()
+            }),
+            until,
+            is_new: true,
+            sensors: Vec::new(),
+        };
+        let newest = FleetItem::Newest {
+            column,
+            parameters: Arc::clone(&parameters),
+        };
+        let detected = FleetItem::Column(column, ViewerItem::Detected(Box::new(update)));
+        shown.show([newest, detected]).expect("written");
+    }
+    shown.stream().flush_blocking().expect("written");
+    let mut times = BTreeMap::new();
+    for message in storage.take() {
+        if let LogMsg::ArrowMsg(_, data) = message
+            && let Ok(chunk) = Chunk::from_arrow_msg(&data)
+            && let mut of_chunk = chunk.timelines().iter()
+            && let Some((_, time)) = of_chunk.find(|(name, _)| name.as_str() == IMPACT_TIME)
+        {
+            let entity = chunk.entity_path().to_string();
+            times.insert(entity, time.times_raw().to_vec());
+        }
+    }
+    assert_eq!(times["/hall/c0/detected/forecast"], [80 * MS]);
+    // 10 ms lie between two impacts.
+    assert_eq!(times["/hall/c1/detected/forecast"], [(80 + 10 + 20) * MS]);
 }
 
 /// The part of a picture that has this colour.

@@ -8,7 +8,7 @@ use column_twin::live::{Live, LiveHandle, LiveOptions, RealTime, Receiver, SimCl
 use column_twin::parameters::{Parameters, Value};
 use column_twin::time::Nanos;
 use column_twin::twin::{Command, ImpactCommand, NoticeLevel, Output, StateOutput, Twin};
-use column_twin::viewer::{LiveViewer, VIEWER_QUEUE, ViewerLogger, output_queue};
+use column_twin::viewer::{LiveViewer, Shown, VIEWER_QUEUE, ViewerLogger, output_queue};
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
 pub const MS: Nanos = 1_000_000;
@@ -48,7 +48,7 @@ impl LiveColumn {
             real_time: RealTime::none(),
             ..LiveOptions::default()
         };
-        options.outputs.push(output_queue());
+        options.outputs.push(output_queue(1));
         let live = Live::start(twin, Arc::clone(&clock), options).expect("starts");
         let receiver = live.outputs("ros").expect("there");
         let outputs = live.outputs(VIEWER_QUEUE).expect("there");
@@ -60,12 +60,13 @@ impl LiveColumn {
                 lines.lock().expect("no panic").push((level, text));
             })
         };
-        let viewer = LiveViewer::start(parameters, outputs, None, START, log).expect("a thread");
+        let shown = Shown::Column(Arc::clone(parameters));
+        let viewer = LiveViewer::start(parameters, shown, outputs, None, START, log);
         Self {
             live,
             clock,
             receiver,
-            viewer,
+            viewer: viewer.expect("a thread"),
             log: lines,
             impacts: 0,
         }

@@ -39,6 +39,7 @@ mod native {
     use pyo3::prelude::*;
 
     use column_twin::assessment::Action;
+    use column_twin::column::{HINGE_NAMES, HINGES};
     use column_twin::parameters::{CRITERION_NAMES, catalogue};
     use column_twin::shape::action_colour;
 
@@ -79,6 +80,12 @@ mod native {
     #[pyfunction]
     fn criteria() -> Vec<&'static str> {
         CRITERION_NAMES.to_vec()
+    }
+
+    /// Names of the hinges, to which the numbers in a history refer.
+    #[pyfunction]
+    fn hinges() -> [&'static str; HINGES] {
+        HINGE_NAMES
     }
 
     /// The catalogue of rolled sections: name, then h, b, tw, tf, r, A, I, W_pl and mass per length in SI units.

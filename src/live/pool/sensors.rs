@@ -2,7 +2,7 @@
 //!
 //! A column with sensors belongs to one thread and its queue, by its index. Without sensors there is none of this.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
 use rustix::thread::CpuSet;
@@ -14,9 +14,11 @@ use crate::live::inbox::{Reply, Request};
 use crate::live::libraries::{Libraries, LibraryStatistics};
 use crate::live::measurements::MeasurementQueue;
 use crate::live::queue::QueueStats;
+use crate::live::recent_batches::RecentBatches;
 use crate::live::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
 use crate::live::sensing_news::SensingNews;
 use crate::live::statistics::Panicked;
+use crate::time::Nanos;
 use crate::twin::Command;
 
 /// Most threads that detect impacts: each carries hundreds of columns on which nothing happens.
@@ -29,16 +31,23 @@ const PROCESSORS_PER_THREAD: usize = 2;
 #[derive(Debug, Clone)]
 pub struct FleetMeasurements {
     queues: Arc<[Arc<MeasurementQueue>]>,
+    /// The newest batches of each column, once somebody wants to look at them.
+    recent: Arc<OnceLock<Box<[RecentBatches]>>>,
 }
 
 impl FleetMeasurements {
+    fn new(queues: Arc<[Arc<MeasurementQueue>]>) -> Self {
+        Self {
+            queues,
+            recent: Arc::default(),
+        }
+    }
+
     fn of(columns: usize) -> Self {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         let threads = (processors / PROCESSORS_PER_THREAD).clamp(1, MAX_SENSING_THREADS);
         let queue = |_| Arc::new(MeasurementQueue::new(columns));
-        Self {
-            queues: (0..threads).map(queue).collect(),
-        }
+        Self::new((0..threads).map(queue).collect())
     }
 
     fn queue(&self, column: u32) -> &MeasurementQueue {
@@ -47,7 +56,29 @@ impl FleetMeasurements {
 
     /// Passes a batch of a column on, as [`MeasurementQueue::push_of`].
     pub fn push(&self, column: u32, batch: Batch) {
+        let recent = self.recent.get();
+        if let Some(recent) = recent.and_then(|it| it.get(column as usize)) {
+            recent.push(&batch);
+        }
         self.queue(column).push_of(column, batch);
+    }
+
+    /// Remembers the newest batches of each column from now on, for those who look at them: [`recent`](Self::recent). All columns
+    /// together keep at most 64 MB.
+    pub fn remember(&self) {
+        self.recent.get_or_init(|| {
+            let columns = self.queues[0].columns();
+            let window = |_| RecentBatches::of_columns(columns);
+            (0..columns).map(window).collect()
+        });
+    }
+
+    /// The newest batches of a column with samples between two instants \[ns\], as far as they are remembered.
+    #[must_use]
+    pub fn recent(&self, column: u32, from: Nanos, until: Nanos) -> Vec<Batch> {
+        let recent = self.recent.get();
+        let recent = recent.and_then(|it| it.get(column as usize));
+        recent.map_or_else(Vec::new, |it| it.between(from, until))
     }
 
     /// Batches of a column that were dropped because the thread that estimates was too slow.
@@ -86,9 +117,7 @@ impl Sensors {
     /// Those of a single column, which shares nothing and whose measurements have a queue already.
     pub fn of_one(measurements: Arc<MeasurementQueue>, deliver: Option<Deliver>) -> Self {
         Self {
-            measurements: FleetMeasurements {
-                queues: [measurements].into(),
-            },
+            measurements: FleetMeasurements::new([measurements].into()),
             is_sensed: vec![true],
             libraries: None,
             deliver,

@@ -1,41 +1,24 @@
 //! Decides what of a fleet is shown: the marks of all columns, and everything of those in full.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::item::{ColumnMark, FleetItem, ShownFleet, action_of};
+use crate::live::FleetMeasurements;
+use crate::messages::words::estimate_line;
 use crate::parameters::Parameters;
 use crate::twin::{NoticeLevel, Output};
 use crate::viewer::events::summary;
 use crate::viewer::item::{Announcement, ViewerItem};
+use crate::viewer::live_items::LiveItems;
+use crate::viewer::timeline::nanos;
 use printable::Printable;
-
-/// Something that a column has given out.
-#[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant)] // most are states, which shall not be allocated one by one
-pub enum Fact {
-    /// Something that is shown of a column in full.
-    Item(ViewerItem),
-    /// What the plan shows of it from now on, with its time \[ns since the epoch\].
-    Mark(i64, ColumnMark),
-}
-
-impl Fact {
-    /// What an output of a column contains.
-    pub fn of_output(output: Output) -> impl Iterator<Item = Self> {
-        let mark = match &output {
-            Output::Status(status) => Some(Self::Mark(status.stamp, ColumnMark::from(status))),
-            _ => None,
-        };
-        mark.into_iter()
-            .chain(ViewerItem::of_twin(output).map(Self::Item))
-    }
-}
 
 /// What has to be shown of a column when it is shown in full.
 #[derive(Debug, Clone, Default)]
 struct Known {
     mark: ColumnMark,
-    /// The impact whose states it gives out.
+    /// The impact whose states it gives out, or that its sensors have detected.
     event_id: Option<Arc<str>>,
     rest: Option<ViewerItem>,
     forecast: Option<Announcement>,
@@ -48,70 +31,101 @@ pub struct FleetFeed {
     fleet: Arc<ShownFleet>,
     known: Vec<Known>,
     newest: Option<u32>,
+    /// The columns that are shown in full: the selected ones, and the newest.
+    in_full: BTreeMap<u32, LiveItems>,
+    measurements: Option<FleetMeasurements>,
 }
 
 impl FleetFeed {
-    /// For a fleet of which nothing is known yet.
+    /// For a fleet of which nothing is known yet. The measurements are those of its sensors.
     #[must_use]
-    pub fn new(fleet: Arc<ShownFleet>) -> Self {
-        Self {
+    pub fn new(fleet: Arc<ShownFleet>, measurements: Option<FleetMeasurements>) -> Self {
+        let mut feed = Self {
             known: vec![Known::default(); fleet.ids.len()],
             newest: None,
+            in_full: BTreeMap::new(),
+            measurements,
             fleet,
-        }
+        };
+        let fleet = Arc::clone(&feed.fleet);
+        fleet.selected.iter().for_each(|it| feed.open(*it));
+        feed
     }
 
-    /// What is to be shown of these facts, which are in their order. If several columns are hit in one call, the last one becomes
-    /// that of the newest impact.
-    pub fn take(&mut self, facts: Vec<(u32, Fact)>) -> Vec<FleetItem> {
-        let begins: Vec<bool> = facts
+    /// What is to be shown of these outputs of columns, which are in their order. If several columns are hit in one call, the last one
+    /// becomes that of the newest impact.
+    pub fn take(&mut self, outputs: Vec<(u32, Output)>) -> Vec<FleetItem> {
+        let begins: Vec<bool> = outputs
             .iter()
-            .map(|(column, fact)| self.begins(*column, fact))
+            .map(|(column, output)| self.begins(*column, output))
             .collect();
         let last = begins.iter().rposition(|it| *it);
-        let mut items = Vec::with_capacity(facts.len());
-        for (index, (column, fact)) in facts.into_iter().enumerate() {
+        let mut items = Vec::with_capacity(outputs.len());
+        for (index, (column, output)) in outputs.into_iter().enumerate() {
             if column as usize >= self.known.len() {
                 continue;
             }
             if Some(index) == last && self.newest != Some(column) {
                 self.becomes_newest(column, &mut items);
             }
-            match fact {
-                Fact::Mark(stamp, mark) => self.mark(column, stamp, mark, &mut items),
-                Fact::Item(item) => self.item(column, item, &mut items),
+            if let Output::Status(status) = &output {
+                self.mark(column, status.stamp, ColumnMark::from(status), &mut items);
+            }
+            let item = match self.in_full.get_mut(&column) {
+                Some(it) => it.of_output(output),
+                None => ViewerItem::of_twin(output),
+            };
+            if let Some(item) = item {
+                self.item(column, item, &mut items);
             }
         }
         items
     }
 
-    /// Whether this is the first state of an impact.
-    fn begins(&mut self, column: u32, fact: &Fact) -> bool {
-        let (Fact::Item(ViewerItem::State(state)), Some(known)) =
-            (fact, self.known.get_mut(column as usize))
-        else {
+    /// Whether this is the first state or the first estimate of an impact.
+    fn begins(&mut self, column: u32, output: &Output) -> bool {
+        let event_id = match output {
+            Output::State(state) => &state.event_id,
+            // A later one may be of an impact before the present one.
+            Output::Estimate(it) if it.record.update == 0 => {
+                it.merged_event_id.as_ref().unwrap_or(&it.record.event_id)
+            }
+            _ => return false,
+        };
+        let Some(known) = self.known.get_mut(column as usize) else {
             return false;
         };
-        let is_same = known.event_id.as_ref() == Some(&state.event_id);
+        let is_same = known.event_id.as_ref() == Some(event_id);
         if !is_same {
-            known.event_id = Some(Arc::clone(&state.event_id));
+            known.event_id = Some(Arc::clone(event_id));
         }
         !is_same
     }
 
-    fn is_in_full(&self, column: u32) -> bool {
-        self.newest == Some(column) || self.fleet.selected.contains(&column)
+    /// Shows a column in full from now on.
+    fn open(&mut self, column: u32) {
+        let parameters = self.parameters(column);
+        let items = LiveItems::new(column, parameters, self.measurements.clone());
+        self.in_full.insert(column, items);
+    }
+
+    fn parameters(&self, column: u32) -> Arc<Parameters> {
+        let column = column as usize;
+        let changed = self.known[column].parameters.as_ref();
+        Arc::clone(changed.unwrap_or(&self.fleet.parameters[column]))
     }
 
     fn becomes_newest(&mut self, column: u32, items: &mut Vec<FleetItem>) {
-        let known = &self.known[column as usize];
-        let initial = &self.fleet.parameters[column as usize];
         items.push(FleetItem::Newest {
             column,
-            parameters: Arc::clone(known.parameters.as_ref().unwrap_or(initial)),
+            parameters: self.parameters(column),
         });
+        let selected = &self.fleet.selected;
+        self.in_full.retain(|it, _| selected.contains(it));
         // A selected column has been told before.
-        if !self.fleet.selected.contains(&column) {
+        if !selected.contains(&column) {
+            self.open(column);
+            let known = &self.known[column as usize];
             let forecast = known.forecast.clone().map(ViewerItem::Forecast);
             let before = known.rest.clone().into_iter().chain(forecast);
             items.extend(before.map(|it| FleetItem::Column(column, it)));
@@ -134,7 +148,6 @@ impl FleetFeed {
     }
 
     fn item(&mut self, column: u32, item: ViewerItem, items: &mut Vec<FleetItem>) {
-        let in_full = self.is_in_full(column);
         let line = |stamp: i64, level, text: String| FleetItem::Line {
             stamp,
             level,
@@ -167,9 +180,13 @@ impl FleetFeed {
             }
             ViewerItem::Rest { .. } => known.rest = Some(item.clone()),
             ViewerItem::Parameters(it) => known.parameters = Some(Arc::clone(it)),
-            ViewerItem::State(_) | ViewerItem::Detected(_) | ViewerItem::Beam { .. } => {}
+            ViewerItem::Detected(it) => {
+                let stamp = it.stamp.saturating_add(nanos(it.until));
+                items.push(line(stamp, NoticeLevel::Info, estimate_line(&it.estimate)));
+            }
+            ViewerItem::State(_) | ViewerItem::Beam { .. } => {}
         }
-        if in_full {
+        if self.in_full.contains_key(&column) {
             items.push(FleetItem::Column(column, item));
         }
     }
@@ -194,10 +211,10 @@ mod tests {
                 ),
             })
             .collect();
-        FleetFeed::new(Arc::new(ShownFleet::new(&columns, selected)))
+        FleetFeed::new(Arc::new(ShownFleet::new(&columns, selected)), None)
     }
 
-    fn state(column: u32, event_id: &str) -> (u32, Fact) {
+    fn state(column: u32, event_id: &str) -> (u32, Output) {
         let state = StateOutput {
             stamp: 0,
             event_id: event_id.into(),
@@ -206,10 +223,11 @@ mod tests {
             lengths: None,
             vehicle: None,
         };
-        (column, Fact::Item(ViewerItem::State(state)))
+        (column, Output::State(state))
     }
 
-    fn forecast(column: u32, event_id: &str, action: u8) -> (u32, Fact) {
+    /// What is shown of a forecast.
+    fn forecast(feed: &mut FleetFeed, column: u32, event_id: &str, action: u8) -> Vec<FleetItem> {
         let announcement = Announcement {
             stamp: 7,
             event_id: event_id.into(),
@@ -218,16 +236,21 @@ mod tests {
                 ..ImpactReport::default()
             }),
         };
-        (column, Fact::Item(ViewerItem::Forecast(announcement)))
+        let mut items = Vec::new();
+        feed.item(column, ViewerItem::Forecast(announcement), &mut items);
+        items
     }
 
-    fn mark(column: u32, phase: TwinPhase) -> (u32, Fact) {
+    /// What is shown of a status.
+    fn mark(feed: &mut FleetFeed, column: u32, phase: TwinPhase) -> Vec<FleetItem> {
         let mark = ColumnMark {
             action: Some(Action::None),
             phase,
             ..ColumnMark::default()
         };
-        (column, Fact::Mark(7, mark))
+        let mut items = Vec::new();
+        feed.mark(column, 7, mark, &mut items);
+        items
     }
 
     /// What kinds of items there are, with their columns.
@@ -263,7 +286,7 @@ mod tests {
     #[test]
     fn a_column_that_becomes_the_newest_is_told_what_it_missed() {
         let mut feed = feed(3, Vec::new());
-        let items = feed.take(vec![forecast(1, "a", TwinStatus::ACTION_SHORE)]);
+        let items = forecast(&mut feed, 1, "a", TwinStatus::ACTION_SHORE);
         assert_eq!(kinds(&items), [("line", 0)]);
         let items = feed.take(vec![state(1, "a")]);
         assert_eq!(
@@ -275,16 +298,11 @@ mod tests {
     #[test]
     fn a_mark_comes_when_it_changes_and_predicts_the_action_of_a_response() {
         let mut feed = feed(3, Vec::new());
-        assert_eq!(
-            kinds(&feed.take(vec![mark(1, TwinPhase::Idle)])),
-            [("mark", 1)]
-        );
-        assert_eq!(kinds(&feed.take(vec![mark(1, TwinPhase::Idle)])), []);
-        let items = feed.take(vec![
-            mark(1, TwinPhase::Contact),
-            forecast(1, "a", TwinStatus::ACTION_SHORE),
-            mark(1, TwinPhase::Free),
-        ]);
+        assert_eq!(kinds(&mark(&mut feed, 1, TwinPhase::Idle)), [("mark", 1)]);
+        assert_eq!(kinds(&mark(&mut feed, 1, TwinPhase::Idle)), []);
+        let mut items = mark(&mut feed, 1, TwinPhase::Contact);
+        items.extend(forecast(&mut feed, 1, "a", TwinStatus::ACTION_SHORE));
+        items.extend(mark(&mut feed, 1, TwinPhase::Free));
         let predicted: Vec<_> = items
             .iter()
             .filter_map(|it| match it {
@@ -297,7 +315,7 @@ mod tests {
             predicted,
             [(Some(Action::None), true), (shore, true), (shore, true)]
         );
-        let items = feed.take(vec![mark(1, TwinPhase::Idle)]);
+        let items = mark(&mut feed, 1, TwinPhase::Idle);
         let [FleetItem::Mark { mark, .. }] = &items[..] else {
             panic!("{items:?}");
         };
@@ -307,7 +325,7 @@ mod tests {
     #[test]
     fn columns_that_do_not_exist_are_ignored() {
         let mut feed = feed(2, Vec::new());
-        let items = feed.take(vec![state(2, "a"), mark(9, TwinPhase::Idle)]);
+        let items = feed.take(vec![state(2, "a"), state(9, "b")]);
         assert!(items.is_empty());
     }
 }

@@ -24,6 +24,6 @@ mod panel;
 mod place_labels;
 mod stream;
 
-pub use feed::{Fact, FleetFeed};
+pub use feed::FleetFeed;
 pub use item::{ColumnMark, FleetItem, ShownFleet};
 pub use stream::FleetStream;

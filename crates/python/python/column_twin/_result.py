@@ -10,12 +10,13 @@ import numpy.typing as npt
 
 from ._codes import Outcome, Action
 from ._errors import SimulationError
+from ._loading import native
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-HINGES = ("1a", "1b", "2", "3")
+HINGES = tuple(native.hinges())
 """Below and above the impact point, at the top, and at the base: the order of the columns of every array over hinges."""
 
 
