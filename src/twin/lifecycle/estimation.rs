@@ -12,13 +12,13 @@ use crate::twin::command::{Accepted, EstimateDecision};
 use crate::twin::estimates::{Decision, Sequence, contact, is_sure_enough};
 use crate::twin::output::{EstimateOutput, MergedEvent, NoticeLevel, Output, Outputs};
 use crate::twin::plant::Struck;
-use crate::twin::registry::{PendingImpact, RejectedInput, check_not_ahead, printable};
+use crate::twin::registry::{PendingImpact, check_not_ahead};
 use crate::twin::rejection::{Rejection, RejectionCode};
 use crate::twin::striking::Striking;
 
 impl Twin {
     fn estimation(&self) -> &EstimationSettings {
-        &self.parameters.current().settings().estimation
+        &self.parameters().settings().estimation
     }
 
     /// Takes an estimate. One that comes late, because a later or the final one is known, is left aside.
@@ -31,7 +31,11 @@ impl Twin {
         let sequence = self.estimates.take(record);
         match sequence {
             Sequence::Late => return Accepted::Unchanged,
-            Sequence::First => self.tell_first(record, now, out),
+            Sequence::First => out.notice(
+                NoticeLevel::Warning,
+                now,
+                first_in_words(record, self.estimation().accept),
+            ),
             Sequence::Update => {}
         }
         self.link_with_event(now, out);
@@ -39,7 +43,7 @@ impl Twin {
             self.estimation().accept,
             is_sure_enough(record, self.estimation()),
         );
-        match self.decision() {
+        match self.estimates.decision() {
             Decision::Accepted => self.follow(record, now, out),
             Decision::Pending
                 if accept == AcceptEstimates::Automatic && (is_sure || record.is_final) =>
@@ -58,45 +62,14 @@ impl Twin {
         Accepted::Applied
     }
 
-    fn tell_first(&self, record: &EstimateRecord, now: Nanos, out: &mut impl Outputs) {
-        let next = match self.estimation().accept {
-            AcceptEstimates::Never => "it is only published (estimation.accept is never)",
-            AcceptEstimates::Confirmation => {
-                "it becomes an impact when ~/confirm_estimate accepts it"
-            }
-            AcceptEstimates::Automatic => {
-                "it becomes an impact when its estimate is reliable enough, at the latest with the final one"
-            }
-        };
-        let text = format!(
-            "the sensors have detected an impact, \"{}\"; {next}",
-            record.event_id
-        );
-        out.notice(NoticeLevel::Warning, now, text);
-    }
-
-    /// What has become of the newest impact that the sensors have detected.
-    fn decision(&self) -> Decision {
-        let newest = self.estimates.newest();
-        newest.map_or(Decision::Declined, |it| it.decision)
-    }
-
     fn decide(&mut self, decision: Decision) {
-        if let Some(newest) = self.estimates.newest_mut() {
-            newest.decision = decision;
-        }
-        self.estimates.set_changed();
-        self.status.set_changed();
-        self.journal.set_checkpoint_due();
+        self.estimates.decide(decision);
+        self.note_change_at_rest();
     }
 
     /// The impact that waits for somebody to confirm it.
     pub(super) fn waiting_estimate(&self) -> Option<&Arc<str>> {
-        let waits = self.estimation().accept == AcceptEstimates::Confirmation;
-        let newest = self.estimates.newest();
-        newest
-            .filter(|it| waits && it.decision == Decision::Pending)
-            .map(|it| &it.record.event_id)
+        self.estimates.waiting(self.estimation().accept)
     }
 
     /// Gives out the newest estimate with what has become of it, if anything of that has changed.
@@ -123,7 +96,8 @@ impl Twin {
         now: Nanos,
         out: &mut impl Outputs,
     ) -> Result<Accepted, Rejection> {
-        self.check_decision(decision)?;
+        let accept = self.estimation().accept;
+        self.estimates.check_decision(decision, accept)?;
         let outcome = match decision.accept {
             true => self.accept_newest(now, out),
             false => {
@@ -146,37 +120,6 @@ impl Twin {
         }
         self.estimates.set_changed();
         outcome.map(|()| Accepted::Applied)
-    }
-
-    fn check_decision(&self, decision: &EstimateDecision) -> Result<(), Rejection> {
-        let not_pending =
-            |reason: String| Err(Rejection::new(RejectionCode::EstimateNotPending, reason));
-        let wanted = decision.event_id.as_str();
-        let Some(newest) = self.estimates.newest() else {
-            let reason = "the sensors have detected no impact since the start or the last reset";
-            return not_pending(reason.to_owned());
-        };
-        let id = &newest.record.event_id;
-        if !wanted.is_empty() && *wanted != **id {
-            return not_pending(format!(
-                "the newest impact that the sensors have detected is \"{id}\", not \"{}\"; only the newest can be decided",
-                printable(wanted)
-            ));
-        }
-        match (&newest.event_id, newest.decision) {
-            _ if self.estimation().accept == AcceptEstimates::Never => not_pending(format!(
-                "the parameter estimation.accept is never, so that estimates do not become impacts; \
-                 set it to confirmation to decide about \"{id}\""
-            )),
-            (_, Decision::Accepted) => not_pending(format!(
-                "\"{id}\" is an impact of the twin already; only a reset takes it back (~/reset)"
-            )),
-            (event, Decision::Merged) => not_pending(format!(
-                "\"{id}\" is the same impact as the event \"{}\", which the twin follows",
-                event.as_deref().unwrap_or_default()
-            )),
-            (_, Decision::Pending | Decision::Declined | Decision::Rejected) => Ok(()),
-        }
     }
 
     /// Makes the newest impact that the sensors have detected an impact of the twin, or counts and gives out why that cannot be.
@@ -206,7 +149,7 @@ impl Twin {
     ) -> Result<(), Rejection> {
         let stamp = contact(record);
         self.registry.check_event_id(&record.event_id)?;
-        check_not_ahead(stamp, now, self.parameters.current())?;
+        check_not_ahead(stamp, now, self.parameters())?;
         let snapshot = self.snapshot();
         let striking = snapshot.checked(striking_of(record))?;
         let height = snapshot.height_of_estimates();
@@ -225,10 +168,8 @@ impl Twin {
     /// Replaces the impact of an accepted estimate by that of a later one, as long as its response is the last one and the
     /// column has not been changed since.
     fn follow(&mut self, record: &EstimateRecord, now: Nanos, out: &mut impl Outputs) {
-        let of_it = |it: &ActiveResponse| it.impact.event_id == record.event_id;
-        let last = self.last.as_ref().filter(|it| it.before.is_some());
-        let found = self.response.as_ref().or(last.map(|it| &it.response));
-        let replaced = match found.filter(|it| of_it(it)) {
+        let found = self.course.replaceable();
+        let replaced = match found.filter(|it| it.impact().event_id == record.event_id) {
             Some(response) => self.replacement(response, record),
             None => self.replace_pending(record),
         };
@@ -253,18 +194,18 @@ impl Twin {
         response: &ActiveResponse,
         record: &EstimateRecord,
     ) -> Result<Option<(PendingImpact, Struck)>, Rejection> {
-        let before = &response.before;
+        let (before, impact) = (response.before(), response.impact());
         let is_at_rest = before.state.sample(&before.model).phase == Phase::Idle;
         let stamp = match is_at_rest {
             true => contact(record),
-            false => response.impact.stamp,
+            false => impact.stamp,
         };
         let snapshot = self.snapshot_of(before.clone());
         let striking = snapshot.checked(striking_of(record))?;
-        if stamp == response.impact.stamp && striking == response.impact.striking {
+        if stamp == impact.stamp && striking == impact.striking {
             return Ok(None);
         }
-        let properties = &response.timeline.plant().model.properties;
+        let properties = &response.plant().model.properties;
         let height = Some(properties.length_below);
         let struck = snapshot.strike(striking.impact, height)?;
         let pending = PendingImpact {
@@ -304,24 +245,13 @@ impl Twin {
             pending.striking.impact.mass,
             pending.striking.velocity()
         );
-        if self.response.is_none()
-            && let Some(last) = self.last.take()
-        {
-            if let Some(before) = last.before {
-                self.at_rest = before.at_rest;
-                self.assessed = before.assessed;
-                self.registry.life.last_impact = before.last_impact;
-                self.registry.life.beam = before.beam;
-                self.take_back(last.response, before.plastic_work);
-            }
-            self.forget_other_critical_velocities();
-            self.forget_range();
+        if let Some(before) = self.course.take_back() {
+            self.column.take_back(*before);
+            self.journal.note_taken_back();
             text += "; its report no longer holds";
         }
         out.notice(NoticeLevel::Info, now, text);
-        if let Some(response) = self.response.take() {
-            self.begin_once_more(response, pending, struck, out);
-        }
+        self.begin_once_more(pending, struck, out);
     }
 
     // Events that are the same impact
@@ -343,15 +273,11 @@ impl Twin {
             event_velocity_deviation: velocity_deviation,
             ..
         } = *self.estimation();
-        let same = self.estimates.same_impact(contact, window);
-        let Some(sensed) = same.filter(|it| it.decision == Decision::Accepted) else {
+        let Some(estimate_id) = self.estimates.merge(event_id, contact, window) else {
             return false;
         };
-        sensed.event_id = Some(Arc::clone(event_id));
-        let estimate_id = Arc::clone(&sensed.record.event_id);
         self.registry.merge(Arc::clone(event_id));
-        self.status.set_changed();
-        self.journal.set_checkpoint_due();
+        self.note_change_at_rest();
         let text = format!(
             "impact event \"{event_id}\" is merged with \"{estimate_id}\", the same impact, which the sensors have detected"
         );
@@ -373,7 +299,6 @@ impl Twin {
                 velocity_deviation,
             },
         }));
-        self.estimates.set_changed();
         true
     }
 
@@ -393,45 +318,29 @@ impl Twin {
     /// is one.
     fn link_with_event(&mut self, now: Nanos, out: &mut impl Outputs) {
         let window = self.estimation().merge_window;
-        let open = |it: Decision| matches!(it, Decision::Pending | Decision::Rejected);
-        let Some(contact) = self
-            .estimates
-            .newest()
-            .filter(|it| open(it.decision))
-            .map(|it| it.contact())
-        else {
-            return;
-        };
-        let Some(event_id) = self.estimates.take_event(contact, window) else {
-            return;
-        };
-        if let Some(newest) = self.estimates.newest_mut() {
+        if let Some(linked) = self.estimates.link(window) {
             let text = format!(
-                "the impact \"{}\" that the sensors have detected is the same as impact event \"{event_id}\", which the twin follows",
-                newest.record.event_id
+                "the impact \"{}\" that the sensors have detected is the same as impact event \"{}\", which the twin follows",
+                linked.record.event_id,
+                linked.event_id.as_deref().unwrap_or_default()
             );
             out.notice(NoticeLevel::Info, now, text);
-            newest.event_id = Some(event_id);
+            self.note_change_at_rest();
         }
-        self.decide(Decision::Merged);
     }
+}
 
-    /// Rejects a request whose sender gets an answer.
-    pub(super) fn reject_request(
-        &mut self,
-        what: RejectedInput,
-        rejection: Rejection,
-        source: &Arc<str>,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) -> Rejection {
-        self.status.set_changed();
-        let rejected = self
-            .registry
-            .reject_request(what, rejection.clone(), source, now);
-        out.put(Output::Rejected(rejected));
-        rejection
-    }
+/// That the sensors have detected an impact, and what follows.
+fn first_in_words(record: &EstimateRecord, accept: AcceptEstimates) -> String {
+    let next = match accept {
+        AcceptEstimates::Never => "it is only published (estimation.accept is never)",
+        AcceptEstimates::Confirmation => "it becomes an impact when ~/confirm_estimate accepts it",
+        AcceptEstimates::Automatic => {
+            "it becomes an impact when its estimate is reliable enough, at the latest with the final one"
+        }
+    };
+    let id = &record.event_id;
+    format!("the sensors have detected an impact, \"{id}\"; {next}")
 }
 
 /// What hits the column according to an estimate, in the plane of the two bars, which is all that the sensors say.

@@ -3,19 +3,14 @@
 use std::sync::Arc;
 
 use super::{NO_REPORT, Twin};
-use crate::assessment::imperfection;
 use crate::time::Nanos;
 use crate::time::seconds;
-use crate::twin::active_response::{ActiveResponse, LastResponse};
-use crate::twin::begun_impact::BegunImpact;
 use crate::twin::command::{Accepted, ImpactCommand};
-use crate::twin::forecast::Forecast;
 use crate::twin::output::{ForecastEnd, NoticeLevel, Output, Outputs};
 use crate::twin::plant::{Plant, Struck};
-use crate::twin::registry::{PendingImpact, check_column_id, check_stamp};
+use crate::twin::registry::{PendingImpact, RejectedInput, check_column_id, check_stamp};
 use crate::twin::rejection::{Rejection, RejectionCode};
 use crate::twin::striking::Striking;
-use crate::twin::timeline::{History, LookAhead, Timeline};
 
 const OBSOLETE_REPORT: &str = "whose report no longer holds";
 
@@ -33,9 +28,9 @@ impl Twin {
             vehicle,
             impact: specification,
         } = command;
-        check_column_id(self.registry.column_id(), column_id)?;
+        check_column_id(self.column.id(), column_id)?;
         self.registry.check_event_id(event_id)?;
-        check_stamp(*stamp, now, self.parameters.current())?;
+        check_stamp(*stamp, now, self.parameters())?;
         let snapshot = self.snapshot();
         let striking = snapshot.complete(vehicle, specification)?;
         let event_id: Arc<str> = event_id.as_str().into();
@@ -63,9 +58,9 @@ impl Twin {
     /// # Errors
     /// The impact would be rejected.
     pub fn check_impact(&self, command: &ImpactCommand, now: Nanos) -> Result<Striking, Rejection> {
-        check_column_id(self.registry.column_id(), &command.column_id)?;
+        check_column_id(self.column.id(), &command.column_id)?;
         self.registry.check_event_id(&command.event_id)?;
-        check_stamp(command.stamp.min(now), now, self.parameters.current())?;
+        check_stamp(command.stamp.min(now), now, self.parameters())?;
         let snapshot = self.snapshot();
         let striking = snapshot.complete(&command.vehicle, &command.impact)?;
         let height = snapshot.height_of_impact(&striking.vehicle, command.impact.height);
@@ -86,13 +81,17 @@ impl Twin {
     ) -> Result<(), Rejection> {
         let (stamp, impact) = (pending.stamp, pending.striking.impact);
         let event_id = Arc::clone(&pending.event_id);
-        let response = self.response.as_ref().map(|response| &response.timeline);
-        match response.map(|it| (it.origin(), it.step_at(stamp), it.step())) {
-            None => match self.resume(stamp, &struck) {
+        let timeline = self.course.present().map(|it| it.timeline());
+        match timeline.map(|it| (it.origin(), it.step_at(stamp), it.step())) {
+            None => match self.course.step_to_resume(stamp, &struck.model) {
                 Some(step) => {
+                    if let Some(before) = self.course.take_back() {
+                        self.column.resume(&before);
+                        self.journal.note_taken_back();
+                    }
                     self.hit_moving_column(pending, step, OBSOLETE_REPORT, now, out);
                 }
-                None => self.begin(pending, self.at_rest.clone(), struck, now, out),
+                None => self.begin(pending, self.column.plant().clone(), struck, now, out),
             },
             Some((_, Some(step), reached)) if step <= reached => {
                 self.hit_moving_column(pending, step, NO_REPORT, now, out);
@@ -108,34 +107,10 @@ impl Twin {
             }
         }
         self.registry.accept(event_id);
-        self.journal.impact = Some(impact);
+        self.column.count_impact();
+        self.journal.note_impact(impact);
         self.status.set_changed();
         Ok(())
-    }
-
-    /// Resumes the last response for an impact that is so late that it belongs there; the step where it does.
-    fn resume(&mut self, stamp: Nanos, struck: &Struck) -> Option<u64> {
-        let last = self.last.as_ref()?;
-        let before = last.before.as_ref()?;
-        let timeline = &last.response.timeline;
-        let step = timeline
-            .step_at(stamp)
-            .filter(|&step| step < timeline.step())?;
-        if timeline.plant().model != struck.model {
-            return None;
-        }
-        let plastic_work = before.plastic_work;
-        let response = self.last.take()?.response;
-        self.take_back(response, plastic_work);
-        Some(step)
-    }
-
-    /// Makes the last response the present one again.
-    pub(super) fn take_back(&mut self, response: Box<ActiveResponse>, plastic_work: f64) {
-        self.journal.taken_back = true;
-        self.registry.life.plastic_work_since_reset = plastic_work;
-        self.solver.newton_iterations -= response.newton_iterations();
-        self.response = Some(response);
     }
 
     /// The response to another impact ends where the column was at `step`.
@@ -147,24 +122,23 @@ impl Twin {
         now: Nanos,
         out: &mut impl Outputs,
     ) {
-        let Some(mut response) = self.response.take() else {
+        let Some(response) = self.course.rewind(step) else {
             return;
         };
-        response.timeline.rewind(step);
-        let Struck { model, state, .. } = *response.timeline.plant();
-        self.registry.life.plastic_work_since_reset += state.ledger.plastic_work;
-        self.solver.newton_iterations += response.newton_iterations();
-        let since = seconds(pending.stamp.abs_diff(response.timeline.origin()));
+        let Struck { model, state, .. } = *response.plant();
+        self.column.add_plastic_work(state.ledger.plastic_work);
+        let since = seconds(pending.stamp.abs_diff(response.timeline().origin()));
         let text = format!(
             "impact \"{}\" hits the column {since} s after impact \"{}\", {earlier_report}",
-            pending.event_id, response.impact.event_id,
+            pending.event_id,
+            response.impact().event_id,
         );
         out.notice(NoticeLevel::Info, now, text.clone());
-        self.end_early(response, ForecastEnd::Superseded, text);
+        self.course.end_early(ForecastEnd::Superseded, text);
         let plant = Plant {
             model,
             state,
-            ..self.at_rest.clone()
+            ..self.column.plant().clone()
         };
         // Its height was found to be that of these hinges when it was accepted.
         let pending = PendingImpact {
@@ -187,8 +161,9 @@ impl Twin {
             Ok(struck) => self.begin(pending, snapshot.plant, struck, now, out),
             Err(rejection) => {
                 self.registry.withdraw();
+                self.column.discount_impact();
                 let reason = rejection.tagged();
-                self.superseded
+                self.course
                     .take_none((&pending).into(), ForecastEnd::Rejected, &reason);
                 self.reject_impact(&pending.event_id, rejection, now, out);
             }
@@ -203,8 +178,26 @@ impl Twin {
         out: &mut impl Outputs,
     ) {
         self.status.set_changed();
+        self.column.count_rejection();
         let rejected = self.registry.reject_impact(event_id, rejection, now);
         out.put(Output::Rejected(rejected));
+    }
+
+    /// Rejects a request whose sender gets an answer.
+    pub(super) fn reject_request(
+        &mut self,
+        what: RejectedInput,
+        rejection: Rejection,
+        source: &Arc<str>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Rejection {
+        self.status.set_changed();
+        let rejected = self
+            .registry
+            .reject_request(what, rejection.clone(), source, now);
+        out.put(Output::Rejected(rejected));
+        rejection
     }
 
     /// Begins the response of `struck` to an impact; `before` is the column without it.
@@ -218,70 +211,26 @@ impl Twin {
     ) {
         let text = format!("impact \"{}\" accepted", pending.event_id);
         out.notice(NoticeLevel::Info, now, text);
-        self.respond(pending, before, struck);
-    }
-
-    /// As [`begin`](Self::begin), without a word.
-    pub(super) fn respond(&mut self, pending: PendingImpact, before: Plant, struck: Struck) {
-        let PendingImpact {
-            event_id,
-            stamp,
-            striking,
-            ..
-        } = pending;
-        self.withdraw_unknown_range();
-        let opinion = self.opinion_at_the_beginning(&before, &struck, &striking);
-        self.registry.life.last_event_id = Arc::clone(&event_id);
-        self.journal.responses += 1;
-        let period = 1e9 / self.parameters.current().settings().publish_rate;
-        let steps = period / struck.model.properties.step_nanos as f64;
-        let steps_per_sample = steps.round().max(1.0) as u64;
-        let history = self.last.take().map_or_else(History::default, |last| {
-            last.response.timeline.into_history()
-        });
-        let parameters = Arc::clone(self.parameters.current());
-        let ahead = LookAhead::new(struck, imperfection(&parameters), self.undamaged);
-        self.response = Some(Box::new(ActiveResponse {
-            impact: BegunImpact {
-                stamp,
-                event_id,
-                striking,
-                parameters,
-                step_nanos: struck.model.properties.step_nanos,
-                base_before: self.registry.life.base_before(),
-                opinion,
-            },
-            before,
-            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
-            forecast: Forecast::new(ahead),
-            silent_until: None,
-            range: None,
-            beam_after: None,
-        }));
+        self.course
+            .begin(pending, before, struck, &mut self.column, None);
         self.status.set_changed();
     }
 
-    /// Replaces the impact of a response that begins once more. Its samples are not given out until the instant that the
-    /// response before had reached.
+    /// Replaces the impact of the present response, which begins once more. Its samples are not given out until the instant that
+    /// it had reached.
     pub(super) fn begin_once_more(
         &mut self,
-        response: Box<ActiveResponse>,
         pending: PendingImpact,
         struck: Struck,
         out: &mut impl Outputs,
     ) {
-        let reached = response.timeline.instant_of(response.timeline.step());
-        let (before, impact) = (response.before.clone(), pending.striking.impact);
-        self.solver.newton_iterations += response.newton_iterations();
+        let Some((before, reached)) = self.course.set_aside() else {
+            return;
+        };
         out.put(Output::Replaced(Arc::clone(&pending.event_id)));
-        self.last = Some(LastResponse {
-            response,
-            before: None,
-        });
-        self.respond(pending, before, struck);
-        if let Some(response) = &mut self.response {
-            response.silent_until = Some(reached);
-        }
-        self.journal.impact = Some(impact);
+        self.journal.note_impact(pending.striking.impact);
+        self.course
+            .begin(pending, before, struck, &mut self.column, Some(reached));
+        self.status.set_changed();
     }
 }
