@@ -12,7 +12,7 @@ use super::life::Life;
 use super::opinion::{OpinionTask, Seen};
 use super::opinion_state::{BeamResult, KnownBeamDamage, MOVING, OpinionState};
 use super::output::ReportOutput;
-use super::parameter_set::{ParameterSet, PlannedChange, Waiting};
+use super::parameter_set::ParameterSet;
 use super::plant::{Condition, OF_ITS_MAKE, Plant, Struck};
 use super::range::{Judged, RangeTask};
 use super::rejection::{Rejection, RejectionCode};
@@ -21,7 +21,7 @@ use super::striking::Striking;
 use super::what_if::ColumnSnapshot;
 use crate::assessment::VerdictRange;
 use crate::column::{Model, ModelError};
-use crate::parameters::{Parameters, Value};
+use crate::parameters::Parameters;
 use crate::second_opinion::SecondOpinion;
 use crate::study::VehicleLimits;
 use crate::time::Nanos;
@@ -187,12 +187,8 @@ impl ColumnAtRest {
         }
     }
 
-    /// The damage to be saved, with the identifiers of its impacts.
-    pub fn saved(&self, seen_ids: Vec<Arc<str>>, now: Nanos) -> SavedState {
-        self.saved_of(&self.plant, seen_ids, now)
-    }
-
-    fn saved_of(&self, plant: &Plant, seen_ids: Vec<Arc<str>>, now: Nanos) -> SavedState {
+    /// The damage of this column to be saved, with the identifiers of its impacts.
+    pub fn saved_of(&self, plant: &Plant, seen_ids: Vec<Arc<str>>, now: Nanos) -> SavedState {
         let fingerprint = self.parameters.fingerprint();
         SavedState::new(&self.id, fingerprint, plant, &self.life, seen_ids, now)
     }
@@ -358,38 +354,14 @@ impl ColumnAtRest {
 
     // Changes of the parameters
 
-    /// See [`ParameterSet::plan`].
-    pub fn plan(&self, changes: &[(String, Value)]) -> Result<PlannedChange, Rejection> {
-        self.parameters.plan(changes)
+    /// The parameters that hold, and the ones that wait.
+    pub fn parameter_set(&self) -> &ParameterSet {
+        &self.parameters
     }
 
-    /// See [`ParameterSet::make_wait`].
-    pub fn make_wait(&mut self, parameters: &Arc<Parameters>, source: &Arc<str>) {
-        self.parameters.make_wait(parameters, source);
-    }
-
-    /// See [`ParameterSet::apply`].
-    pub fn apply(
-        &mut self,
-        parameters: &Arc<Parameters>,
-        changes: &[(String, Value)],
-    ) -> Result<(), Rejection> {
-        self.parameters.apply(parameters, changes)
-    }
-
-    /// See [`ParameterSet::waiting_names`].
-    pub fn waiting_names(&self) -> Vec<String> {
-        self.parameters.waiting_names()
-    }
-
-    /// See [`ParameterSet::take_waiting`].
-    pub fn take_waiting(&mut self) -> Option<(Waiting, Vec<String>)> {
-        self.parameters.take_waiting()
-    }
-
-    /// See [`ParameterSet::replace`].
-    pub fn replace_parameters(&mut self, parameters: Arc<Parameters>) {
-        self.parameters.replace(parameters);
+    /// The same. When others hold, the column has to be replaced and assessed anew.
+    pub fn parameter_set_mut(&mut self) -> &mut ParameterSet {
+        &mut self.parameters
     }
 
     /// The column with other parameters.

@@ -94,7 +94,6 @@
 // - what_if.rs: What an impact would do to the column as it is: a snapshot of the twin that answers without touching it
 // - withdrawn_impact.rs: An accepted impact that has no report
 
-mod active_response;
 mod assessed;
 mod background;
 mod begun_impact;

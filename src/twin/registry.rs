@@ -106,13 +106,8 @@ pub(super) struct Registry {
 }
 
 impl Registry {
-    /// The registry of a column that has been hit by the impacts with these identifiers.
-    pub fn new(seen_ids: &[Arc<str>]) -> Self {
-        Self::restored(seen_ids, Counts::default(), None)
-    }
-
-    /// Continues from a checkpoint.
-    pub fn restored(
+    /// With the identifiers of accepted impacts, and what was accepted and rejected since the start of the program.
+    pub fn new(
         seen_ids: &[Arc<str>],
         counts: Counts,
         last_rejection: Option<LastRejection>,
@@ -184,19 +179,7 @@ impl Registry {
         self.reject(RejectedInput::Impact, rejection, event_id, "".into(), now)
     }
 
-    /// Counts a rejected change of parameters.
-    pub fn reject_change(
-        &mut self,
-        rejection: Rejection,
-        source: &Arc<str>,
-        now: Nanos,
-    ) -> Rejected {
-        self.counts.parameters_rejected += 1;
-        let source = Arc::clone(source);
-        self.reject(RejectedInput::Parameters, rejection, "".into(), source, now)
-    }
-
-    /// Keeps a rejected request, whose sender has an answer, as the last rejection.
+    /// Keeps a rejected request, whose sender has an answer, as the last rejection, and counts a change of parameters.
     pub fn reject_request(
         &mut self,
         what: RejectedInput,
@@ -204,6 +187,7 @@ impl Registry {
         source: &Arc<str>,
         now: Nanos,
     ) -> Rejected {
+        self.counts.parameters_rejected += u64::from(what == RejectedInput::Parameters);
         self.reject(what, rejection, "".into(), Arc::clone(source), now)
     }
 

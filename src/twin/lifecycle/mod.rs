@@ -22,16 +22,15 @@ pub(crate) use estimation::vehicle_name;
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, Arrived};
 use super::begun_impact::BegunImpact;
 use super::column_at_rest::ColumnAtRest;
 use super::command::{Accepted, Command};
-use super::course::{Course, SolverStatistics, Stopwatch};
+use super::course::{ActiveResponse, Arrived, Course, SolverStatistics, Stopwatch};
 use super::estimates::Estimates;
 use super::journal::{Journal, JournalClock, StatusRecord};
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs};
 use super::plant::{Condition, Plant, Struck};
-use super::registry::{Registry, RejectedInput};
+use super::registry::{Counts, Registry, RejectedInput};
 use super::rejection::Rejection;
 use super::saved_state::SavedState;
 use super::status::{Judgement, Status, StatusClock, TwinPhase};
@@ -70,7 +69,8 @@ impl Twin {
         now: Nanos,
     ) -> Result<Self, ModelError> {
         let column = ColumnAtRest::new(parameters.into(), saved)?;
-        let registry = Registry::new(saved.map_or(&[], |it| &it.seen_ids));
+        let seen_ids = saved.map_or(&[][..], |it| &it.seen_ids);
+        let registry = Registry::new(seen_ids, Counts::default(), None);
         Ok(Self::of(column, registry, Course::new(0, stopwatch), now))
     }
 
@@ -165,55 +165,57 @@ impl Twin {
     ) -> Result<Accepted, Rejection> {
         self.report_checkpoint(now, out);
         let position = self.position();
-        let result =
-            match &command {
-                Command::Impact(impact) => {
-                    self.take_impact(impact, now, out).inspect_err(|rejection| {
-                        let rejection = rejection.clone();
-                        self.reject_impact(&impact.event_id, rejection, now, out);
-                    })
-                }
-                Command::SetParameters { changes, source } => self
-                    .set_parameters(changes, source, now, out)
-                    .map_err(|rejection| self.reject_change(rejection, source, now, out)),
-                Command::RejectedChange { rejection, source } => {
-                    Err(self.reject_change(rejection.clone(), source, now, out))
-                }
-                Command::Reset { source } => {
-                    self.reset(source, now, out);
-                    Ok(Accepted::Applied)
-                }
-                Command::ClockJumpedBack { by } => {
-                    self.clock_jumped_back(*by, now, out);
-                    Ok(Accepted::Applied)
-                }
-                Command::CriticalVelocities { vehicles } => {
-                    let task = self.critical_velocity_task();
-                    let taken = task.map(|it| self.column.keep_critical_velocities(it, vehicles));
-                    Ok(self.note_computed(taken.is_some()))
-                }
-                Command::SecondOpinion(found) => {
-                    let is_taken = self.course.take_opinion(found, &mut self.column);
-                    Ok(self.note_computed(is_taken))
-                }
-                Command::VerdictRange(range) => {
-                    let is_taken = self.course.take_range(range, &mut self.column);
-                    Ok(self.note_computed(is_taken))
-                }
-                Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
-                Command::DecideEstimate(decision) => self
-                    .decide_estimate(decision, now, out)
+        let result = match &command {
+            Command::Impact(impact) => {
+                self.take_impact(impact, now, out).inspect_err(|rejection| {
+                    let rejection = rejection.clone();
+                    self.reject_impact(&impact.event_id, rejection, now, out);
+                })
+            }
+            Command::SetParameters { changes, source } => self
+                .set_parameters(changes, source, now, out)
+                .map_err(|it| self.reject_request(RejectedInput::Parameters, it, source, now, out)),
+            Command::RejectedChange { rejection, source } => {
+                let (what, rejection) = (RejectedInput::Parameters, rejection.clone());
+                Err(self.reject_request(what, rejection, source, now, out))
+            }
+            Command::Reset { source } => {
+                self.reset(source, now, out);
+                Ok(Accepted::Applied)
+            }
+            Command::ClockJumpedBack { by } => {
+                self.clock_jumped_back(*by, now, out);
+                Ok(Accepted::Applied)
+            }
+            Command::CriticalVelocities { vehicles } => {
+                let task = self.critical_velocity_task();
+                let taken = task.map(|it| self.column.keep_critical_velocities(it, vehicles));
+                Ok(self.note_computed(taken.is_some()))
+            }
+            Command::SecondOpinion(found) => {
+                let is_taken = self.course.take_opinion(found, &mut self.column);
+                Ok(self.note_computed(is_taken))
+            }
+            Command::VerdictRange(range) => {
+                let is_taken = self.course.take_range(range, &mut self.column);
+                Ok(self.note_computed(is_taken))
+            }
+            Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
+            Command::DecideEstimate(decision) => {
+                self.decide_estimate(decision, now, out)
                     .map_err(|rejection| {
                         let what = RejectedInput::Estimate;
                         self.reject_request(what, rejection, &decision.source, now, out)
-                    }),
-                Command::CorrectDamage(measured) => self
-                    .correct_damage(measured, now, out)
+                    })
+            }
+            Command::CorrectDamage(measured) => {
+                self.correct_damage(measured, now, out)
                     .map_err(|rejection| {
                         let what = RejectedInput::DamageCorrection;
                         self.reject_request(what, rejection, &measured.source, now, out)
-                    }),
-            };
+                    })
+            }
+        };
         let rejection = result.as_ref().err().cloned();
         let is_applied = result.as_ref().is_ok_and(|it| *it == Accepted::Applied);
         let opinion = match &command {
@@ -299,7 +301,8 @@ impl Twin {
 
     /// The damage to be saved, without what the present response will add.
     pub fn saved_state(&self, now: Nanos) -> SavedState {
-        self.column.saved(self.registry.seen_ids(), now)
+        let seen_ids = self.registry.seen_ids();
+        self.column.saved_of(self.column.plant(), seen_ids, now)
     }
 
     fn phase(&self) -> TwinPhase {

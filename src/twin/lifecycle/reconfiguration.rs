@@ -6,11 +6,12 @@ use super::Twin;
 use crate::parameters::{Parameters, Value};
 use crate::time::Nanos;
 use crate::time::seconds;
-use crate::twin::active_response::ActiveResponse;
 use crate::twin::command::Accepted;
+use crate::twin::course::ActiveResponse;
 use crate::twin::damage_correction::ResidualMeasurement;
 use crate::twin::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use crate::twin::plant::Plant;
+use crate::twin::registry::RejectedInput;
 use crate::twin::rejection::{Rejection, RejectionCode};
 
 /// Maximum length of a response \[steps\] whose end is computed in order to judge a change that waits for it: at most about a
@@ -28,7 +29,7 @@ impl Twin {
         now: Nanos,
         out: &mut impl Outputs,
     ) -> Result<Accepted, Rejection> {
-        let planned = self.column.plan(changes)?;
+        let planned = self.column.parameter_set().plan(changes)?;
         if planned.names.is_empty() {
             self.registry.accept_change();
             return Ok(Accepted::Unchanged);
@@ -36,10 +37,12 @@ impl Twin {
         let plant = self.column.with_parameters(&planned.parameters)?;
         let change = if self.is_responding() && planned.must_wait {
             self.check_at_end(&planned.parameters, now, out)?;
-            self.column.make_wait(&planned.parameters, source);
+            let parameters = self.column.parameter_set_mut();
+            parameters.make_wait(&planned.parameters, source);
             Accepted::Waiting
         } else {
-            self.column.apply(&planned.parameters, changes)?;
+            let parameters = self.column.parameter_set_mut();
+            parameters.apply(&planned.parameters, changes)?;
             if !self.is_responding() {
                 self.replace_column(plant);
                 self.column.assess_anew();
@@ -52,7 +55,7 @@ impl Twin {
             stamp: now,
             names: planned.names,
             change,
-            waiting: self.column.waiting_names(),
+            waiting: self.column.parameter_set().waiting_names(),
             parameters: Arc::clone(self.parameters()),
             source: Arc::clone(source),
         }));
@@ -105,19 +108,26 @@ impl Twin {
     }
 
     pub(super) fn apply_waiting_parameters(&mut self, now: Nanos, out: &mut impl Outputs) {
-        let Some((waiting, names)) = self.column.take_waiting() else {
+        let Some((waiting, names)) = self.column.parameter_set_mut().take_waiting() else {
             return;
         };
         let change = match self.column.with_parameters(&waiting.parameters) {
             Ok(plant) => {
                 self.replace_column(plant);
-                self.column.replace_parameters(waiting.parameters);
+                self.column.parameter_set_mut().replace(waiting.parameters);
                 Accepted::Applied
             }
             Err(Rejection { code, reason }) => {
                 let reason =
                     format!("the change that waited for the end of the response: {reason}");
-                self.reject_change(Rejection::new(code, reason), &waiting.source, now, out);
+                let rejection = Rejection::new(code, reason);
+                self.reject_request(
+                    RejectedInput::Parameters,
+                    rejection,
+                    &waiting.source,
+                    now,
+                    out,
+                );
                 Accepted::Unchanged
             }
         };
@@ -130,19 +140,6 @@ impl Twin {
             parameters: Arc::clone(self.parameters()),
             source: waiting.source,
         }));
-    }
-
-    pub(super) fn reject_change(
-        &mut self,
-        rejection: Rejection,
-        source: &Arc<str>,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) -> Rejection {
-        self.status.set_changed();
-        let rejected = self.registry.reject_change(rejection.clone(), source, now);
-        out.put(Output::Rejected(rejected));
-        rejection
     }
 
     /// Corrects the damage by a measurement. Where the model agrees with it within its standard deviation, nothing changes.

@@ -13,7 +13,7 @@ use crate::twin::course::{Course, Stopwatch};
 use crate::twin::journal::{Checkpoint, JournalClock, NotReached, Position};
 use crate::twin::output::{Output, Outputs};
 use crate::twin::plant::Plant;
-use crate::twin::registry::Registry;
+use crate::twin::registry::{Counts, Registry};
 
 impl Twin {
     /// The twin as it was at a checkpoint, without the course of the response before it.
@@ -23,7 +23,7 @@ impl Twin {
     pub fn from_checkpoint(from: &Checkpoint, stopwatch: Stopwatch) -> Result<Self, ModelError> {
         let column = ColumnAtRest::restored(from)?;
         let last_rejection = from.last_rejection.clone();
-        let registry = Registry::restored(&from.seen_ids, from.counts, last_rejection);
+        let registry = Registry::new(&from.seen_ids, from.counts, last_rejection);
         let course = Course::new(from.response, stopwatch);
         Ok(Self {
             estimates: from.estimates.clone(),
@@ -179,7 +179,12 @@ impl Twin {
         }
         let column = self.column.sibling(parameters)?;
         let course = Course::new(0, stopwatch);
-        Some(Self::of(column, Registry::new(&[]), course, now))
+        Some(Self::of(
+            column,
+            Registry::new(&[], Counts::default(), None),
+            course,
+            now,
+        ))
     }
 
     /// Whether there is nothing to do for [`Twin::advance_to`] and [`Twin::run_ahead`] until the next command, apart from the
@@ -198,10 +203,11 @@ impl Twin {
         Some(end.saturating_add(max_age as Nanos))
     }
 
-    /// Frees the memory of the last response if no event that is accepted at `now` can belong to it any more.
+    /// Frees the memory of the last response if no event that is accepted at `now` can belong to it any more. A change of
+    /// `event.max_age` after that does not bring it back.
     pub fn forget_what_is_too_old(&mut self, now: Nanos) {
         if !self.is_responding() && self.remembers_until().is_some_and(|it| it < now) {
-            self.forget_last_response();
+            self.course.forget_last();
         }
     }
 
@@ -211,11 +217,5 @@ impl Twin {
         if !self.is_responding() {
             self.journal.set_checkpoint_due();
         }
-    }
-
-    /// Frees the memory of the last response, of which [`Twin::remembers_until`] tells how long events may need it. A change of
-    /// `event.max_age` after that does not bring it back.
-    pub fn forget_last_response(&mut self) {
-        self.course.forget_last();
     }
 }

@@ -1,21 +1,26 @@
 //! The course of the responses: the present one, the last one, which a late impact may resume, and the forecasts of those that
 //! something else has ended.
 
+// What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+
+mod active_response;
+
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, Arrived};
+use super::begun_impact::BegunImpact;
 use super::column_at_rest::{BeforeResponse, ColumnAtRest, Verdict};
-use super::forecast::{Completed, SupersededForecasts};
+use super::forecast::{Completed, Forecast, SupersededForecasts};
 use super::journal::Position;
 use super::opinion_state::BeamResult;
 use super::output::{ForecastEnd, Outputs};
 use super::plant::{Plant, Struck};
 use super::registry::PendingImpact;
-use super::timeline::{Advanced, History};
+use super::timeline::{Advanced, History, LookAhead, Timeline};
 use super::withdrawn_impact::WithdrawnImpact;
-use crate::assessment::VerdictRange;
+use crate::assessment::{VerdictRange, imperfection};
 use crate::column::{End, Model};
 use crate::time::Nanos;
+pub(super) use active_response::ActiveResponse;
 
 /// Most steps with which the forecasts of responses that have ended before their time are completed when the column comes to
 /// rest: some 0.1 s of computing.
@@ -49,6 +54,14 @@ pub(super) struct Course {
     stopwatch: Stopwatch,
 }
 
+/// What follows where a response has come to a step.
+pub(super) enum Arrived {
+    /// It goes on to this step.
+    GoesOn(u64),
+    /// The next impact meets the column at this step, which it has reached.
+    NextImpact(u64),
+}
+
 /// A response that is over.
 #[derive(Debug)]
 struct LastResponse {
@@ -64,7 +77,7 @@ impl Course {
             present: None,
             is_completing: false,
             last: None,
-            superseded: SupersededForecasts::new(),
+            superseded: SupersededForecasts::default(),
             responses,
             solver: SolverStatistics::default(),
             stopwatch,
@@ -95,7 +108,7 @@ impl Course {
     pub fn position(&self) -> Position {
         Position {
             response: self.responses,
-            step: self.present().map(|it| it.timeline().step()),
+            step: self.present().map(|it| it.timeline.step()),
         }
     }
 
@@ -115,7 +128,8 @@ impl Course {
     /// Adds what steps have taken since then to the compute time of the present response.
     pub fn add_compute_time(&mut self, started: u64) {
         if let Some(response) = &mut self.present {
-            response.add_compute_time((self.stopwatch)().saturating_sub(started));
+            let taken = (self.stopwatch)().saturating_sub(started);
+            response.timeline.add_compute_time(taken);
         }
     }
 
@@ -139,22 +153,34 @@ impl Course {
         }
     }
 
-    /// Does what is due where the column is, see [`ActiveResponse::arrive`].
+    /// Does what is due where the column is on its way to an instant: its sample. `None` where the instant is not beyond this step,
+    /// and neither is the next impact.
     pub fn arrive(
         &mut self,
         instant: Nanos,
         next_impact: Option<Nanos>,
         out: &mut impl Outputs,
     ) -> Option<Arrived> {
-        self.present.as_mut()?.arrive(instant, next_impact, out)
+        let response = self.present.as_mut()?;
+        let now_step = response.timeline.step_at(instant)?;
+        let next_impact = next_impact.and_then(|stamp| response.timeline.step_at(stamp));
+        let target = next_impact.unwrap_or(u64::MAX).min(now_step);
+        if response.timeline.is_sample_due() {
+            response.put_due_state(out);
+        }
+        if response.timeline.step() < target {
+            return Some(Arrived::GoesOn(target));
+        }
+        let is_due = next_impact.is_some_and(|step| step <= now_step);
+        is_due.then_some(Arrived::NextImpact(target))
     }
 
     /// Advances the present response towards a step, but never past the next sample.
     pub fn advance(&mut self, target: u64) -> Option<Advanced> {
-        let response = self.present.as_mut()?;
-        let before = response.timeline().step();
-        let advanced = response.advance(target);
-        self.solver.steps += response.timeline().step() - before;
+        let timeline = &mut self.present.as_mut()?.timeline;
+        let before = timeline.step();
+        let advanced = timeline.advance(target);
+        self.solver.steps += timeline.step() - before;
         Some(advanced)
     }
 
@@ -172,10 +198,31 @@ impl Course {
     ) {
         column.begin_impact(&pending.event_id);
         self.responses += 1;
+        let parameters = Arc::clone(column.parameters());
+        let step_nanos = struck.model.properties.step_nanos;
+        let period = 1e9 / parameters.settings().publish_rate;
+        let steps = period / step_nanos as f64;
+        let steps_per_sample = steps.round().max(1.0) as u64;
+        let ahead = LookAhead::new(struck, imperfection(&parameters), *column.undamaged());
         let last = self.last.take();
-        let history = last.map_or_else(History::default, |it| it.response.into_history());
-        let begun = ActiveResponse::begin(pending, before, struck, column, history, silent_until);
-        self.present = Some(Box::new(begun));
+        let history = last.map_or_else(History::default, |it| it.response.timeline.into_history());
+        self.present = Some(Box::new(ActiveResponse {
+            timeline: Timeline::begin(pending.stamp, struck, steps_per_sample, history),
+            impact: BegunImpact {
+                opinion: column.opinion_on(&before, &struck, &pending.striking),
+                stamp: pending.stamp,
+                event_id: pending.event_id,
+                striking: pending.striking,
+                parameters,
+                step_nanos,
+                base_before: column.life().base_before(),
+            },
+            before,
+            forecast: Forecast::new(ahead),
+            silent_until,
+            range: None,
+            beam_after: None,
+        }));
     }
 
     /// Ends the present response, see [`ActiveResponse::end`].
@@ -194,15 +241,16 @@ impl Course {
 
     /// Goes back to an earlier step of the present response.
     pub fn rewind(&mut self, step: u64) -> Option<&ActiveResponse> {
-        self.present.as_mut()?.rewind(step);
+        self.present.as_mut()?.timeline.rewind(step);
         self.present()
     }
 
     /// Ends the present response before its time. Its forecast is completed nevertheless.
     pub fn end_early(&mut self, end: ForecastEnd, reason: String) {
         if let Some(mut response) = self.present.take() {
-            let (impact, forecast) = (response.impact().clone(), response.take_forecast());
-            self.superseded.take(impact, forecast, end, reason);
+            let forecast = std::mem::take(&mut response.forecast);
+            self.superseded
+                .take(response.impact.clone(), forecast, end, reason);
             self.keep(response, None);
         }
     }
@@ -211,7 +259,7 @@ impl Course {
     /// reached.
     pub fn set_aside(&mut self) -> Option<(Plant, Nanos)> {
         let response = self.present.take()?;
-        let found = (response.before().clone(), response.reached());
+        let found = (response.before.clone(), response.reached());
         self.keep(response, None);
         Some(found)
     }
@@ -226,8 +274,8 @@ impl Course {
     /// The step of the last response at which an impact on a column of this model is so late that it belongs there.
     pub fn step_to_resume(&self, stamp: Nanos, struck: &Model) -> Option<u64> {
         let response = self.replaceable()?;
-        let step = response.timeline().step_at(stamp)?;
-        let is_there = step < response.timeline().step() && response.plant().model == *struck;
+        let step = response.timeline.step_at(stamp)?;
+        let is_there = step < response.timeline.step() && response.plant().model == *struck;
         is_there.then_some(step)
     }
 
@@ -259,10 +307,10 @@ impl Course {
     /// Whether a forecast is being computed.
     pub fn is_looking_ahead(&self) -> bool {
         let present = self.present();
-        present.is_some_and(|it| it.forecast().is_running()) || !self.superseded.is_empty()
+        present.is_some_and(|it| it.forecast.is_running()) || !self.superseded.is_empty()
     }
 
-    /// Carries the forecast of the present response on, see [`ActiveResponse::advance_forecast`].
+    /// Carries the forecast of the present response on, see [`Forecast::advance`].
     pub fn advance_forecast(
         &mut self,
         column: &mut ColumnAtRest,
@@ -271,13 +319,18 @@ impl Course {
         out: &mut impl Outputs,
     ) -> Option<Completed> {
         let response = self.present.as_mut()?;
-        response.advance_forecast(column, budget, &self.stopwatch, now, out)
+        let (impact, undamaged, stopwatch) =
+            (&response.impact, column.undamaged(), &self.stopwatch);
+        let forecast = &mut response.forecast;
+        let completed = forecast.advance(impact, undamaged, budget, stopwatch, now, out)?;
+        response.timeline.set_last_step(completed.last_step);
+        Some(completed)
     }
 
     /// Gives out the forecast of the present response.
     pub fn give_out_forecast(&mut self, now: Nanos, out: &mut impl Outputs) {
         if let Some(response) = &mut self.present {
-            response.give_out_forecast(now, out);
+            response.forecast.give_out(&response.impact, now, out);
         }
     }
 
@@ -318,7 +371,7 @@ impl Course {
         let present = self.present.as_ref();
         let unknown = present
             .filter(|it| it.awaits_forecast())
-            .map(|it| it.impact().into());
+            .map(|it| (&it.impact).into());
         for impact in unknown.into_iter().chain(to_come.map(Into::into)) {
             self.superseded.take_none(impact, end, reason);
         }

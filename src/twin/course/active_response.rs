@@ -2,89 +2,39 @@
 
 use std::sync::Arc;
 
-use super::assessed::{Assessed, LastImpact, assess_at_once, assessed_again};
-use super::begun_impact::BegunImpact;
-use super::column_at_rest::{BeforeResponse, ColumnAtRest, Verdict};
-use super::forecast::{Completed, Forecast};
-use super::opinion::{OpinionTask, Seen};
-use super::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
-use super::output::{Output, Outputs, ReportOutput, StateOutput, StrikingVehicle, Verdicts};
-use super::plant::{Plant, Struck, condition_after};
-use super::range::{Judged, RangeTask, has_range};
-use super::registry::PendingImpact;
-use super::status::{Lengths, TwinPhase};
-use super::timeline::{Advanced, History, LookAhead, Timeline};
-use crate::assessment::{EarlierImpacts, VerdictRange, imperfection};
+use crate::assessment::{EarlierImpacts, VerdictRange};
 use crate::column::End;
 use crate::standing::StandingColumn;
 use crate::time::Nanos;
+use crate::twin::assessed::{Assessed, LastImpact, assess_at_once, assessed_again};
+use crate::twin::begun_impact::BegunImpact;
+use crate::twin::column_at_rest::{BeforeResponse, ColumnAtRest, Verdict};
+use crate::twin::forecast::Forecast;
+use crate::twin::opinion::{OpinionTask, Seen};
+use crate::twin::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
+use crate::twin::output::{Output, Outputs, ReportOutput, StateOutput, StrikingVehicle, Verdicts};
+use crate::twin::plant::{Plant, Struck, condition_after};
+use crate::twin::range::{Judged, RangeTask, has_range};
+use crate::twin::status::{Lengths, TwinPhase};
+use crate::twin::timeline::Timeline;
 
 /// The response to an impact.
 #[derive(Debug)]
-pub(super) struct ActiveResponse {
-    impact: BegunImpact,
+pub struct ActiveResponse {
+    pub(super) impact: BegunImpact,
     /// The column without the impact: at rest, or in motion after an earlier one.
-    before: Plant,
-    timeline: Timeline,
-    forecast: Forecast,
+    pub(super) before: Plant,
+    pub(super) timeline: Timeline,
+    pub(super) forecast: Forecast,
     /// Until this instant its samples are not given out, because an earlier estimate of the same impact has given out some.
-    silent_until: Option<Nanos>,
+    pub(super) silent_until: Option<Nanos>,
     /// The range of the verdict in the forecast, once it is known.
-    range: Option<Arc<VerdictRange>>,
+    pub(super) range: Option<Arc<VerdictRange>>,
     /// The damage that the beam leaves, once it is known.
-    beam_after: Option<KnownBeamDamage>,
-}
-
-/// What follows where a response has come to a step.
-pub(super) enum Arrived {
-    /// It goes on to this step.
-    GoesOn(u64),
-    /// The next impact meets the column at this step, which it has reached.
-    NextImpact(u64),
+    pub(super) beam_after: Option<KnownBeamDamage>,
 }
 
 impl ActiveResponse {
-    /// Begins the response of `struck`; `before` is the column without the impact, and `history` that of an earlier response, for
-    /// its memory.
-    pub fn begin(
-        pending: PendingImpact,
-        before: Plant,
-        struck: Struck,
-        column: &mut ColumnAtRest,
-        history: History,
-        silent_until: Option<Nanos>,
-    ) -> Self {
-        let PendingImpact {
-            event_id,
-            stamp,
-            striking,
-            ..
-        } = pending;
-        let parameters = Arc::clone(column.parameters());
-        let step_nanos = struck.model.properties.step_nanos;
-        let period = 1e9 / parameters.settings().publish_rate;
-        let steps = period / step_nanos as f64;
-        let steps_per_sample = steps.round().max(1.0) as u64;
-        let ahead = LookAhead::new(struck, imperfection(&parameters), *column.undamaged());
-        Self {
-            impact: BegunImpact {
-                opinion: column.opinion_on(&before, &struck, &striking),
-                stamp,
-                event_id,
-                striking,
-                parameters,
-                step_nanos,
-                base_before: column.life().base_before(),
-            },
-            before,
-            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
-            forecast: Forecast::new(ahead),
-            silent_until,
-            range: None,
-            beam_after: None,
-        }
-    }
-
     pub fn impact(&self) -> &BegunImpact {
         &self.impact
     }
@@ -116,51 +66,8 @@ impl ActiveResponse {
         self.plant().state.newton_iterations
     }
 
-    // The course of time
-
-    /// Does what is due where it is on its way to an instant: its sample. `None` where the instant is not beyond this step, and
-    /// neither is the next impact.
-    pub fn arrive(
-        &mut self,
-        instant: Nanos,
-        next_impact: Option<Nanos>,
-        out: &mut impl Outputs,
-    ) -> Option<Arrived> {
-        let now_step = self.timeline.step_at(instant)?;
-        let next_impact = next_impact.and_then(|stamp| self.timeline.step_at(stamp));
-        let target = next_impact.unwrap_or(u64::MAX).min(now_step);
-        if self.timeline.is_sample_due() {
-            self.put_due_state(out);
-        }
-        if self.timeline.step() < target {
-            return Some(Arrived::GoesOn(target));
-        }
-        let is_due = next_impact.is_some_and(|step| step <= now_step);
-        is_due.then_some(Arrived::NextImpact(target))
-    }
-
-    /// See [`Timeline::advance`].
-    pub fn advance(&mut self, target: u64) -> Advanced {
-        self.timeline.advance(target)
-    }
-
-    /// See [`Timeline::rewind`].
-    pub fn rewind(&mut self, step: u64) {
-        self.timeline.rewind(step);
-    }
-
-    /// See [`Timeline::add_compute_time`].
-    pub fn add_compute_time(&mut self, nanos: u64) {
-        self.timeline.add_compute_time(nanos);
-    }
-
-    /// Its memory, for another response.
-    pub fn into_history(self) -> History {
-        self.timeline.into_history()
-    }
-
     /// Gives out the sample that is due, unless it is to be silent.
-    fn put_due_state(&mut self, out: &mut impl Outputs) {
+    pub(super) fn put_due_state(&mut self, out: &mut impl Outputs) {
         let instant = self.reached();
         match self.silent_until.is_some_and(|until| instant <= until) {
             true => drop(self.timeline.take_sample()),
@@ -190,7 +97,7 @@ impl ActiveResponse {
     }
 
     /// Ends: gives out the last state and the report, and leaves the column at rest.
-    pub fn end(
+    pub(super) fn end(
         &mut self,
         end: End,
         column: &mut ColumnAtRest,
@@ -207,13 +114,8 @@ impl ActiveResponse {
         let predicted = self.forecast.take_predicted();
         let predicted = predicted.filter(|it| it.report == report);
         let error_estimate = predicted.as_ref().and_then(|it| it.error_estimate);
-        let BegunImpact {
-            parameters,
-            striking,
-            base_before,
-            ..
-        } = &self.impact;
-        let mut last = LastImpact::new(striking, &report, error_estimate, base_before.as_ref());
+        let mut last = self.impact.last_impact(&report, error_estimate);
+        let parameters = &self.impact.parameters;
         let assessed = match predicted {
             Some(predicted) => {
                 let opinion = predicted.assessed.as_ref();
@@ -258,33 +160,6 @@ impl ActiveResponse {
         self.forecast.is_running() && !self.forecast.is_known()
     }
 
-    /// Carries its forecast on by at most `budget` steps, see [`Forecast::advance`].
-    pub fn advance_forecast(
-        &mut self,
-        column: &mut ColumnAtRest,
-        budget: &mut u64,
-        stopwatch: &dyn Fn() -> u64,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) -> Option<Completed> {
-        let (impact, undamaged) = (&self.impact, column.undamaged());
-        let completed = self
-            .forecast
-            .advance(impact, undamaged, budget, stopwatch, now, out)?;
-        self.timeline.set_last_step(completed.last_step);
-        Some(completed)
-    }
-
-    /// Gives its forecast out.
-    pub fn give_out_forecast(&mut self, now: Nanos, out: &mut impl Outputs) {
-        self.forecast.give_out(&self.impact, now, out);
-    }
-
-    /// Its forecast, which no longer is one of it.
-    pub fn take_forecast(&mut self) -> Forecast {
-        std::mem::replace(&mut self.forecast, Forecast::none())
-    }
-
     /// The forecast with what was computed behind it.
     pub fn supplemented_forecast(&self) -> Option<ReportOutput> {
         let predicted = self.forecast.predicted()?;
@@ -312,17 +187,13 @@ impl ActiveResponse {
         if !self.awaits_opinion() {
             return None;
         }
-        let BegunImpact {
-            parameters,
-            striking,
-            ..
-        } = &self.impact;
-        let struck = &self.plant().model.properties;
+        let (impact, struck) = (&self.impact, &self.plant().model.properties);
+        let (parameters, striking) = (&impact.parameters, &impact.striking);
         OpinionTask::new(response, parameters, struck, striking, before).ok()
     }
 
     /// Takes what the beam has found, if it is awaited.
-    pub fn take_opinion(&mut self, found: &BeamResult, before: &KnownBeamDamage) -> bool {
+    pub(super) fn take_opinion(&mut self, found: &BeamResult, before: &KnownBeamDamage) -> bool {
         if !self.awaits_opinion() {
             return false;
         }
@@ -341,12 +212,7 @@ impl ActiveResponse {
         if opinion.is_some() {
             let last = LastImpact {
                 second_opinion: opinion,
-                ..LastImpact::new(
-                    &impact.striking,
-                    &predicted.report,
-                    predicted.error_estimate,
-                    impact.base_before.as_ref(),
-                )
+                ..impact.last_impact(&predicted.report, predicted.error_estimate)
             };
             let assessed = predicted.assessed.as_ref();
             predicted.assessed = assessed
@@ -371,25 +237,20 @@ impl ActiveResponse {
     /// `beam` is the damage of the beam before the impact.
     pub fn range_task(&self, response: u64, beam: &KnownBeamDamage) -> Option<RangeTask> {
         let assessed = self.assessed_without_range()?;
-        let BegunImpact {
-            parameters,
-            striking,
-            ..
-        } = &self.impact;
-        let struck = &self.plant().model.properties;
+        let impact = &self.impact;
         Some(RangeTask::new(
             response,
-            parameters,
-            struck,
-            striking,
+            &impact.parameters,
+            &self.plant().model.properties,
+            &impact.striking,
             self.earlier_impacts().as_ref(),
-            (&self.impact.opinion, beam),
+            (&impact.opinion, beam),
             assessed,
         ))
     }
 
     /// Takes the range, if it is awaited.
-    pub fn take_range(&mut self, range: &Arc<VerdictRange>) -> bool {
+    pub(super) fn take_range(&mut self, range: &Arc<VerdictRange>) -> bool {
         let is_awaited = self.assessed_without_range().is_some();
         if is_awaited {
             self.range = Some(Arc::clone(range));
