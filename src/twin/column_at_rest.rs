@@ -167,12 +167,12 @@ impl ColumnAtRest {
         self.assessed.as_ref()
     }
 
-    /// Where the undamaged capacity of the last column that was assessed is kept.
+    /// The undamaged capacity of the last column that was assessed, which who computes another one replaces.
     pub fn undamaged(&mut self) -> &mut Option<UndamagedCapacity> {
         &mut self.undamaged
     }
 
-    /// This column, at rest or in motion, for predictions.
+    /// A snapshot for predictions, with `plant` in place of the column at rest, which may be moving.
     pub fn snapshot_of(&self, plant: Plant, is_moving: bool) -> ColumnSnapshot {
         ColumnSnapshot {
             column_id: Arc::clone(&self.id),
@@ -214,7 +214,7 @@ impl ColumnAtRest {
 
     // What the column goes through
 
-    /// It may have a damage that nobody knows.
+    /// Notes that the column may have damage that is not known.
     pub fn note_unknown_damage(&mut self) {
         self.life.is_damage_unknown = true;
     }
@@ -225,7 +225,7 @@ impl ColumnAtRest {
         *count = count.saturating_add(1);
     }
 
-    /// Counts an accepted impact as rejected after all.
+    /// Takes the count of an accepted impact back, which is rejected after all.
     pub fn discount_impact(&mut self) {
         let count = &mut self.life.impacts_since_reset;
         *count = count.saturating_sub(1);
@@ -249,7 +249,8 @@ impl ColumnAtRest {
         self.life.plastic_work_since_reset += added;
     }
 
-    /// A response is over and leaves this column, its impact, a damage as the beam knows it and this work \[J\].
+    /// Takes over what a response has left that is over: the column, its impact, the damage as the beam knows it, and the work that was
+    /// dissipated \[J\].
     pub fn settle(
         &mut self,
         settled: Plant,
@@ -269,7 +270,7 @@ impl ColumnAtRest {
         Box::new(before)
     }
 
-    /// Takes the verdict on the last impact; if other parameters have come into force, the column is assessed by these.
+    /// Takes the verdict on the last impact. If other parameters have come into force since, the column is assessed by these instead.
     pub fn take_verdict(&mut self, verdict: Verdict) {
         if !Arc::ptr_eq(&verdict.parameters, self.parameters()) {
             return self.assess_anew();
@@ -279,12 +280,12 @@ impl ColumnAtRest {
         self.forget_other_critical_velocities();
     }
 
-    /// The last response goes on for an impact that belongs into it.
+    /// Takes back the work of the last response, which is resumed.
     pub fn resume(&mut self, before: &BeforeResponse) {
         self.life.plastic_work_since_reset = before.plastic_work;
     }
 
-    /// The last response has not been.
+    /// Takes back everything that the last response has changed.
     pub fn take_back(&mut self, before: BeforeResponse) {
         self.resume(&before);
         self.plant = before.plant;
@@ -324,7 +325,7 @@ impl ColumnAtRest {
         Ok((correction, is_changed))
     }
 
-    /// Makes it undamaged, and forgets what it has been through. It has to be assessed anew.
+    /// Makes the column undamaged and forgets what it has been through. The caller then [assesses it anew](Self::assess_anew).
     pub fn reset(&mut self) {
         self.life = Life::default();
         // The parameters were checked when they came; if they failed now, the old model would still be a column.
@@ -335,7 +336,8 @@ impl ColumnAtRest {
 
     // Assessment
 
-    /// Assesses it at once: after a start, a reset or a change of parameters. After a response, the look-ahead has done it in slices.
+    /// Assesses the column at once: after a start, a reset or a change of parameters. After a response, the look-ahead has done it
+    /// in slices.
     fn assess(&mut self) {
         self.assessed = assess_at_once(
             self.parameters.current(),
@@ -345,7 +347,7 @@ impl ColumnAtRest {
         );
     }
 
-    /// Assesses it, and forgets what was computed for the column that it was before.
+    /// Assesses the column, and forgets what was computed for the column before.
     pub fn assess_anew(&mut self) {
         self.assess();
         self.forget_other_critical_velocities();
@@ -359,7 +361,8 @@ impl ColumnAtRest {
         &self.parameters
     }
 
-    /// The same. When others hold, the column has to be replaced and assessed anew.
+    /// The same, to be changed. Where other parameters then hold for the column at rest, the caller [replaces it](Self::replace) and
+    /// [assesses it anew](Self::assess_anew).
     pub fn parameter_set_mut(&mut self) -> &mut ParameterSet {
         &mut self.parameters
     }
@@ -396,7 +399,7 @@ impl ColumnAtRest {
         }
     }
 
-    /// Replaces the column, and tells whether it has another model. It has to be assessed anew.
+    /// Replaces the column, and tells whether it has another model. The caller then [assesses it anew](Self::assess_anew).
     pub fn replace(&mut self, plant: Plant) -> bool {
         let is_other = plant.model != self.plant.model;
         self.plant = plant;

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::command::EstimateDecision;
 use super::registry::printable;
 use super::rejection::{Rejection, RejectionCode};
+use super::striking::Striking;
 use crate::estimation::{CredibleInterval, EstimateRecord, FEWEST_RESPONSES};
-use crate::parameters::{AcceptEstimates, EstimationSettings};
+use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
 use crate::time::{Nanos, seconds};
 
 /// Events whose instants of contact are remembered, because an estimate of the same impact may follow.
@@ -247,4 +248,40 @@ impl Estimates {
 
 fn is_within(one: Nanos, other: Nanos, window: f64) -> bool {
     seconds(one.abs_diff(other)) <= window
+}
+
+/// That the sensors have detected an impact, and what follows.
+pub(super) fn first_in_words(record: &EstimateRecord, accept: AcceptEstimates) -> String {
+    let next = match accept {
+        AcceptEstimates::Never => "it is only published (estimation.accept is never)",
+        AcceptEstimates::Confirmation => "it becomes an impact when ~/confirm_estimate accepts it",
+        AcceptEstimates::Automatic => {
+            "it becomes an impact when its estimate is reliable enough, at the latest with the final one"
+        }
+    };
+    let id = &record.event_id;
+    format!("the sensors have detected an impact, \"{id}\"; {next}")
+}
+
+/// What hits the column according to an estimate, in the plane of the two bars, which is all that the sensors say.
+pub(super) fn striking_of(record: &EstimateRecord) -> Striking {
+    Striking {
+        vehicle: vehicle_name(record),
+        impact: record.best,
+        travel: None,
+    }
+}
+
+/// The name of the vehicle that follows an estimate: the most probable one that is no rigid mass; empty where it is none of
+/// the catalogue.
+pub(crate) fn vehicle_name(record: &EstimateRecord) -> Arc<str> {
+    if record.best.vehicle.is_none() {
+        return RIGID.into();
+    }
+    let names = record.estimate.vehicle_probabilities.iter();
+    let mut names = names
+        .map(|(name, _)| name.as_str())
+        .filter(|it| *it != RIGID);
+    let name = names.next().and_then(CatalogueVehicle::named);
+    name.map_or("", |it| it.name.as_str()).into()
 }

@@ -55,14 +55,13 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - active_response.rs: The response to an impact under way: its outputs, what is predicted of its end, and its end
 // - assessed.rs: The residual capacity of the column at rest, and its assessment
 // - background.rs: What another thread computes for the twin with the lowest priority, and which of it comes first
 // - begun_impact.rs: An impact whose response has begun, and the report about it
 // - column_at_rest.rs: The column at rest: its parameters, its damage, what it has been through, its assessment, and what was
 //   computed behind that
 // - command.rs: Commands: the one vocabulary in which the bus, the journal and a replay tell the twin what to do
-// - course.rs: The course of the responses: the present one, the last one, which a late impact may resume, and the forecasts of
+// - course/: The course of the responses: the present one, the last one, which a late impact may resume, and the forecasts of
 //   those that something else has ended
 // - critical.rs: The critical velocities of the column at rest: how fast each vehicle may hit it next
 // - damage_correction.rs: Corrects the damage of the column at rest by what was measured on it
@@ -131,6 +130,8 @@ pub use command::{Accepted, Command, EstimateDecision, ImpactCommand};
 pub use course::{SolverStatistics, Stopwatch};
 pub use critical::CriticalVelocityTask;
 pub use damage_correction::{CORRECTION_FACTORS, DamageCorrection, ResidualMeasurement};
+#[cfg(feature = "record")]
+pub(crate) use estimates::vehicle_name;
 pub use estimates::{Decision, Estimates};
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
@@ -139,8 +140,6 @@ pub use journal::{
 pub use judged_impact::JudgedImpact;
 pub use life::Life;
 pub use lifecycle::Twin;
-#[cfg(feature = "record")]
-pub(crate) use lifecycle::vehicle_name;
 pub use opinion::OpinionTask;
 pub use opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
 pub use output::{

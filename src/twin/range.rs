@@ -145,38 +145,27 @@ impl Judged {
         if !(has_range || has_opinion) || output.assessed.is_none() {
             return None;
         }
-        let ReportOutput {
-            stamp,
-            event_id,
-            striking,
-            report,
-            error_estimate,
-            step_nanos,
-            compute_time,
-            range,
-            opinion,
-            ..
-        } = output.clone();
+        let striking = &output.striking;
         Some(Box::new(Self {
             impact: JudgedImpact {
-                stamp,
-                event_id,
-                vehicle: striking.vehicle,
+                stamp: output.stamp,
+                event_id: Arc::clone(&output.event_id),
+                vehicle: Arc::clone(&striking.vehicle),
                 impact: striking.impact,
                 travel: striking.travel,
-                report,
-                error_estimate,
-                step_nanos,
+                report: output.report,
+                error_estimate: output.error_estimate,
+                step_nanos: output.step_nanos,
                 has_range,
                 earlier,
-                range,
-                opinion,
+                range: output.range.clone(),
+                opinion: output.opinion.clone(),
                 beam_before: match has_opinion {
                     true => beam_before.clone(),
                     false => KnownBeamDamage::Undamaged,
                 },
             },
-            compute_time,
+            compute_time: output.compute_time,
         }))
     }
 

@@ -96,7 +96,7 @@ impl ActiveResponse {
         }));
     }
 
-    /// Ends: gives out the last state and the report, and leaves the column at rest.
+    /// Gives out the last state and the report of a response that has ended, and brings the column to rest.
     pub(super) fn end(
         &mut self,
         end: End,

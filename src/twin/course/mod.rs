@@ -2,6 +2,8 @@
 //! something else has ended.
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
+//
+// - active_response.rs: The response to an impact under way: its outputs, what is predicted of its end, and its end
 
 mod active_response;
 
@@ -146,7 +148,7 @@ impl Course {
         self.forbid_resuming();
     }
 
-    /// After the end of a response: the next one may have begun.
+    /// Lets the response that has begun after the end of one that did not wait for the clock not wait for it either.
     pub fn go_on_completing(&mut self) {
         if self.is_completing {
             self.clock_jumped_back();
@@ -255,8 +257,8 @@ impl Course {
         }
     }
 
-    /// Sets the present response aside, which begins once more with another impact: the column before it, and the instant that it has
-    /// reached.
+    /// Ends the present response, which is to begin once more with another impact. Returns the column before it, and the instant that
+    /// it has reached.
     pub fn set_aside(&mut self) -> Option<(Plant, Nanos)> {
         let response = self.present.take()?;
         let found = (response.before.clone(), response.reached());
@@ -279,7 +281,7 @@ impl Course {
         is_there.then_some(step)
     }
 
-    /// Makes the last response the present one again, while it can be resumed; what it has changed in the column.
+    /// Makes the last response the present one again, if it can be resumed, and returns what it has changed in the column.
     pub fn take_back(&mut self) -> Option<Box<BeforeResponse>> {
         if self.present.is_some() {
             return None;

@@ -4,21 +4,17 @@
 //
 // - background.rs: What another thread computes for the twin: asked for, taken, and given out with the forecast or the report
 //   once more
-// - estimation.rs: From an estimate to an impact: acceptance, following, and events that are the same impact
-// - impacts.rs: How an impact meets the column: at rest, in motion, or in a response that is over
+// - impacts.rs: How an impact meets the column, that of an event or that of an estimate: at rest, in motion, or in a response
+//   that is over
 // - reconfiguration.rs: What changes the column other than an impact: other parameters, a correction of its damage, and the
 //   reset
 // - reproduction.rs: A twin that is made from a checkpoint or from an equal one, that follows a recorded one without a clock,
 //   and that keeps no more than it needs
 
 mod background;
-mod estimation;
 mod impacts;
 mod reconfiguration;
 mod reproduction;
-
-#[cfg(feature = "record")]
-pub(crate) use estimation::vehicle_name;
 
 use std::sync::Arc;
 
@@ -45,7 +41,7 @@ use crate::time::seconds;
 /// What becomes of the report of an impact whose response another impact ends.
 const NO_REPORT: &str = "for which no report will follow";
 
-/// One column over its life.
+/// One column over its life. It decides which of its parts acts when; each of them keeps its own fields to itself.
 pub struct Twin {
     column: ColumnAtRest,
     course: Course,
