@@ -79,12 +79,10 @@ impl ActiveResponse {
     fn put_state(&mut self, phase: Option<TwinPhase>, out: &mut impl Outputs) {
         let sample = self.timeline.take_sample();
         let lengths = Lengths::from(&self.plant().model.properties);
-        let BegunImpact {
-            event_id, striking, ..
-        } = &self.impact;
+        let striking = &self.impact.striking;
         out.put(Output::State(StateOutput {
             stamp: self.reached(),
-            event_id: Arc::clone(event_id),
+            event_id: Arc::clone(&self.impact.event_id),
             phase: phase.unwrap_or(sample.phase.into()),
             sample,
             lengths: Some(lengths),

@@ -242,9 +242,10 @@ impl Course {
     }
 
     /// Goes back to an earlier step of the present response.
-    pub fn rewind(&mut self, step: u64) -> Option<&ActiveResponse> {
-        self.present.as_mut()?.timeline.rewind(step);
-        self.present()
+    pub fn rewind(&mut self, step: u64) {
+        if let Some(response) = &mut self.present {
+            response.timeline.rewind(step);
+        }
     }
 
     /// Ends the present response before its time. Its forecast is completed nevertheless.

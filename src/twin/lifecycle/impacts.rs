@@ -133,11 +133,13 @@ impl Twin {
         now: Nanos,
         out: &mut impl Outputs,
     ) {
-        let Some(response) = self.course.rewind(step) else {
+        self.course.rewind(step);
+        let plant = self.plant_now();
+        let Some(response) = self.course.present() else {
             return;
         };
-        let Struck { model, state, .. } = *response.plant();
-        self.column.add_plastic_work(state.ledger.plastic_work);
+        let added = plant.state.ledger.plastic_work;
+        self.column.add_plastic_work(added);
         let since = seconds(pending.stamp.abs_diff(response.timeline().origin()));
         let text = format!(
             "impact \"{}\" hits the column {since} s after impact \"{}\", {earlier_report}",
@@ -146,11 +148,6 @@ impl Twin {
         );
         out.notice(NoticeLevel::Info, now, text.clone());
         self.course.end_early(ForecastEnd::Superseded, text);
-        let plant = Plant {
-            model,
-            state,
-            ..self.column.plant().clone()
-        };
         // Its height was found to be that of these hinges when it was accepted.
         let pending = PendingImpact {
             height: Some(plant.impact_height()),

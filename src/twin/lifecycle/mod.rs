@@ -18,7 +18,6 @@ mod reproduction;
 
 use std::sync::Arc;
 
-use super::begun_impact::BegunImpact;
 use super::column_at_rest::ColumnAtRest;
 use super::command::{Accepted, Command};
 use super::course::{ActiveResponse, Arrived, Course, SolverStatistics, Stopwatch};
@@ -135,13 +134,16 @@ impl Twin {
 
     /// The column as it is now, for [`ColumnSnapshot::predict`] in any thread.
     pub fn snapshot(&self) -> ColumnSnapshot {
+        self.snapshot_of(self.plant_now())
+    }
+
+    fn plant_now(&self) -> Plant {
         let mut plant = self.column.plant().clone();
         if let Some(response) = self.course.present() {
             let Struck { model, state, .. } = *response.plant();
-            plant.model = model;
-            plant.state = state;
+            (plant.model, plant.state) = (model, state);
         }
-        self.snapshot_of(plant)
+        plant
     }
 
     fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
@@ -348,12 +350,8 @@ impl Twin {
     /// allows. `None` if [`awaits_forecast`](Self::awaits_forecast) is false.
     pub fn forecast_steps_left(&self) -> Option<u64> {
         let response = self.course.present().filter(|it| it.awaits_forecast())?;
-        let BegunImpact {
-            parameters,
-            step_nanos,
-            ..
-        } = response.impact();
-        let steps = parameters.response_duration() * 1e9 / *step_nanos as f64;
+        let impact = response.impact();
+        let steps = impact.parameters.response_duration() * 1e9 / impact.step_nanos as f64;
         let reached = response.forecast().step()?;
         Some((steps as u64).saturating_sub(reached))
     }

@@ -12,7 +12,6 @@ use crate::twin::column_at_rest::ColumnAtRest;
 use crate::twin::course::{Course, Stopwatch};
 use crate::twin::journal::{Checkpoint, JournalClock, NotReached, Position};
 use crate::twin::output::{Output, Outputs};
-use crate::twin::plant::Plant;
 use crate::twin::registry::{Counts, Registry};
 
 impl Twin {
@@ -38,20 +37,17 @@ impl Twin {
         if self.is_responding() {
             return None;
         }
-        let Plant {
-            model,
-            state,
-            condition,
-        } = self.column.plant();
+        let plant = self.column.plant();
+        let properties = &plant.model.properties;
         Some(Checkpoint {
             number: self.journal.next_number(),
             stamp,
             response: self.course.responses(),
             parameters: Arc::clone(self.parameters()),
-            length_below: model.properties.length_below,
-            length_above: model.properties.length_above,
-            state: *state,
-            condition: condition.clone(),
+            length_below: properties.length_below,
+            length_above: properties.length_above,
+            state: plant.state,
+            condition: plant.condition.clone(),
             critical_velocities: self.column.critical_velocities().map(Arc::clone),
             judged: self.column.judged().cloned(),
             estimates: self.estimates.clone(),
