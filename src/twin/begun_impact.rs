@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::assessed::Assessed;
+use super::assessed::{Assessed, LastImpact};
 use super::opinion_state::OpinionState;
 use super::output::ReportOutput;
 use super::striking::Striking;
@@ -29,6 +29,12 @@ pub(super) struct BegunImpact {
 }
 
 impl BegunImpact {
+    /// The impact once its response has ended with this report.
+    pub fn last_impact(&self, report: &Report, error_estimate: Option<f64>) -> LastImpact {
+        let base_before = self.base_before.as_ref();
+        LastImpact::new(&self.striking, report, error_estimate, base_before)
+    }
+
     pub fn report_output(
         &self,
         report: Report,

@@ -51,6 +51,20 @@ impl CriticalVelocityTask {
         };
         vehicle_limits_on(&column, &mut elsewhere, self.action, go_on).map(Arc::from)
     }
+
+    /// Whether impacts have left damage on the column.
+    #[must_use]
+    pub fn is_damaged(&self) -> bool {
+        self.at_rest.is_damaged()
+    }
+
+    /// Whether the result is that of another task: the columns differ by their names only.
+    #[must_use]
+    pub fn has_the_result_of(&self, other: &Self) -> bool {
+        self.at_rest == other.at_rest
+            && self.action == other.action
+            && self.parameters.differs_by_names_only(&other.parameters)
+    }
 }
 
 /// Critical velocities, and the column to which they belong.

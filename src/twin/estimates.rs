@@ -5,8 +5,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::command::EstimateDecision;
+use super::registry::printable;
+use super::rejection::{Rejection, RejectionCode};
+use super::striking::Striking;
 use crate::estimation::{CredibleInterval, EstimateRecord, FEWEST_RESPONSES};
-use crate::parameters::EstimationSettings;
+use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
 use crate::time::{Nanos, seconds};
 
 /// Events whose instants of contact are remembered, because an estimate of the same impact may follow.
@@ -110,8 +114,60 @@ impl Estimates {
         self.newest.as_ref()
     }
 
-    pub(super) fn newest_mut(&mut self) -> Option<&mut SensedImpact> {
-        self.newest.as_mut()
+    /// What has become of it.
+    pub(super) fn decision(&self) -> Decision {
+        self.newest().map_or(Decision::Declined, |it| it.decision)
+    }
+
+    pub(super) fn decide(&mut self, decision: Decision) {
+        if let Some(newest) = &mut self.newest {
+            newest.decision = decision;
+        }
+        self.has_changed = true;
+    }
+
+    /// The impact that waits for somebody to confirm it.
+    pub(super) fn waiting(&self, accept: AcceptEstimates) -> Option<&Arc<str>> {
+        let waits = accept == AcceptEstimates::Confirmation && self.decision() == Decision::Pending;
+        let newest = self.newest().filter(|_| waits);
+        newest.map(|it| &it.record.event_id)
+    }
+
+    /// # Errors
+    /// There is nothing to decide.
+    pub(super) fn check_decision(
+        &self,
+        decision: &EstimateDecision,
+        accept: AcceptEstimates,
+    ) -> Result<(), Rejection> {
+        let not_pending =
+            |reason: String| Err(Rejection::new(RejectionCode::EstimateNotPending, reason));
+        let wanted = decision.event_id.as_str();
+        let Some(newest) = self.newest() else {
+            let reason = "the sensors have detected no impact since the start or the last reset";
+            return not_pending(reason.to_owned());
+        };
+        let id = &newest.record.event_id;
+        if !wanted.is_empty() && *wanted != **id {
+            return not_pending(format!(
+                "the newest impact that the sensors have detected is \"{id}\", not \"{}\"; only the newest can be decided",
+                printable(wanted)
+            ));
+        }
+        match (&newest.event_id, newest.decision) {
+            _ if accept == AcceptEstimates::Never => not_pending(format!(
+                "the parameter estimation.accept is never, so that estimates do not become impacts; \
+                 set it to confirmation to decide about \"{id}\""
+            )),
+            (_, Decision::Accepted) => not_pending(format!(
+                "\"{id}\" is an impact of the twin already; only a reset takes it back (~/reset)"
+            )),
+            (event, Decision::Merged) => not_pending(format!(
+                "\"{id}\" is the same impact as the event \"{}\", which the twin follows",
+                event.as_deref().unwrap_or_default()
+            )),
+            (_, Decision::Pending | Decision::Declined | Decision::Rejected) => Ok(()),
+        }
     }
 
     pub(super) fn set_changed(&mut self) {
@@ -148,10 +204,21 @@ impl Estimates {
         }
     }
 
-    /// The newest impact that the sensors have detected, if an event with this instant of contact is the same.
-    pub(super) fn same_impact(&mut self, instant: Nanos, window: f64) -> Option<&mut SensedImpact> {
+    /// Merges an event with this instant of contact with the newest impact, if that is the same and was accepted; its identifier.
+    pub(super) fn merge(
+        &mut self,
+        event_id: &Arc<str>,
+        instant: Nanos,
+        window: f64,
+    ) -> Option<Arc<str>> {
         let newest = self.newest.as_mut()?;
-        is_within(newest.contact(), instant, window).then_some(newest)
+        let is_same = is_within(newest.contact(), instant, window);
+        if !is_same || newest.decision != Decision::Accepted {
+            return None;
+        }
+        newest.event_id = Some(Arc::clone(event_id));
+        self.has_changed = true;
+        Some(Arc::clone(&newest.record.event_id))
     }
 
     /// Remembers an accepted event, because an estimate of the same impact may follow.
@@ -162,15 +229,59 @@ impl Estimates {
         self.contacts.push(Contact { event_id, instant });
     }
 
-    /// Takes the event that is the same impact as one with this instant of contact: the nearest one.
-    pub(super) fn take_event(&mut self, instant: Nanos, window: f64) -> Option<Arc<str>> {
+    /// Merges the newest impact, if it was not decided, with the event that is the same impact, the nearest one; both, if there is one.
+    pub(super) fn link(&mut self, window: f64) -> Option<&SensedImpact> {
+        let newest = self.newest.as_mut()?;
+        if !matches!(newest.decision, Decision::Pending | Decision::Rejected) {
+            return None;
+        }
+        let instant = newest.contact();
         let near = self.contacts.iter().enumerate();
         let near = near.filter(|(_, it)| is_within(it.instant, instant, window));
         let (index, _) = near.min_by_key(|(_, it)| it.instant.abs_diff(instant))?;
-        Some(self.contacts.remove(index).event_id)
+        newest.event_id = Some(self.contacts.remove(index).event_id);
+        newest.decision = Decision::Merged;
+        self.has_changed = true;
+        self.newest()
     }
 }
 
 fn is_within(one: Nanos, other: Nanos, window: f64) -> bool {
     seconds(one.abs_diff(other)) <= window
+}
+
+/// That the sensors have detected an impact, and what follows.
+pub(super) fn first_in_words(record: &EstimateRecord, accept: AcceptEstimates) -> String {
+    let next = match accept {
+        AcceptEstimates::Never => "it is only published (estimation.accept is never)",
+        AcceptEstimates::Confirmation => "it becomes an impact when ~/confirm_estimate accepts it",
+        AcceptEstimates::Automatic => {
+            "it becomes an impact when its estimate is reliable enough, at the latest with the final one"
+        }
+    };
+    let id = &record.event_id;
+    format!("the sensors have detected an impact, \"{id}\"; {next}")
+}
+
+/// What hits the column according to an estimate, in the plane of the two bars, which is all that the sensors say.
+pub(super) fn striking_of(record: &EstimateRecord) -> Striking {
+    Striking {
+        vehicle: vehicle_name(record),
+        impact: record.best,
+        travel: None,
+    }
+}
+
+/// The name of the vehicle that follows an estimate: the most probable one that is no rigid mass; empty where it is none of
+/// the catalogue.
+pub(crate) fn vehicle_name(record: &EstimateRecord) -> Arc<str> {
+    if record.best.vehicle.is_none() {
+        return RIGID.into();
+    }
+    let names = record.estimate.vehicle_probabilities.iter();
+    let mut names = names
+        .map(|(name, _)| name.as_str())
+        .filter(|it| *it != RIGID);
+    let name = names.next().and_then(CatalogueVehicle::named);
+    name.map_or("", |it| it.name.as_str()).into()
 }

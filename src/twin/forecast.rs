@@ -19,8 +19,8 @@ use crate::time::Nanos;
 /// faster than forecasts can be computed, the oldest one is abandoned.
 pub const MAX_SUPERSEDED_FORECASTS: usize = 16;
 
-/// The forecast of one impact.
-#[derive(Debug)]
+/// The forecast of one impact. By default nothing remains to be computed or withdrawn.
+#[derive(Debug, Default)]
 pub(super) struct Forecast {
     /// The copy that runs ahead, until nothing remains to be computed.
     ahead: Option<LookAhead>,
@@ -60,21 +60,7 @@ impl Forecast {
     pub fn new(ahead: LookAhead) -> Self {
         Self {
             ahead: Some(ahead),
-            predicted: None,
-            was_given_out: false,
-            error_estimate: None,
-            is_superseded: false,
-        }
-    }
-
-    /// That of a response that was ended: nothing remains to be computed or withdrawn.
-    pub fn none() -> Self {
-        Self {
-            ahead: None,
-            predicted: None,
-            was_given_out: false,
-            error_estimate: None,
-            is_superseded: false,
+            ..Self::default()
         }
     }
 
@@ -273,7 +259,7 @@ impl Superseded {
 }
 
 /// Forecasts of responses that have ended before their time. Each is carried to its end, given out, and then withdrawn.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct SupersededForecasts {
     /// The oldest first, each in memory of its own: there are seldom any.
     waiting: VecDeque<Box<Superseded>>,
@@ -282,13 +268,6 @@ pub(super) struct SupersededForecasts {
 }
 
 impl SupersededForecasts {
-    pub fn new() -> Self {
-        Self {
-            waiting: VecDeque::new(),
-            withdrawn: Vec::new(),
-        }
-    }
-
     pub fn is_empty(&self) -> bool {
         self.waiting.is_empty()
     }

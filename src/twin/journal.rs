@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 use super::command::Command;
 use super::estimates::Estimates;
 use super::judged_impact::JudgedImpact;
+use super::life::Life;
 use super::plant::Condition;
-use super::registry::{Counts, LastRejection, Life};
+use super::registry::{Counts, LastRejection};
 use super::rejection::Rejection;
 use crate::column::{Impact, State};
 use crate::parameters::Parameters;
@@ -131,21 +132,18 @@ pub struct NotReached {
 #[derive(Debug)]
 pub(super) struct JournalClock {
     next_number: u64,
-    /// Responses that have begun.
-    pub responses: u64,
     last_checkpoint: Nanos,
     checkpoint_due: bool,
     /// The present command belongs into a response that was over.
-    pub taken_back: bool,
+    taken_back: bool,
     /// The impact of the present command, once it is accepted.
-    pub impact: Option<Impact>,
+    impact: Option<Impact>,
 }
 
 impl JournalClock {
     pub fn new(now: Nanos) -> Self {
         Self {
             next_number: 0,
-            responses: 0,
             last_checkpoint: now,
             checkpoint_due: true,
             taken_back: false,
@@ -157,7 +155,6 @@ impl JournalClock {
     pub fn continuing(from: &Checkpoint) -> Self {
         Self {
             next_number: from.number,
-            responses: from.response,
             ..Self::new(from.stamp)
         }
     }
@@ -176,6 +173,16 @@ impl JournalClock {
     /// The column at rest has changed since the last checkpoint.
     pub fn set_checkpoint_due(&mut self) {
         self.checkpoint_due = true;
+    }
+
+    /// The present command belongs into a response that was over.
+    pub fn note_taken_back(&mut self) {
+        self.taken_back = true;
+    }
+
+    /// The present command has led to this impact.
+    pub fn note_impact(&mut self, impact: Impact) {
+        self.impact = Some(impact);
     }
 
     pub fn is_checkpoint_due(&self, now: Nanos) -> bool {

@@ -55,11 +55,14 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - active_response.rs: The response to an impact under way: its outputs, and what is predicted of its end
 // - assessed.rs: The residual capacity of the column at rest, and its assessment
 // - background.rs: What another thread computes for the twin with the lowest priority, and which of it comes first
 // - begun_impact.rs: An impact whose response has begun, and the report about it
+// - column_at_rest.rs: The column at rest: its parameters, its damage, what it has been through, its assessment, and what was
+//   computed behind that
 // - command.rs: Commands: the one vocabulary in which the bus, the journal and a replay tell the twin what to do
+// - course/: The course of the responses: the present one, the last one, which a late impact may resume, and the forecasts of
+//   those that something else has ended
 // - critical.rs: The critical velocities of the column at rest: how fast each vehicle may hit it next
 // - damage_correction.rs: Corrects the damage of the column at rest by what was measured on it
 // - estimates.rs: What the sensors have detected: the newest estimate, what has become of it, and which events may be the same
@@ -69,6 +72,7 @@
 // - journal.rs: What a recording needs so that everything can be recomputed: the state from which the twin starts, the commands
 //   that it was given, and how far it had come by then
 // - judged_impact.rs: An impact whose verdict has, or will have, a range or a second opinion, as a checkpoint holds it
+// - life.rs: What the column has been through since the last reset
 // - lifecycle/: The twin: the order in which its parts act on a command and on the clock
 // - opinion.rs: The second opinion on an impact: what the fibre beam says beside the two bars
 // - opinion_state.rs: Where the second opinion on an impact stands, and the damage of the column as the beam knows it
@@ -77,8 +81,8 @@
 // - plant.rs: The plant: the column, and what strikes it
 // - range.rs: The range of the verdict on an impact: between which actions it lies if what is not known exactly of the impact
 //   and the column differs
-// - registry.rs: The registry: identifiers and stamps of impacts, what was accepted and rejected, impacts that are still to
-//   come, and what the column has been through since the last reset
+// - registry.rs: The registry: identifiers and stamps of impacts, what was accepted and rejected, and impacts that are still to
+//   come
 // - rejection.rs: Why a command was rejected: a stable code for programs beside a sentence for people
 // - saved_state.rs: The damage of the column as text, which survives a restart of the program
 // - seen_ids.rs: Identifiers of accepted impacts
@@ -89,17 +93,19 @@
 // - what_if.rs: What an impact would do to the column as it is: a snapshot of the twin that answers without touching it
 // - withdrawn_impact.rs: An accepted impact that has no report
 
-mod active_response;
 mod assessed;
 mod background;
 mod begun_impact;
+mod column_at_rest;
 mod command;
+mod course;
 mod critical;
 mod damage_correction;
 mod estimates;
 mod forecast;
 mod journal;
 mod judged_impact;
+mod life;
 mod lifecycle;
 mod opinion;
 mod opinion_state;
@@ -121,17 +127,19 @@ mod withdrawn_impact;
 pub use assessed::{Assessed, LastImpact};
 pub use background::{BackgroundKind, BackgroundTask};
 pub use command::{Accepted, Command, EstimateDecision, ImpactCommand};
+pub use course::{SolverStatistics, Stopwatch};
 pub use critical::CriticalVelocityTask;
 pub use damage_correction::{CORRECTION_FACTORS, DamageCorrection, ResidualMeasurement};
+#[cfg(feature = "record")]
+pub(crate) use estimates::vehicle_name;
 pub use estimates::{Decision, Estimates};
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,
 };
 pub use judged_impact::JudgedImpact;
-#[cfg(feature = "record")]
-pub(crate) use lifecycle::vehicle_name;
-pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
+pub use life::Life;
+pub use lifecycle::Twin;
 pub use opinion::OpinionTask;
 pub use opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
 pub use output::{
@@ -144,7 +152,7 @@ pub use plant::Condition;
 pub(crate) use plant::failing_step;
 pub use range::RangeTask;
 pub use registry::{
-    Counts, LastRejection, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Rejected, RejectedInput,
+    Counts, LastRejection, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Rejected, RejectedInput,
     event_id_fault,
 };
 pub use rejection::{MAX_REASON_CHARS, Rejection, RejectionCode};

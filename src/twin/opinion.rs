@@ -7,9 +7,7 @@
 
 use std::sync::Arc;
 
-use super::active_response::ActiveResponse;
-use super::begun_impact::BegunImpact;
-use super::opinion_state::{BeamResult, KnownBeamDamage, OpinionState};
+use super::opinion_state::{BeamResult, KnownBeamDamage};
 use super::plant::Plant;
 use super::striking::Striking;
 use crate::column::{ColumnProperties, Report};
@@ -91,31 +89,5 @@ impl Seen<'_> {
                 (Some(Arc::new(opinion)), KnownBeamDamage::after(answer))
             }
         }
-    }
-}
-
-impl ActiveResponse {
-    /// Whether the second opinion is to be computed now: it follows the complete forecast.
-    pub(super) fn awaits_opinion(&self) -> bool {
-        self.impact.opinion == OpinionState::Awaited
-            && !self.forecast.is_running()
-            && self.forecast.predicted().is_some()
-    }
-
-    pub(super) fn opinion_task(
-        &self,
-        response: u64,
-        before: &KnownBeamDamage,
-    ) -> Option<OpinionTask> {
-        if !self.awaits_opinion() {
-            return None;
-        }
-        let BegunImpact {
-            parameters,
-            striking,
-            ..
-        } = &self.impact;
-        let struck = &self.timeline.plant().model.properties;
-        OpinionTask::new(response, parameters, struck, striking, before).ok()
     }
 }

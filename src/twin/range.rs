@@ -7,9 +7,7 @@
 
 use std::sync::Arc;
 
-use super::active_response::ActiveResponse;
 use super::assessed::Assessed;
-use super::begun_impact::BegunImpact;
 use super::judged_impact::JudgedImpact;
 use super::opinion_state::{KnownBeamDamage, OpinionState};
 use super::output::ReportOutput;
@@ -19,7 +17,6 @@ use crate::assessment::{ActionRange, EarlierImpacts, OpenVerdict, VerdictRange};
 use crate::column::{ColumnProperties, Impact};
 use crate::parameters::Parameters;
 use crate::second_opinion::ObliqueHit;
-use crate::standing::StandingColumn;
 
 /// All on which the range of a verdict depends, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,50 +133,39 @@ pub(super) struct Judged {
 }
 
 impl Judged {
-    /// Of a response that has ended with this report; `None` if its verdict has neither a range nor a second opinion.
+    /// Of a response that has ended with this report, after impacts that have left this; `None` if its verdict has neither a range
+    /// nor a second opinion.
     pub fn new(
-        response: &ActiveResponse,
         output: &ReportOutput,
+        has_range: bool,
+        earlier: Option<Arc<EarlierImpacts>>,
         beam_before: &KnownBeamDamage,
     ) -> Option<Box<Self>> {
-        let has_range = has_range(&response.before);
-        let earlier = has_range.then(|| response.earlier_impacts()).flatten();
         let has_opinion = !matches!(output.opinion, OpinionState::None(_));
         if !(has_range || has_opinion) || output.assessed.is_none() {
             return None;
         }
-        let ReportOutput {
-            stamp,
-            event_id,
-            striking,
-            report,
-            error_estimate,
-            step_nanos,
-            compute_time,
-            range,
-            opinion,
-            ..
-        } = output.clone();
+        let striking = &output.striking;
         Some(Box::new(Self {
             impact: JudgedImpact {
-                stamp,
-                event_id,
-                vehicle: striking.vehicle,
+                stamp: output.stamp,
+                event_id: Arc::clone(&output.event_id),
+                vehicle: Arc::clone(&striking.vehicle),
                 impact: striking.impact,
                 travel: striking.travel,
-                report,
-                error_estimate,
-                step_nanos,
+                report: output.report,
+                error_estimate: output.error_estimate,
+                step_nanos: output.step_nanos,
                 has_range,
                 earlier,
-                range,
-                opinion,
+                range: output.range.clone(),
+                opinion: output.opinion.clone(),
                 beam_before: match has_opinion {
                     true => beam_before.clone(),
                     false => KnownBeamDamage::Undamaged,
                 },
             },
-            compute_time,
+            compute_time: output.compute_time,
         }))
     }
 
@@ -210,66 +196,6 @@ impl Judged {
 }
 
 /// Whether the verdict on an impact on this column has a range.
-fn has_range(before: &Plant) -> bool {
+pub(super) fn has_range(before: &Plant) -> bool {
     before.condition == Condition::Standing && before.state.impactor.is_none()
-}
-
-impl ActiveResponse {
-    /// The assessment in the complete forecast, if the range of that is not known yet.
-    pub(super) fn assessed_without_range(&self) -> Option<&Arc<Assessed>> {
-        let is_ready = self.impact.opinion != OpinionState::Awaited && !self.forecast.is_running();
-        if self.range.is_some() || !is_ready || !has_range(&self.before) {
-            return None;
-        }
-        self.forecast.predicted()?.assessed.as_ref()
-    }
-
-    /// `beam` is the damage of the beam before the impact.
-    pub(super) fn range_task(&self, response: u64, beam: &KnownBeamDamage) -> Option<RangeTask> {
-        let assessed = self.assessed_without_range()?;
-        let BegunImpact {
-            parameters,
-            striking,
-            ..
-        } = &self.impact;
-        let struck = &self.timeline.plant().model.properties;
-        Some(RangeTask::new(
-            response,
-            parameters,
-            struck,
-            striking,
-            self.earlier_impacts().as_ref(),
-            (&self.impact.opinion, beam),
-            assessed,
-        ))
-    }
-
-    /// What the impacts before this one have left; `None` where they have left nothing.
-    fn earlier_impacts(&self) -> Option<Arc<EarlierImpacts>> {
-        let base = self.impact.base_before;
-        if base.is_none() && !self.before.is_damaged() {
-            return None;
-        }
-        // As it was when the impact began, which has succeeded.
-        let struck = &self.timeline.plant().model.properties;
-        let (model, state) = self.before.with_hinges_at_impact(struck).ok()?;
-        Some(Arc::new(EarlierImpacts {
-            column: StandingColumn::new(&model, &state),
-            base,
-        }))
-    }
-
-    /// The forecast with what was computed behind it.
-    pub(super) fn supplemented_forecast(&self) -> Option<ReportOutput> {
-        let predicted = self.forecast.predicted()?;
-        Some(ReportOutput {
-            range: self.range.clone(),
-            ..self.impact.report_output(
-                predicted.report,
-                predicted.assessed.clone(),
-                predicted.error_estimate,
-                predicted.compute_nanos,
-            )
-        })
-    }
 }

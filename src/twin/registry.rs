@@ -1,18 +1,14 @@
-//! The registry: identifiers and stamps of impacts, what was accepted and rejected, impacts that are still to come, and
-//! what the column has been through since the last reset. Knows nothing of the mechanics.
+//! The registry: identifiers and stamps of impacts, what was accepted and rejected, and impacts that are still to come. Knows
+//! nothing of the mechanics.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::assessed::LastImpact;
-use super::damage_correction::DamageCorrection;
-use super::opinion_state::KnownBeamDamage;
 use super::rejection::{Rejection, RejectionCode, truncated};
 use super::seen_ids::SeenIds;
 use super::striking::Striking;
 use super::withdrawn_impact::WithdrawnImpact;
-use crate::assessment::BaseDemand;
 use crate::parameters::Parameters;
 use crate::time::seconds;
 use crate::time::{INVALID_STAMP, INVALID_STAMP_REASON, Nanos};
@@ -40,33 +36,6 @@ pub struct Counts {
     pub parameters_accepted: u64,
     /// Changes of parameters rejected.
     pub parameters_rejected: u64,
-}
-
-/// What the column has been through since the last reset, in responses that have ended.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Life {
-    /// Accepted impacts since the last reset.
-    pub impacts_since_reset: u32,
-    /// Rejected impacts since the last reset.
-    pub rejected_since_reset: u64,
-    /// Work dissipated in the hinges since the last reset \[J\].
-    pub plastic_work_since_reset: f64,
-    /// The last accepted impact; empty before the first.
-    pub last_event_id: Arc<str>,
-    /// The last impact whose response has ended; `None` before the first.
-    #[serde(default)]
-    pub last_impact: Option<LastImpact>,
-    /// Measurements by which the damage was corrected or confirmed since the last reset.
-    pub corrections_since_reset: u32,
-    /// The last of them.
-    pub last_correction: Option<DamageCorrection>,
-    /// The damage as the beam knows it.
-    #[serde(default, skip_serializing_if = "KnownBeamDamage::is_undamaged")]
-    pub beam: KnownBeamDamage,
-    /// Whether the column may have a damage that the twin does not know, because its state file could not be used.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub is_damage_unknown: bool,
 }
 
 /// The last rejection since the start of the program.
@@ -117,13 +86,6 @@ pub(super) struct PendingImpact {
     pub height: Option<f64>,
 }
 
-impl Life {
-    /// What the impacts so far have put into the base.
-    pub(super) fn base_before(&self) -> Option<BaseDemand> {
-        self.last_impact.as_ref()?.base
-    }
-}
-
 impl From<&PendingImpact> for WithdrawnImpact {
     fn from(impact: &PendingImpact) -> Self {
         Self {
@@ -136,39 +98,41 @@ impl From<&PendingImpact> for WithdrawnImpact {
 
 #[derive(Debug)]
 pub(super) struct Registry {
-    column_id: Arc<str>,
     seen: SeenIds,
     /// In the order of their stamps.
     pending: Vec<PendingImpact>,
-    pub counts: Counts,
-    pub life: Life,
-    pub last_rejection: Option<LastRejection>,
+    counts: Counts,
+    last_rejection: Option<LastRejection>,
 }
 
 impl Registry {
-    pub fn new(column_id: &str) -> Self {
+    /// With the identifiers of accepted impacts, and what was accepted and rejected since the start of the program.
+    pub fn new(
+        seen_ids: &[Arc<str>],
+        counts: Counts,
+        last_rejection: Option<LastRejection>,
+    ) -> Self {
         Self {
-            column_id: column_id.into(),
-            seen: SeenIds::of(&[]),
+            seen: SeenIds::of(seen_ids),
             pending: Vec::new(),
-            counts: Counts::default(),
-            life: Life::default(),
-            last_rejection: None,
+            counts,
+            last_rejection,
         }
     }
 
-    /// The column's name.
-    pub fn column_id(&self) -> &Arc<str> {
-        &self.column_id
+    /// What was accepted and rejected since the start of the program.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// The last rejection since the start of the program.
+    pub fn last_rejection(&self) -> Option<&LastRejection> {
+        self.last_rejection.as_ref()
     }
 
     /// Identifiers of accepted impacts, the oldest first.
     pub fn seen_ids(&self) -> Vec<Arc<str>> {
         self.seen.to_vec()
-    }
-
-    pub fn restore_seen_ids(&mut self, ids: &[Arc<str>]) {
-        self.seen = SeenIds::of(ids);
     }
 
     /// # Errors
@@ -188,7 +152,6 @@ impl Registry {
     pub fn accept(&mut self, event_id: Arc<str>) {
         self.seen.remember(event_id);
         self.counts.events_accepted += 1;
-        self.life.impacts_since_reset = self.life.impacts_since_reset.saturating_add(1);
     }
 
     /// Takes note of an event that is the same impact as one that the sensors have detected.
@@ -202,31 +165,21 @@ impl Registry {
     pub fn withdraw(&mut self) {
         let accepted = &mut self.counts.events_accepted;
         *accepted = accepted.saturating_sub(1);
-        let since_reset = &mut self.life.impacts_since_reset;
-        *since_reset = since_reset.saturating_sub(1);
+    }
+
+    /// Counts an accepted change of parameters.
+    pub fn accept_change(&mut self) {
+        self.counts.parameters_accepted += 1;
     }
 
     /// Counts a rejected impact.
     pub fn reject_impact(&mut self, event_id: &str, rejection: Rejection, now: Nanos) -> Rejected {
         self.counts.events_rejected += 1;
-        self.life.rejected_since_reset += 1;
         let event_id = printable(event_id).into();
         self.reject(RejectedInput::Impact, rejection, event_id, "".into(), now)
     }
 
-    /// Counts a rejected change of parameters.
-    pub fn reject_change(
-        &mut self,
-        rejection: Rejection,
-        source: &Arc<str>,
-        now: Nanos,
-    ) -> Rejected {
-        self.counts.parameters_rejected += 1;
-        let source = Arc::clone(source);
-        self.reject(RejectedInput::Parameters, rejection, "".into(), source, now)
-    }
-
-    /// Keeps a rejected request, whose sender has an answer, as the last rejection.
+    /// Keeps a rejected request, whose sender has an answer, as the last rejection, and counts a change of parameters.
     pub fn reject_request(
         &mut self,
         what: RejectedInput,
@@ -234,6 +187,7 @@ impl Registry {
         source: &Arc<str>,
         now: Nanos,
     ) -> Rejected {
+        self.counts.parameters_rejected += u64::from(what == RejectedInput::Parameters);
         self.reject(what, rejection, "".into(), Arc::clone(source), now)
     }
 
@@ -315,7 +269,6 @@ impl Registry {
     pub fn reset(&mut self) {
         self.pending.clear();
         self.seen.clear();
-        self.life = Life::default();
     }
 }
 

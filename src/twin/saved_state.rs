@@ -8,9 +8,10 @@ use thiserror::Error;
 
 use super::assessed::LastImpact;
 use super::damage_correction::DamageCorrection;
+use super::life::Life;
 use super::opinion_state::KnownBeamDamage;
 use super::plant::{Condition, Plant, make_of};
-use super::registry::{Life, Registry, printable};
+use super::registry::printable;
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
 use crate::parameters::{Parameters, SectionShape};
 use crate::standing::{Damage, StandingColumn};
@@ -135,9 +136,11 @@ struct Header {
 impl SavedState {
     /// The damage of a column at rest.
     pub(super) fn new(
-        registry: &Registry,
+        column_id: &Arc<str>,
         fingerprint: &Arc<str>,
         plant: &Plant,
+        life: &Life,
+        seen_ids: Vec<Arc<str>>,
         now: Nanos,
     ) -> Self {
         let Life {
@@ -150,9 +153,9 @@ impl SavedState {
             last_correction,
             beam,
             is_damage_unknown,
-        } = registry.life.clone();
+        } = life.clone();
         Self {
-            column_id: Arc::clone(registry.column_id()),
+            column_id: Arc::clone(column_id),
             fingerprint: Arc::clone(fingerprint),
             stamp: now,
             condition: plant.condition.clone(),
@@ -170,7 +173,7 @@ impl SavedState {
             last_correction,
             beam,
             is_damage_unknown,
-            seen_ids: registry.seen_ids(),
+            seen_ids,
         }
     }
 

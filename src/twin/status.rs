@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::STATUS_PERIOD;
 use super::assessed::Assessed;
 use super::damage_correction::DamageCorrection;
+use super::life::Life;
 use super::plant::{Condition, Plant, Struck};
 use super::registry::{Counts, LastRejection, Registry};
 use super::rejection::RejectionCode;
@@ -141,6 +142,10 @@ pub struct RestingColumn {
 /// What is known about the column at rest, and about what the sensors have detected.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Judgement<'a> {
+    /// The column.
+    pub at_rest: &'a Plant,
+    /// What it has been through.
+    pub life: &'a Life,
     /// Its assessment.
     pub assessed: Option<&'a Arc<Assessed>>,
     /// Its critical velocities.
@@ -158,20 +163,19 @@ impl Status {
         now: Nanos,
         phase: TwinPhase,
         registry: &Registry,
-        at_rest: &Plant,
         judgement: &Judgement<'_>,
         struck: Option<&Struck>,
         responses: u64,
     ) -> Self {
+        let Judgement { at_rest, life, .. } = *judgement;
         let sample_at_rest = at_rest.state.sample(&at_rest.model);
         let (sample, plastic_work) = match struck {
             None => (sample_at_rest, 0.0),
             Some(Struck { model, state, .. }) => (state.sample(model), state.ledger.plastic_work),
         };
         let Sample { hinges, webs, .. } = sample;
-        let life = &registry.life;
         let last = life.last_impact.as_ref();
-        let rejected = registry.last_rejection.as_ref();
+        let rejected = registry.last_rejection();
         let text = |text: fn(&LastRejection) -> &Arc<str>| {
             rejected.map(|it| Arc::clone(text(it))).unwrap_or_default()
         };
@@ -179,7 +183,7 @@ impl Status {
             stamp: now,
             phase,
             event_id: Arc::clone(&life.last_event_id),
-            counts: registry.counts,
+            counts: registry.counts(),
             last_rejection_code: rejected.map(|it| it.rejection.code),
             last_rejection_reason: text(|it| &it.rejection.reason),
             last_rejection_event_id: text(|it| &it.event_id),

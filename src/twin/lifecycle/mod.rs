@@ -2,49 +2,30 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
-// - background.rs: What another thread has to compute for the twin now
-// - critical_velocities.rs: The critical velocities of the column at rest: asked for, taken, and forgotten
-// - damage_correction.rs: Corrects the damage by a measurement on the column at rest
-// - estimation.rs: From an estimate to an impact: acceptance, following, and events that are the same impact
-// - fleet_member.rs: What a twin needs as one of many: it is made from an equal one, says when it has nothing to do, and keeps
-//   no more than it needs
-// - forecasting.rs: Carries the forecasts of a twin on, and withdraws those that no longer hold
-// - impacts.rs: How an impact meets the column: at rest, in motion, or in a response that is over
-// - reconfiguration.rs: Changes of the parameters, and the reset
-// - reproduction.rs: A twin that continues from a checkpoint and follows a recorded one without a clock
-// - second_opinion.rs: The second opinion on the present or the last impact: asked for, taken, and corrected
-// - verdict_range.rs: The range of the verdict on the present or the last impact: asked for, taken, given out, and forgotten
+// - background.rs: What another thread computes for the twin: asked for, taken, and given out with the forecast or the report
+//   once more
+// - impacts.rs: How an impact meets the column, that of an event or that of an estimate: at rest, in motion, or in a response
+//   that is over
+// - reconfiguration.rs: What changes the column other than an impact: other parameters, a correction of its damage, and the
+//   reset
+// - reproduction.rs: A twin that is made from a checkpoint or from an equal one, that follows a recorded one without a clock,
+//   and that keeps no more than it needs
 
 mod background;
-mod critical_velocities;
-mod damage_correction;
-mod estimation;
-mod fleet_member;
-mod forecasting;
 mod impacts;
 mod reconfiguration;
 mod reproduction;
-mod second_opinion;
-mod verdict_range;
-
-#[cfg(feature = "record")]
-pub(crate) use estimation::vehicle_name;
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, BeforeResponse, LastResponse};
-use super::assessed::{Assessed, LastImpact, UndamagedCapacity, assess_at_once};
+use super::column_at_rest::ColumnAtRest;
 use super::command::{Accepted, Command};
-use super::critical::KnownCriticalVelocities;
+use super::course::{ActiveResponse, Arrived, Course, SolverStatistics, Stopwatch};
 use super::estimates::Estimates;
-use super::forecast::{Predicted, SupersededForecasts};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::opinion_state::{KnownBeamDamage, MOVING, OpinionState};
-use super::output::{NoticeLevel, Output, Outputs, ReportOutput, Verdicts};
-use super::parameter_set::ParameterSet;
-use super::plant::{Condition, Plant, Struck, condition_after};
-use super::range::Judged;
-use super::registry::{Registry, RejectedInput};
+use super::output::{ForecastEnd, NoticeLevel, Output, Outputs};
+use super::plant::{Condition, Plant, Struck};
+use super::registry::{Counts, Registry, RejectedInput};
 use super::rejection::Rejection;
 use super::saved_state::SavedState;
 use super::status::{Judgement, Status, StatusClock, TwinPhase};
@@ -59,46 +40,15 @@ use crate::time::seconds;
 /// What becomes of the report of an impact whose response another impact ends.
 const NO_REPORT: &str = "for which no report will follow";
 
-/// Gives monotonic nanoseconds; used only to measure compute times.
-pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
-
-/// One column over its life.
+/// One column over its life. It decides which of its parts acts when; each of them keeps its own fields to itself.
 pub struct Twin {
+    column: ColumnAtRest,
+    course: Course,
     registry: Registry,
-    parameters: ParameterSet,
-    /// The column at rest, as the last response or a reset left it.
-    at_rest: Plant,
-    /// Its assessment; `None` if it cannot be computed.
-    assessed: Option<Arc<Assessed>>,
-    /// Undamaged capacity of the last column that was assessed.
-    undamaged: Option<UndamagedCapacity>,
-    /// Its critical velocities; `None` until they are computed.
-    critical: Option<KnownCriticalVelocities>,
-    /// The last impact with the range of its verdict, if that has one.
-    judged: Option<Box<Judged>>,
-    /// In memory of its own, because most columns of a fleet have none.
-    response: Option<Box<ActiveResponse>>,
-    /// The clock has jumped back during the present response, which no longer waits for it.
-    is_completing: bool,
-    /// Forecasts of responses that have ended before their time.
-    superseded: SupersededForecasts,
-    /// The last response that is over.
-    last: Option<LastResponse>,
-    journal: JournalClock,
     /// What the sensors have detected.
     estimates: Estimates,
+    journal: JournalClock,
     status: StatusClock,
-    solver: SolverStatistics,
-    stopwatch: Stopwatch,
-}
-
-/// What the solver has done since the start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct SolverStatistics {
-    /// Steps of the responses that were followed with the clock.
-    pub steps: u64,
-    /// Newton iterations of these steps.
-    pub newton_iterations: u64,
 }
 
 impl Twin {
@@ -113,95 +63,67 @@ impl Twin {
         stopwatch: Stopwatch,
         now: Nanos,
     ) -> Result<Self, ModelError> {
-        let parameters: Arc<Parameters> = parameters.into();
-        let mut registry = Registry::new(&parameters.settings().column_id);
-        let properties = parameters.column_properties();
-        let at_rest = match saved {
-            None => Plant::undamaged(&properties)?,
-            Some(saved) => {
-                registry.restore_seen_ids(&saved.seen_ids);
-                registry.life = saved.life();
-                saved.plant(&properties)?
-            }
-        };
-        let mut twin = Self {
+        let column = ColumnAtRest::new(parameters.into(), saved)?;
+        let seen_ids = saved.map_or(&[][..], |it| &it.seen_ids);
+        let registry = Registry::new(seen_ids, Counts::default(), None);
+        Ok(Self::of(column, registry, Course::new(0, stopwatch), now))
+    }
+
+    fn of(column: ColumnAtRest, registry: Registry, course: Course, now: Nanos) -> Self {
+        Self {
+            column,
+            course,
             registry,
-            parameters: ParameterSet::new(parameters),
-            at_rest,
-            assessed: None,
-            undamaged: None,
-            critical: None,
-            judged: None,
-            response: None,
-            is_completing: false,
-            superseded: SupersededForecasts::new(),
-            last: None,
-            journal: JournalClock::new(now),
             estimates: Estimates::default(),
+            journal: JournalClock::new(now),
             status: StatusClock::new(now),
-            solver: SolverStatistics::default(),
-            stopwatch,
-        };
-        twin.assess();
-        Ok(twin)
+        }
     }
 
     /// The column may have a damage that this twin does not know, because its state file could not be used: its status says so,
     /// and calls for an inspection, until a reset. To be called before the first command.
     pub fn note_unknown_damage(&mut self) {
-        self.registry.life.is_damage_unknown = true;
+        self.column.note_unknown_damage();
         self.status.set_changed();
     }
 
-    /// Assesses the column at rest at once: after a start, a reset or a change of parameters. After a response, the look-ahead
-    /// has done it in slices.
-    pub(super) fn assess(&mut self) {
-        self.assessed = assess_at_once(
-            self.parameters.current(),
-            &self.at_rest,
-            self.registry.life.last_impact.as_ref(),
-            &mut self.undamaged,
-        );
+    /// The column at rest has changed, or what is known of it.
+    fn note_change_at_rest(&mut self) {
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
     }
 
     /// The column's name.
     pub fn column_id(&self) -> &Arc<str> {
-        self.registry.column_id()
+        self.column.id()
     }
 
     /// The parameters that hold now.
     pub fn parameters(&self) -> &Arc<Parameters> {
-        self.parameters.current()
+        self.column.parameters()
     }
 
     /// What the solver has done since the start.
     pub fn statistics(&self) -> SolverStatistics {
-        let iterations = self
-            .response
-            .as_ref()
-            .map_or(0, |response| response.newton_iterations());
-        SolverStatistics {
-            newton_iterations: self.solver.newton_iterations + iterations,
-            ..self.solver
-        }
+        self.course.statistics()
     }
 
     /// Whether the column is responding to an impact.
     pub fn is_responding(&self) -> bool {
-        self.response.is_some()
+        self.course.present().is_some()
     }
 
     /// What is lost if the program ends now, in words: damage that is not saved, impacts that have not begun.
     #[must_use]
     pub fn lost_by_a_stop(&self) -> Vec<String> {
         let unsaved = self
-            .response
-            .as_ref()
-            .filter(|response| !response.forecast.is_known())
+            .course
+            .present()
+            .filter(|response| !response.forecast().is_known())
             .map(|response| {
                 format!(
                     "the damage of impact \"{}\", to which the column is responding and whose forecast is not complete",
-                    response.impact.event_id
+                    response.impact().event_id
                 )
             });
         unsaved
@@ -212,27 +134,20 @@ impl Twin {
 
     /// The column as it is now, for [`ColumnSnapshot::predict`] in any thread.
     pub fn snapshot(&self) -> ColumnSnapshot {
-        let mut plant = self.at_rest.clone();
-        if let Some(response) = &self.response {
-            let Struck { model, state, .. } = *response.timeline.plant();
-            plant.model = model;
-            plant.state = state;
-        }
-        self.snapshot_of(plant)
+        self.snapshot_of(self.plant_now())
     }
 
-    pub(super) fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
-        ColumnSnapshot {
-            column_id: Arc::clone(self.registry.column_id()),
-            parameters: Arc::clone(self.parameters.current()),
-            plant,
-            undamaged: self.undamaged,
-            base_before: self.registry.life.base_before(),
-            beam: match self.response {
-                Some(_) => KnownBeamDamage::Unknown(MOVING.into()),
-                None => self.registry.life.beam.clone(),
-            },
+    fn plant_now(&self) -> Plant {
+        let mut plant = self.column.plant().clone();
+        if let Some(response) = self.course.present() {
+            let Struck { model, state, .. } = *response.plant();
+            (plant.model, plant.state) = (model, state);
         }
+        plant
+    }
+
+    fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
+        self.column.snapshot_of(plant, self.is_responding())
     }
 
     /// Executes a command at the instant `now`. What follows from it in time is left to [`Twin::advance_to`] and
@@ -257,9 +172,10 @@ impl Twin {
             }
             Command::SetParameters { changes, source } => self
                 .set_parameters(changes, source, now, out)
-                .map_err(|rejection| self.reject_change(rejection, source, now, out)),
+                .map_err(|it| self.reject_request(RejectedInput::Parameters, it, source, now, out)),
             Command::RejectedChange { rejection, source } => {
-                Err(self.reject_change(rejection.clone(), source, now, out))
+                let (what, rejection) = (RejectedInput::Parameters, rejection.clone());
+                Err(self.reject_request(what, rejection, source, now, out))
             }
             Command::Reset { source } => {
                 self.reset(source, now, out);
@@ -269,9 +185,19 @@ impl Twin {
                 self.clock_jumped_back(*by, now, out);
                 Ok(Accepted::Applied)
             }
-            Command::CriticalVelocities { vehicles } => Ok(self.take_critical_velocities(vehicles)),
-            Command::SecondOpinion(found) => Ok(self.take_opinion(found)),
-            Command::VerdictRange(range) => Ok(self.take_range(range)),
+            Command::CriticalVelocities { vehicles } => {
+                let task = self.critical_velocity_task();
+                let taken = task.map(|it| self.column.keep_critical_velocities(it, vehicles));
+                Ok(self.note_computed(taken.is_some()))
+            }
+            Command::SecondOpinion(found) => {
+                let is_taken = self.course.take_opinion(found, &mut self.column);
+                Ok(self.note_computed(is_taken))
+            }
+            Command::VerdictRange(range) => {
+                let is_taken = self.course.take_range(range, &mut self.column);
+                Ok(self.note_computed(is_taken))
+            }
             Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
             Command::DecideEstimate(decision) => {
                 self.decide_estimate(decision, now, out)
@@ -298,10 +224,10 @@ impl Twin {
         out.put(Output::Journal(
             self.journal.command(command, rejection, position, now),
         ));
-        self.superseded.put_withdrawn(out);
+        self.course.put_withdrawn(out);
         self.put_estimate(out);
         if let Some(found) = opinion {
-            self.put_opinion(found.movement(), now, out);
+            self.put_opinion(&found, now, out);
         }
         if has_range {
             self.put_ranged(now, out);
@@ -312,15 +238,12 @@ impl Twin {
     /// Steps the column to the instant `now`, by at most [`MAX_STEPS_PER_CALL`] steps: a twin that is further behind has
     /// its [`Twin::next_deadline`] in the past. Samples that are due are given out, then what has changed.
     pub fn advance_to(&mut self, now: Nanos, out: &mut impl Outputs) {
-        let started = (self.stopwatch)();
+        let started = self.course.stopwatch();
         match self.is_completing() {
             true => self.step_to(Nanos::MAX, now, out),
             false => self.step_to(now, now, out),
         }
-        if let Some(response) = &mut self.response {
-            let taken = (self.stopwatch)().saturating_sub(started);
-            response.timeline.add_compute_time(taken);
-        }
+        self.course.add_compute_time(started);
         self.report_checkpoint(now, out);
         self.report_status(now, out);
     }
@@ -328,70 +251,66 @@ impl Twin {
     /// Whether the present response is carried to its end without waiting for the clock, because that has jumped back. The
     /// caller calls [`Twin::advance_to`] at once again, and better submits no impact, which would be earlier than the present one.
     pub fn is_completing(&self) -> bool {
-        self.is_completing && self.response.is_some()
+        self.course.is_completing()
     }
 
     /// When [`Twin::advance_to`] is to be called again: the instant of the next sample or status; not after `now` where
     /// the twin is behind.
     pub fn next_deadline(&self, now: Nanos) -> Nanos {
         let status = self.status.next_deadline(now);
-        let Some(response) = &self.response else {
+        let Some(response) = self.course.present() else {
             return status;
         };
-        if self.is_completing {
+        if self.course.is_completing() {
             return now;
         }
         let next_impact = self.registry.next_pending().unwrap_or(Nanos::MAX);
-        let next_turn = response.timeline.next_deadline(now);
+        let next_turn = response.timeline().next_deadline(now);
         status.min(next_turn).min(next_impact)
     }
 
     /// How often [`Twin::advance_to`] is to be called \[ns\], > 0: once per sample during a response, or more often where
     /// samples are rare; otherwise once per status.
     pub fn period(&self) -> u64 {
-        self.response
-            .as_ref()
-            .map_or(STATUS_PERIOD.unsigned_abs(), |response| {
-                response.timeline.period()
-            })
+        let present = self.course.present();
+        present.map_or(STATUS_PERIOD.unsigned_abs(), |it| it.timeline().period())
     }
 
     /// The state of the twin now.
     pub fn status(&self, now: Nanos) -> Status {
-        let struck = self.response.as_ref().map(|it| it.timeline.plant());
+        let struck = self.course.present().map(ActiveResponse::plant);
+        let critical = self.column.critical_velocities();
         Status::new(
             now,
             self.phase(),
             &self.registry,
-            &self.at_rest,
             &Judgement {
-                assessed: self.assessed.as_ref(),
-                critical: self.critical_velocities(),
-                range: self.known_range(),
+                at_rest: self.column.plant(),
+                life: self.column.life(),
+                assessed: self.column.assessed(),
+                critical: critical.filter(|_| struck.is_none()),
+                range: self.column.judged().and_then(|it| it.range.as_ref()),
                 waiting_estimate: self.waiting_estimate(),
             },
             struck,
-            self.journal.responses,
+            self.course.responses(),
         )
     }
 
     /// The damage to be saved, without what the present response will add.
     pub fn saved_state(&self, now: Nanos) -> SavedState {
-        self.saved_state_of(&self.at_rest, now)
-    }
-
-    pub(super) fn saved_state_of(&self, plant: &Plant, now: Nanos) -> SavedState {
-        SavedState::new(&self.registry, self.parameters.fingerprint(), plant, now)
+        let seen_ids = self.registry.seen_ids();
+        self.column.saved_of(self.column.plant(), seen_ids, now)
     }
 
     fn phase(&self) -> TwinPhase {
-        match (&self.at_rest.condition, &self.response) {
+        match (&self.column.plant().condition, self.course.present()) {
             (Condition::Collapsed, _) => TwinPhase::Collapsed,
             (Condition::Fractured, _) => TwinPhase::Fractured,
             (Condition::Faulted(_), _) => TwinPhase::Faulted,
             (Condition::Standing, None) => TwinPhase::Idle,
             (Condition::Standing, Some(response)) => {
-                let Struck { model, state, .. } = response.timeline.plant();
+                let Struck { model, state, .. } = response.plant();
                 state.sample(model).phase.into()
             }
         }
@@ -413,28 +332,83 @@ impl Twin {
         out.put(Output::Save(Arc::new(self.saved_state(now))));
     }
 
+    // Forecasts
+
+    /// Whether a forecast is being computed: [`Twin::run_ahead`] carries it on.
+    pub fn is_looking_ahead(&self) -> bool {
+        self.course.is_looking_ahead()
+    }
+
+    /// Whether the forecast of the present response was not given out yet. What remains to be computed after that, its error
+    /// and forecasts of earlier responses, is not urgent.
+    pub fn awaits_forecast(&self) -> bool {
+        let present = self.course.present();
+        present.is_some_and(ActiveResponse::awaits_forecast)
+    }
+
+    /// Most steps of the response that its forecast may still have to compute before it is given out: what `response.duration`
+    /// allows. `None` if [`awaits_forecast`](Self::awaits_forecast) is false.
+    pub fn forecast_steps_left(&self) -> Option<u64> {
+        let response = self.course.present().filter(|it| it.awaits_forecast())?;
+        let impact = response.impact();
+        let steps = impact.parameters.response_duration() * 1e9 / impact.step_nanos as f64;
+        let reached = response.forecast().step()?;
+        Some((steps as u64).saturating_sub(reached))
+    }
+
+    /// Carries the forecasts on by at most `max_steps`. Each is given out when the response and the residual capacity are
+    /// known, and again when the error of the time step is known. The present response comes first.
+    pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
+        let mut budget = max_steps;
+        self.carry_present_forecast(&mut budget, now, out);
+        self.course
+            .carry_superseded(&mut self.column, &mut budget, now, out);
+    }
+
+    fn carry_present_forecast(&mut self, budget: &mut u64, now: Nanos, out: &mut impl Outputs) {
+        while let Some(completed) = self
+            .course
+            .advance_forecast(&mut self.column, budget, now, out)
+        {
+            // Saved now: if the machine stops before the response is over, the damage is known all the same. Before the forecast, so
+            // that who has it finds the damage after a crash.
+            let seen_ids = self.registry.seen_ids();
+            let saved = self.column.saved_after(completed, seen_ids, now);
+            out.put(Output::Save(Arc::new(saved)));
+            self.course.give_out_forecast(now, out);
+        }
+    }
+
+    /// Gives out which accepted impacts will have no forecast because the twin is stopped.
+    pub fn abandon_forecasts(&mut self, out: &mut impl Outputs) {
+        let reason = "the twin was stopped before the forecast was complete";
+        let pending = self.registry.pending();
+        self.course
+            .give_up_forecasts(pending, ForecastEnd::Stopped, reason);
+        self.course.put_withdrawn(out);
+    }
+
     // The response with the clock
 
     fn clock_jumped_back(&mut self, by: u64, now: Nanos, out: &mut impl Outputs) {
         let by = seconds(by);
-        let text = match &self.response {
+        let text = match self.course.present() {
             None => format!("the clock has jumped back by {by} s"),
             Some(response) => format!(
                 "the clock has jumped back by {by} s during the response to impact \"{}\", which is carried to its end without \
                  waiting for the clock",
-                response.impact.event_id
+                response.impact().event_id
             ),
         };
         out.notice(NoticeLevel::Warning, now, text);
-        self.is_completing = self.response.is_some();
-        self.forbid_resuming();
+        self.course.clock_jumped_back();
         self.status.set_changed();
     }
 
     /// Steps the column to an instant, by at most [`MAX_STEPS_PER_CALL`] steps; `now` is the time of the clock.
     pub(super) fn step_to(&mut self, instant: Nanos, now: Nanos, out: &mut impl Outputs) {
         self.make_steps_to(instant, now, out);
-        self.superseded.put_withdrawn(out);
+        self.course.put_withdrawn(out);
     }
 
     fn make_steps_to(&mut self, instant: Nanos, now: Nanos, out: &mut impl Outputs) {
@@ -442,13 +416,9 @@ impl Twin {
             let Some(target) = self.arrive(instant, now, out) else {
                 return;
             };
-            let Some(response) = &mut self.response else {
+            let Some(advanced) = self.course.advance(target) else {
                 return;
             };
-            let timeline = &mut response.timeline;
-            let before = timeline.step();
-            let advanced = timeline.advance(target);
-            self.solver.steps += timeline.step() - before;
             match advanced {
                 Advanced::Running => {}
                 Advanced::Over(end) => self.end(end, now, out),
@@ -464,170 +434,53 @@ impl Twin {
     fn arrive(&mut self, instant: Nanos, now: Nanos, out: &mut impl Outputs) -> Option<u64> {
         loop {
             let next_impact = self.registry.next_pending();
-            let response = self.response.as_mut()?;
-            let now_step = response.timeline.step_at(instant)?;
-            let next_impact = next_impact.and_then(|stamp| response.timeline.step_at(stamp));
-            let target = next_impact.unwrap_or(u64::MAX).min(now_step);
-            if response.timeline.is_sample_due() {
-                response.put_due_state(out);
+            match self.course.arrive(instant, next_impact, out)? {
+                Arrived::GoesOn(target) => return Some(target),
+                Arrived::NextImpact(step) => {
+                    // There are few of them, and each is taken out: the loop ends.
+                    let next = self.registry.take_pending()?;
+                    self.hit_moving_column(next, step, NO_REPORT, now, out);
+                }
             }
-            if response.timeline.step() < target {
-                return Some(target);
-            }
-            if next_impact.is_none_or(|step| step > now_step) {
-                return None;
-            }
-            // There are few of them, and each is taken out: the loop ends.
-            let next = self.registry.take_pending()?;
-            self.hit_moving_column(next, target, NO_REPORT, now, out);
         }
     }
 
+    /// Ends the response. The column is back at rest, and what has waited for this follows.
     fn end(&mut self, end: End, now: Nanos, out: &mut impl Outputs) {
         // A forecast never comes after its report.
         self.carry_present_forecast(&mut u64::MAX.clone(), now, out);
-        self.finish_superseded_forecasts(now, out);
-        let Some(mut response) = self.response.take() else {
+        self.course.finish_superseded(&mut self.column, now, out);
+        let Some(verdict) = self.course.end(end, &mut self.column, now, out) else {
             return;
         };
-        let plant = *response.timeline.plant();
-        let report = plant.report(end);
-        let residual = plant.residual();
-        let condition = condition_after(report.end, residual.as_ref());
-        response.put_state(Some(condition.final_phase()), out);
-        let settled = plant.settled(residual, condition);
-        // The look-ahead followed the same response. Without a forecast, because of its length, the assessment is made here.
-        let predicted: Option<Predicted> = response
-            .forecast
-            .take_predicted()
-            .filter(|it| it.report == report);
-        let error_estimate = predicted.as_ref().and_then(|it| it.error_estimate);
-        let mut last = LastImpact::new(
-            &response.impact.striking,
-            &report,
-            error_estimate,
-            response.impact.base_before.as_ref(),
-        );
-        let assessed = match predicted {
-            Some(predicted) => {
-                let opinion = predicted.assessed.as_ref();
-                last.second_opinion = opinion.and_then(|it| it.second_opinion.clone());
-                predicted.assessed
+        self.note_change_at_rest();
+        self.apply_waiting_parameters(now, out);
+        self.column.take_verdict(verdict);
+        self.save(now, out);
+        while !self.is_responding()
+            && let Some(next) = self.registry.take_pending()
+        {
+            self.begin_pending(self.column.plant().clone(), next, now, out);
+            if !self.is_responding() {
+                self.save(now, out); // it was rejected: fewer impacts than were saved
             }
-            None => assess_at_once(
-                &response.impact.parameters,
-                &settled,
-                Some(&last),
-                &mut self.undamaged,
-            ),
-        };
-        let output = ReportOutput {
-            range: response.range.clone(),
-            ..response.impact.report_output(
-                report,
-                assessed.clone(),
-                error_estimate,
-                response.timeline.compute_nanos(),
-            )
-        };
-        let beam_before = &self.registry.life.beam;
-        let judged = Judged::new(&response, &output, beam_before);
-        response
-            .beam_after
-            .get_or_insert_with(|| match &response.impact.opinion {
-                OpinionState::None(reason) => beam_before.without_opinion(&settled, reason),
-                OpinionState::Awaited | OpinionState::Known => beam_before.while_awaited(&settled),
-            });
-        out.put(Output::Report(output));
-        out.verdict(
-            "result",
-            &response.impact.event_id,
-            assessed.as_deref(),
-            now,
-        );
-        let parameters = Arc::clone(&response.impact.parameters);
-        self.settle(
-            response,
-            settled,
-            last,
-            now,
-            |twin| {
-                // Another set of parameters may have come into force.
-                match Arc::ptr_eq(&parameters, twin.parameters.current()) {
-                    true => {
-                        twin.assessed = assessed;
-                        twin.judged = judged;
-                    }
-                    false => {
-                        twin.assess();
-                        twin.forget_range();
-                    }
-                }
-            },
-            out,
-        );
+        }
+        self.course.go_on_completing();
     }
 
     /// Ends a response whose next step cannot be computed. One impact does not take the twin out of service: it goes on with
     /// the damage that the column had by then.
     fn fail(&mut self, error: &StepError, now: Nanos, out: &mut impl Outputs) {
-        if let Some(response) = &self.response {
+        if let Some(response) = self.course.present() {
             let text = format!(
                 "the response to impact \"{}\" cannot be computed beyond {} s after it: {error}; the column keeps the damage \
                  that it had by then, which may be less than the impact has caused",
-                response.impact.event_id,
-                response.timeline.plant().report(End::NotConverged).end_time,
+                response.impact().event_id,
+                response.plant().report(End::NotConverged).end_time,
             );
             out.notice(NoticeLevel::Error, now, text);
         }
         self.end(End::NotConverged, now, out);
-    }
-
-    /// Back to rest after a response; what has waited for its end follows. `assess` gives the column its assessment.
-    fn settle(
-        &mut self,
-        response: Box<ActiveResponse>,
-        settled: Plant,
-        last: LastImpact,
-        now: Nanos,
-        assess: impl FnOnce(&mut Self),
-        out: &mut impl Outputs,
-    ) {
-        let added = response.timeline.plant().state.ledger.plastic_work;
-        self.solver.newton_iterations += response.newton_iterations();
-        let life = &mut self.registry.life;
-        let beam = response.beam_after.clone();
-        let beam = beam.unwrap_or_else(|| life.beam.clone());
-        self.last = Some(LastResponse {
-            response,
-            before: Some(Box::new(BeforeResponse {
-                beam: std::mem::replace(&mut life.beam, beam),
-                plastic_work: self.registry.life.plastic_work_since_reset,
-                at_rest: std::mem::replace(&mut self.at_rest, settled),
-                assessed: self.assessed.clone(),
-                last_impact: self.registry.life.last_impact.replace(last),
-            })),
-        });
-        self.registry.life.plastic_work_since_reset += added;
-        self.status.set_changed();
-        self.journal.set_checkpoint_due();
-        self.apply_waiting_parameters(now, out);
-        assess(self);
-        self.forget_other_critical_velocities();
-        self.save(now, out);
-        while self.response.is_none()
-            && let Some(next) = self.registry.take_pending()
-        {
-            self.begin_pending(self.at_rest.clone(), next, now, out);
-            if self.response.is_none() {
-                self.save(now, out); // it was rejected: fewer impacts than were saved
-            }
-        }
-        if self.is_completing {
-            // What follows has stamps of the time after the jump.
-            self.forbid_resuming();
-            self.is_completing = self.response.is_some();
-        }
     }
 }
 
@@ -676,7 +529,7 @@ mod tests {
         let status = twin.status(now);
         assert_eq!(status.phase, TwinPhase::Idle);
         assert!(status.fault.is_empty());
-        assert!(twin.at_rest.is_damaged());
+        assert!(twin.column.plant().is_damaged());
         let reports: Vec<_> = out
             .iter()
             .filter_map(|output| match output {

@@ -1,16 +1,18 @@
-//! A twin that continues from a checkpoint and follows a recorded one without a clock.
+//! A twin that is made from a checkpoint or from an equal one, that follows a recorded one without a clock, and that keeps no more than
+//! it needs.
 
 use std::sync::Arc;
 
-use super::{Stopwatch, Twin};
-use crate::column::{Model, ModelError};
+use super::Twin;
+use crate::column::ModelError;
 use crate::parameters::Parameters;
 use crate::time::Nanos;
 use crate::twin::MAX_STEPS_PER_CALL;
+use crate::twin::column_at_rest::ColumnAtRest;
+use crate::twin::course::{Course, Stopwatch};
 use crate::twin::journal::{Checkpoint, JournalClock, NotReached, Position};
 use crate::twin::output::{Output, Outputs};
-use crate::twin::plant::Plant;
-use crate::twin::range::Judged;
+use crate::twin::registry::{Counts, Registry};
 
 impl Twin {
     /// The twin as it was at a checkpoint, without the course of the response before it.
@@ -18,50 +20,40 @@ impl Twin {
     /// # Errors
     /// The column is impossible; a twin gives out no such checkpoint.
     pub fn from_checkpoint(from: &Checkpoint, stopwatch: Stopwatch) -> Result<Self, ModelError> {
-        let parameters = Parameters::clone(&from.parameters);
-        let mut properties = parameters.column_properties();
-        properties.length_below = from.length_below;
-        properties.length_above = from.length_above;
-        let mut twin = Self::new(parameters, None, stopwatch, from.stamp)?;
-        twin.at_rest = Plant {
-            model: Model::new(&properties)?,
-            state: from.state,
-            condition: from.condition.clone(),
-        };
-        twin.registry.restore_seen_ids(&from.seen_ids);
-        twin.registry.life = from.life.clone();
-        twin.registry.counts = from.counts;
-        twin.registry.last_rejection = from.last_rejection.clone();
-        twin.estimates = from.estimates.clone();
-        twin.journal = JournalClock::continuing(from);
-        twin.assess();
-        twin.restore_critical_velocities(from.critical_velocities.as_ref());
-        twin.judged = from.judged.as_ref().map(Judged::restored);
-        Ok(twin)
+        let column = ColumnAtRest::restored(from)?;
+        let last_rejection = from.last_rejection.clone();
+        let registry = Registry::new(&from.seen_ids, from.counts, last_rejection);
+        let course = Course::new(from.response, stopwatch);
+        Ok(Self {
+            estimates: from.estimates.clone(),
+            journal: JournalClock::continuing(from),
+            ..Self::of(column, registry, course, from.stamp)
+        })
     }
 
     /// Everything on which the twin's future depends; `None` while a response runs.
     #[must_use]
     pub fn checkpoint(&self, stamp: Nanos) -> Option<Checkpoint> {
-        if self.response.is_some() {
+        if self.is_responding() {
             return None;
         }
-        let properties = &self.at_rest.model.properties;
+        let plant = self.column.plant();
+        let properties = &plant.model.properties;
         Some(Checkpoint {
             number: self.journal.next_number(),
             stamp,
-            response: self.journal.responses,
-            parameters: Arc::clone(self.parameters.current()),
+            response: self.course.responses(),
+            parameters: Arc::clone(self.parameters()),
             length_below: properties.length_below,
             length_above: properties.length_above,
-            state: self.at_rest.state,
-            condition: self.at_rest.condition.clone(),
-            critical_velocities: self.critical_velocities().map(Arc::clone),
-            judged: self.judged.as_ref().map(|it| it.impact.clone()),
+            state: plant.state,
+            condition: plant.condition.clone(),
+            critical_velocities: self.column.critical_velocities().map(Arc::clone),
+            judged: self.column.judged().cloned(),
             estimates: self.estimates.clone(),
-            life: self.registry.life.clone(),
-            counts: self.registry.counts,
-            last_rejection: self.registry.last_rejection.clone(),
+            life: self.column.life().clone(),
+            counts: self.registry.counts(),
+            last_rejection: self.registry.last_rejection().cloned(),
             seen_ids: self.registry.seen_ids(),
         })
     }
@@ -79,19 +71,13 @@ impl Twin {
     /// How far the twin has come.
     #[must_use]
     pub fn position(&self) -> Position {
-        Position {
-            response: self.journal.responses,
-            step: self
-                .response
-                .as_ref()
-                .map(|response| response.timeline.step()),
-        }
+        self.course.position()
     }
 
     /// Whether the last response is known, so that it can be resumed for a late impact.
     #[must_use]
     pub fn knows_last_response(&self) -> bool {
-        self.last.is_some()
+        self.course.last().is_some()
     }
 
     /// Follows the column to a position without a clock. A forecast is given out as soon as its impact has begun, states
@@ -133,10 +119,10 @@ impl Twin {
     /// Follows the column until the present response is over.
     pub fn advance_to_end(&mut self, out: &mut impl Outputs) {
         let next = Position {
-            response: self.journal.responses.saturating_add(1),
+            response: self.course.responses().saturating_add(1),
             step: None,
         };
-        while self.journal.responses < next.response
+        while self.course.responses() < next.response
             && let Some(now) = self.instant_towards(next)
             && self.moves_towards(now, out)
         {}
@@ -152,7 +138,7 @@ impl Twin {
 
     /// Tries the next step of the column: a response whose next step cannot be computed ends there.
     pub fn try_next_step(&mut self, out: &mut impl Outputs) {
-        let timeline = self.response.as_ref().map(|response| &response.timeline);
+        let timeline = self.course.present().map(|it| it.timeline());
         if let Some(now) = timeline.map(|it| it.instant_of(it.step().saturating_add(1))) {
             self.step_to(now, now, out);
         }
@@ -161,9 +147,9 @@ impl Twin {
     /// An instant to step to on the way to a position, neither beyond it nor beyond the next impact; `None` where the
     /// position is not ahead.
     fn instant_towards(&self, wanted: Position) -> Option<Nanos> {
-        let timeline = &self.response.as_ref()?.timeline;
+        let timeline = self.course.present()?.timeline();
         let here = timeline.step();
-        let response = self.journal.responses;
+        let response = self.course.responses();
         let step = match wanted.step {
             _ if wanted.response < response => return None,
             Some(step) if wanted.response == response => (step >= here).then_some(step)?,
@@ -171,5 +157,61 @@ impl Twin {
         };
         let next_impact = self.registry.next_pending().unwrap_or(Nanos::MAX);
         Some(timeline.instant_of(step).min(next_impact))
+    }
+
+    // One of many
+
+    /// The twin of another undamaged column that differs from this undamaged one by its names only, without computing its equilibrium
+    /// and its capacity again. `None` if this one is not undamaged, or if the columns differ.
+    #[must_use]
+    pub fn sibling(
+        &self,
+        parameters: Arc<Parameters>,
+        stopwatch: Stopwatch,
+        now: Nanos,
+    ) -> Option<Self> {
+        if self.course.responses() != 0 {
+            return None;
+        }
+        let column = self.column.sibling(parameters)?;
+        let course = Course::new(0, stopwatch);
+        Some(Self::of(
+            column,
+            Registry::new(&[], Counts::default(), None),
+            course,
+            now,
+        ))
+    }
+
+    /// Whether there is nothing to do for [`Twin::advance_to`] and [`Twin::run_ahead`] until the next command, apart from the
+    /// status once per [`STATUS_PERIOD`](crate::twin::STATUS_PERIOD), which repeats what is known.
+    #[must_use]
+    pub fn is_quiet(&self, now: Nanos) -> bool {
+        !self.is_responding() && !self.is_looking_ahead() && self.status.next_deadline(now) > now
+    }
+
+    /// The last instant at which an impact event may still belong into the last response: its end and `event.max_age` later.
+    /// `None` if there is no such response.
+    #[must_use]
+    pub fn remembers_until(&self) -> Option<Nanos> {
+        let end = self.course.last()?.reached();
+        let max_age = 1e9 * self.parameters().settings().event.max_age;
+        Some(end.saturating_add(max_age as Nanos))
+    }
+
+    /// Frees the memory of the last response if no event that is accepted at `now` can belong to it any more. A change of
+    /// `event.max_age` after that does not bring it back.
+    pub fn forget_what_is_too_old(&mut self, now: Nanos) {
+        if !self.is_responding() && self.remembers_until().is_some_and(|it| it < now) {
+            self.course.forget_last();
+        }
+    }
+
+    /// Lets a column at rest give out a checkpoint before its next command. A recording of many columns may have begun since its
+    /// last one, or may have left it out.
+    pub fn demand_checkpoint(&mut self) {
+        if !self.is_responding() {
+            self.journal.set_checkpoint_due();
+        }
     }
 }
