@@ -91,7 +91,7 @@ impl EventOfColumn {
         bytes: &[u8],
         fleet: Option<&BTreeSet<Arc<str>>>,
         place: &Place<'_>,
-    ) -> Result<Self, Difference> {
+    ) -> Result<Self, Box<Difference>> {
         let mut event: ParameterEvent = cdr::decode(bytes).map_err(|it| place.unreadable(&it))?;
         let Some(fleet) = fleet else {
             let column_id = UNNAMED.into();
@@ -99,7 +99,7 @@ impl EventOfColumn {
         };
         let other = |name: &str| {
             let own = "parameters of one column of the fleet";
-            place.difference("the message", format!("a change of {name:?}"), own)
+            Box::new(place.difference("the message", format!("a change of {name:?}"), own))
         };
         let first = event.changed_parameters.first().map_or("", |it| &it.name);
         // An identifier may contain dots.

@@ -336,7 +336,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             Err(difference) => {
                 self.found.parameter_events.recorded += 1;
                 self.found.parameter_events.unexpected += 1;
-                self.found.note_difference(difference);
+                self.found.note_difference(*difference);
             }
         }
     }

@@ -556,18 +556,18 @@ fn finest() -> (BeamColumn, Hit) {
 }
 
 #[test]
-fn a_response_that_no_budget_can_finish_is_refused_with_the_reason() {
+fn a_response_that_no_budget_can_finish_is_rejected_with_the_reason() {
     let (mut it, hit) = finest();
     it.step_nanos = 1000;
     let model = BeamModel::new(&it).unwrap();
     let began = reference::cpu();
-    let refused = model.respond(&hit).unwrap_err();
+    let rejected = model.respond(&hit).unwrap_err();
     println!(
-        "{refused}; refused after {:.0} ms",
+        "{rejected}; rejected after {:.0} ms",
         reference::cpu() - began
     );
-    assert!(matches!(refused, BeamError::Budget { .. }), "{refused:?}");
-    assert!(refused.to_string().contains("beam.dt"), "{refused}");
+    assert!(matches!(rejected, BeamError::Budget { .. }), "{rejected:?}");
+    assert!(rejected.to_string().contains("beam.dt"), "{rejected}");
 }
 
 /// The budget is none for the finest mesh with the step that is chosen by itself.
