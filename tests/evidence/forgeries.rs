@@ -446,7 +446,7 @@ fn a_journal_of_version_1_is_rejected_with_the_version_that_recorded_it() {
     );
     let text = error.to_string();
     assert!(
-        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 7"),
+        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 8"),
         "{text}"
     );
     let mut commands = vec!["verify"];
