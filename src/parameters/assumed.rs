@@ -24,7 +24,7 @@ pub enum AssumedInput {
 /// The parameters that give them.
 const NAMES: [&str; 4] = ["steel.grade", "top.load", "support.base", "support.top"];
 
-/// The values of the parameter that lists the inputs which nobody has given.
+/// What `assessment.assumed` may contain: the inputs that nobody has given.
 pub(super) const ASSUMED_INPUTS: Admissible = list(&Admissible::Choice(&NAMES), 0, NAMES.len());
 
 impl AssumedInput {

@@ -6,11 +6,13 @@ use column_twin::column::{Sample, simulate};
 use column_twin::messages::column_twin_msgs::ImpactReport;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::second_opinion::{BeamAnswer, BeamTask};
-use column_twin::viewer::{StreamOptions, ViewerItem, ViewerStream, from_samples};
+use column_twin::viewer::{ViewerItem, ViewerStream, from_samples};
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 use rerun::sink::MemorySinkStorage;
-use rerun::{LineStrips3D, Points3D, RecordingStreamBuilder};
+use rerun::{LineStrips3D, Points3D};
+
+use super::in_memory;
 
 const MAGNIFICATION: f64 = 10.0;
 
@@ -44,17 +46,7 @@ pub struct Shown {
 
 impl Shown {
     pub fn new(parameters: &Arc<Parameters>) -> Self {
-        let (stream, storage) = RecordingStreamBuilder::new("test")
-            .enabled(true)
-            .memory()
-            .expect("a stream");
-        let options = StreamOptions {
-            frame_period: 0,
-            budget: None,
-            curves_period: 0,
-            follows: false,
-            ranges: Default::default(),
-        };
+        let (stream, storage, options) = in_memory::stream();
         let stream = ViewerStream::new(stream, Arc::clone(parameters), options);
         Self {
             stream: stream.expect("a stream"),

@@ -14,12 +14,13 @@ use column_twin::standing::StandingColumn;
 use column_twin::time::Nanos;
 use column_twin::twin::{Decision, EstimateOutput};
 use column_twin::viewer::{
-    Announcement, DetectedImpacts, DetectedUpdate, RecordedMessage, StreamOptions, ViewerItem,
-    ViewerStream, from_messages,
+    Announcement, DetectedImpacts, DetectedUpdate, RecordedMessage, ViewerItem, ViewerStream,
+    from_messages,
 };
-use rerun::RecordingStreamBuilder;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
+
+use super::in_memory;
 
 /// First row of the readings, by the clock of the twin \[ns\].
 pub const BEGIN: Nanos = 1_800_000_000_000_000_000;
@@ -190,17 +191,7 @@ pub fn rows(messages: &[LogMsg]) -> BTreeMap<String, usize> {
 fn a_stream_has_forecast_momentum_action_sensors_and_outcome() {
     let (parameters, _, updates) = updates();
     let count = updates.len();
-    let (stream, storage) = RecordingStreamBuilder::new("test")
-        .enabled(true)
-        .memory()
-        .expect("a stream");
-    let options = StreamOptions {
-        frame_period: 0,
-        budget: None,
-        curves_period: 0,
-        follows: false,
-        ranges: Default::default(),
-    };
+    let (stream, storage, options) = in_memory::stream();
     let mut shown = ViewerStream::new(stream, Arc::clone(&parameters), options).expect("a stream");
     let measured: usize = updates.iter().map(|it| it.sensors[1].measured.len()).sum();
     let stamp = updates[0].stamp;

@@ -21,14 +21,14 @@ use column_twin::time::Nanos;
 use column_twin::twin::{Command, ImpactCommand, Output};
 use column_twin::viewer::{
     ColumnMark, DetectedUpdate, FleetItem, FleetStream, IMPACT_TIME, LiveViewer, Shown, ShownFleet,
-    StreamOptions, VIEWER_QUEUE, ViewerItem, ViewerLogger, output_queue,
+    VIEWER_QUEUE, ViewerItem, ViewerLogger, output_queue,
 };
-use rerun::RecordingStreamBuilder;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 
 use super::detected::{self, rows};
+use super::in_memory;
 use super::real_viewer::{photograph, pixels, printed};
 use super::twin::{MS, PATIENCE};
 use super::wheel::program;
@@ -257,10 +257,7 @@ fn a_fleet_shows_estimates_and_readings_beside_the_predicted_ones_of_the_struck_
 /// has begun, but after it.
 #[test]
 fn what_the_sensors_of_another_column_see_follows_what_was_seen_before() {
-    let (stream, storage) = RecordingStreamBuilder::new("test")
-        .enabled(true)
-        .memory()
-        .expect("a stream");
+    let (stream, storage, options) = in_memory::stream();
     let parameters = Parameters::load(&detected::files(), &[]).expect("parameters");
     let parameters = Arc::new(parameters);
     let column = |number: usize| FleetColumn {
@@ -270,13 +267,6 @@ fn what_the_sensors_of_another_column_see_follows_what_was_seen_before() {
     let columns: Vec<_> = (0..2).map(column).collect();
     let fleet = Arc::new(ShownFleet::new(&columns, Vec::new()));
     let marks = vec![ColumnMark::default(); columns.len()];
-    let options = StreamOptions {
-        frame_period: 0,
-        budget: None,
-        curves_period: 0,
-        follows: false,
-        ranges: Default::default(),
-    };
     let mut shown = FleetStream::new(stream, fleet, marks, options).expect("a stream");
     for (column, until) in [(0, 0.08), (1, 0.02)] {
         let update = DetectedUpdate {

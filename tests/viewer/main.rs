@@ -10,6 +10,7 @@ mod direction;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod fleet;
+mod in_memory;
 mod live;
 #[path = "../../examples/viewer_moments.rs"]
 mod moments;

@@ -1,8 +1,8 @@
 //! What an impact leaves in the column: as little as possible, so that a fleet can keep it.
 //!
 //! Plastic strains are kept as whole numbers of 16 bits, in steps of the largest one of their section over 32 767: 6 kPa where that
-//! is 1e-3, 0.3 MPa where it is 5 %. The equilibrium is found anew before the next impact. So a column whose damage was stored and
-//! restored answers as one whose damage stayed in memory.
+//! is 1e-3, 0.3 MPa where it is 5 %. The equilibrium is computed again before the next impact, so that a column
+//! whose damage was stored and restored responds exactly as one whose damage stayed in memory.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD_NO_PAD as TEXT;

@@ -8,7 +8,7 @@ use ros_interface::type_hash::TypeHash;
 use ros_interface::{Definitions, Part, find};
 use serde::{Deserialize, Serialize};
 
-/// The type of the events of a service, without which there is no description of one.
+/// The type of the events of a service; every description of a service contains it.
 const SERVICE_EVENT_INFO: &str = "service_msgs/msg/ServiceEventInfo";
 
 /// `type_description_interfaces/srv/GetTypeDescription_Request`

@@ -58,7 +58,7 @@ pub(super) struct Course {
 
 /// What follows where a response has come to a step.
 pub(super) enum Arrived {
-    /// It goes on to this step.
+    /// The response continues up to this step.
     GoesOn(u64),
     /// The next impact meets the column at this step, which it has reached.
     NextImpact(u64),

@@ -20,6 +20,7 @@ use crate::twin::registry::{
 };
 use crate::twin::rejection::{Rejection, RejectionCode};
 use crate::twin::striking::Striking;
+use crate::twin::what_if::ColumnSnapshot;
 
 const OBSOLETE_REPORT: &str = "whose report no longer holds";
 
@@ -362,13 +363,7 @@ impl Twin {
         let snapshot = self.snapshot();
         let striking = snapshot.checked(striking_of(record))?;
         let height = snapshot.height_of_estimates();
-        let struck = snapshot.strike(striking.impact, height)?;
-        let pending = PendingImpact {
-            event_id: Arc::clone(&record.event_id),
-            stamp,
-            striking,
-            height,
-        };
+        let (pending, struck) = estimated(record, stamp, striking, &snapshot, height)?;
         self.meet(pending, struck, now, out)
     }
 
@@ -416,14 +411,7 @@ impl Twin {
         }
         let properties = &response.plant().model.properties;
         let height = Some(properties.length_below);
-        let struck = snapshot.strike(striking.impact, height)?;
-        let pending = PendingImpact {
-            event_id: Arc::clone(&record.event_id),
-            stamp,
-            striking,
-            height,
-        };
-        Ok(Some((pending, struck)))
+        estimated(record, stamp, striking, &snapshot, height).map(Some)
     }
 
     /// Replaces the impact of an estimate that has not begun yet.
@@ -533,4 +521,22 @@ impl Twin {
             self.note_change_at_rest();
         }
     }
+}
+
+/// The impact of an estimate at this instant, and the column with it on its way.
+fn estimated(
+    record: &EstimateRecord,
+    stamp: Nanos,
+    striking: Striking,
+    snapshot: &ColumnSnapshot,
+    height: Option<f64>,
+) -> Result<(PendingImpact, Struck), Rejection> {
+    let struck = snapshot.strike(striking.impact, height)?;
+    let pending = PendingImpact {
+        event_id: Arc::clone(&record.event_id),
+        stamp,
+        striking,
+        height,
+    };
+    Ok((pending, struck))
 }
