@@ -1,7 +1,7 @@
 //! Real-time properties of the solver's thread. All of them are optional, and reduce lateness.
 
 use rustix::mm::{MlockAllFlags, mlockall};
-use rustix::process::{Resource, geteuid, getrlimit, setpriority_process};
+use rustix::process::{Resource, geteuid, getpriority_process, getrlimit, setpriority_process};
 use rustix::thread::{CpuSet, sched_setaffinity, set_current_timer_slack};
 use thread_priority::{
     NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue,
@@ -132,9 +132,9 @@ pub fn request_for_publisher(wanted: &RealTime) {
 /// deadline \[ns\].
 pub(super) const URGENT_BEFORE_DEADLINE: Nanos = 300_000;
 
-/// A forecast is computed with normal priority for at most this long \[ns\]: on processors that other programs keep busy, the
-/// rest gets the priority of real time.
-const PATIENCE: u64 = 10_000_000;
+/// A forecast is computed with normal priority for at most this long \[ns\], longer than it takes on a processor of its own: on
+/// processors that other programs keep busy, the rest gets the priority of real time, at the cost of readers and DDS threads.
+const PATIENCE: u64 = 50_000_000;
 
 /// Since when a forecast is computed.
 #[derive(Debug, Clone, Copy, Default)]
@@ -180,10 +180,7 @@ impl Urgency {
     /// Gives the calling thread normal priority.
     pub fn relax(&mut self) {
         if self.fifo_priority.is_some() && !self.is_relaxed {
-            let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
-            let own = thread_native_id();
-            self.is_relaxed =
-                set_thread_priority_and_policy(own, ThreadPriority::Min, normal).is_ok();
+            self.is_relaxed = schedule_normally();
         }
     }
 
@@ -237,11 +234,24 @@ pub(super) fn yield_to_others(processors: Option<&CpuSet>) {
     if let Some(processors) = processors {
         let _ = sched_setaffinity(None, processors);
     }
-    let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
-    let own = thread_native_id();
     // A thread inherits the policy of the one that starts it.
-    let _ = set_thread_priority_and_policy(own, ThreadPriority::Min, normal);
+    schedule_normally();
     let _ = setpriority_process(None, NICE);
+}
+
+/// Gives the calling thread normal scheduling with the nice value that it has. `false` if the system denies it.
+fn schedule_normally() -> bool {
+    // `thread_priority` sets the nice value, too, and `ThreadPriority::Min` would be 19, with which the thread hardly gets a
+    // processor among busy programs. It expects a value of 0 to 99 for the 40 nice values, from 19 down to -20.
+    let nice = getpriority_process(None).unwrap_or_default();
+    let value = (99.0 * (1.0 - (f64::from(nice) + 20.5) / 39.0))
+        .clamp(0.0, 99.0)
+        .round() as u8;
+    let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    ThreadPriorityValue::try_from(value).is_ok_and(|value| {
+        let priority = ThreadPriority::Crossplatform(value);
+        set_thread_priority_and_policy(thread_native_id(), priority, normal).is_ok()
+    })
 }
 
 fn granted<E: std::fmt::Display>(result: Result<(), E>, hint: &'static str) -> Grant {
@@ -336,8 +346,9 @@ mod tests {
                 };
                 let grants = request(&wanted);
                 let mut urgency = Urgency::of(&wanted, &grants);
+                let _ = setpriority_process(None, 3);
                 urgency.relax();
-                let relaxed = thread_schedule_policy();
+                let relaxed = (thread_schedule_policy(), getpriority_process(None));
                 let restored = urgency.restore().map(|()| thread_schedule_policy());
                 (grants.fifo, relaxed, restored)
             })
@@ -347,7 +358,8 @@ mod tests {
         let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
         let (granted, relaxed, restored) = policies;
-        assert_eq!(relaxed, Ok(normal));
+        // With a nice value of 19 it waited for hundreds of milliseconds among busy programs.
+        assert_eq!(relaxed, (Ok(normal), Ok(3)));
         let expected = if granted == Grant::Granted {
             fifo
         } else {
