@@ -75,6 +75,9 @@ pub(crate) struct BlockMean {
     /// Half of the range of such means over the last period of the column, once the level has come back from its first peak:
     /// what then moves is a vibration, of whose phase the model knows nothing.
     pub swing: f64,
+    /// The largest reading of a motion within the first period of the column after contact, 0 otherwise: over this time the waves cross
+    /// the column that a light vehicle makes and the model does not have.
+    pub in_waves: f64,
     /// Whether hinges have probably yielded.
     pub yielded: bool,
 }
@@ -402,6 +405,14 @@ impl Blocks {
             variance: channel.noise * channel.noise / count + channel.zero_variance,
             largest,
             swing: self.swing(channel, index),
+            in_waves: match channel.quantity {
+                Quantity::Displacement | Quantity::Rotation
+                    if self.layout[index].start < self.period =>
+                {
+                    largest
+                }
+                _ => 0.0,
+            },
             yielded: yielded && channel.quantity.is_strain(),
         })
     }

@@ -70,13 +70,15 @@ impl Estimator {
         let grid = TimeGrid::new();
         let column = population.column();
         let prediction = Prediction::compute(column, &properties, &impact, self.sensors(), &grid)?;
-        let member = Member::new(index, unknowns, prediction, 0.0, 0);
+        let light = hypothesis.light_front(&unknowns, population.impact_point_mass);
+        let member = Member::new(index, unknowns, prediction, 0.0, light, 0);
         let factors: Vec<f64> = self
             .sensors()
             .iter()
             .map(|it| 1.0 + ModelError::of(it.quantity).scale * random.normal())
             .collect();
-        let [exact, readings] = self.readings_of(&member.prediction, &grid, &factors, &mut random);
+        let errors = (factors.as_slice(), light);
+        let [exact, readings] = self.readings_of(&member.prediction, &grid, errors, &mut random);
         let report = &member.prediction.report;
         let at_impact = self.sensors().iter().position(|it| {
             it.quantity == Quantity::Displacement && it.height == properties.length_below
@@ -117,12 +119,13 @@ impl Estimator {
         libm::exp(drawn.map_or(known, |it| it.mean + it.deviation * random.normal()))
     }
 
-    /// The readings of all sensors without and with their noise; `factors` are those between column and model.
+    /// The readings of all sensors without and with their noise; the errors are the factors between column and model, and that of motions
+    /// under a light front.
     fn readings_of(
         &self,
         prediction: &Prediction,
         grid: &TimeGrid,
-        factors: &[f64],
+        (factors, light): (&[f64], f64),
         random: &mut Random,
     ) -> [Readings; 2] {
         let samples = ((LEAD + HORIZON) / PERIOD).round() as usize;
@@ -141,7 +144,7 @@ impl Estimator {
                     .iter()
                     .map(|time| factor * (at(time + half) - at(time - half)) / PERIOD)
                     .collect();
-                self.with_model_error(sensor, &times, exact, random)
+                self.with_model_error((sensor, light), &times, exact, random)
             })
             .collect();
         let table = |value: &mut dyn FnMut(&Sensor, f64) -> f64| {
@@ -166,7 +169,7 @@ impl Estimator {
     /// Readings with an error of the model that is one number in each block.
     fn with_model_error(
         &self,
-        sensor: &Sensor,
+        (sensor, light): (&Sensor, f64),
         times: &[f64],
         mut exact: Vec<f64>,
         random: &mut Random,
@@ -192,6 +195,8 @@ impl Estimator {
                 },
             );
             let (carried, variance) = error.given(before.as_ref().map(|it| &it.0), &now);
+            let waves = light * mean.in_waves;
+            let variance = variance + waves * waves;
             let last = before.map_or(0.0, |(_, last)| last);
             let own = carried * last + variance.max(0.0).sqrt() * random.normal();
             let inside = block.start..block.start + block.length;

@@ -31,7 +31,7 @@ pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
             let mut each = sensors.iter().zip(&blocks).enumerate();
             each.all(|(index, (sensor, &blocks))| {
                 let error = ModelError::of(sensor.quantity);
-                Fit::new(member.sums(index), error).squares <= CONTRADICTION * blocks as f64
+                member.fit(index, error).squares <= CONTRADICTION * blocks as f64
             })
         })
 }
@@ -101,10 +101,8 @@ pub(crate) fn contradictions(
         .iter()
         .map(|member| {
             let each = sensors.iter().enumerate();
-            each.map(|(index, sensor)| {
-                Fit::new(member.sums(index), ModelError::of(sensor.quantity))
-            })
-            .collect()
+            each.map(|(index, sensor)| member.fit(index, ModelError::of(sensor.quantity)))
+                .collect()
         })
         .collect();
     let (mut doubtful, mut ignored) = (vec![false; count], vec![false; count]);

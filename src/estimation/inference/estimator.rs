@@ -124,8 +124,6 @@ pub struct Estimator {
     pub(super) yield_strain: f64,
     /// Period of the column's first transverse mode \[s\].
     pub(super) period: f64,
-    /// Mass that the model has there \[kg\].
-    pub(super) impact_point_mass: f64,
     undamaged: UndamagedCapacities,
     /// Displacement of the impact point before the impact \[m\].
     pub(super) rest_v1: f64,
@@ -171,12 +169,17 @@ impl Estimator {
         Ok(Self {
             undamaged: UndamagedCapacities::new(parameters, &properties),
             rest_v1: column.state(&model).displacement.v1,
-            population: Population::new(column, properties, of_population, hypotheses, seed),
+            population: Population::new(
+                column,
+                (properties, model.impact_point_mass),
+                of_population,
+                hypotheses,
+                seed,
+            ),
             doubtful: vec![false; sensors.len()],
             off_scale: vec![false; sensors.len()],
             sensors,
             period: first_period(&properties),
-            impact_point_mass: model.impact_point_mass,
             yield_strain: steel.yield_strength / steel.young_modulus,
             parameters: parameters.clone(),
             blocks: None,
@@ -342,6 +345,13 @@ impl Estimator {
         let sensors = 0..self.sensors.len();
         self.highest = sensors.map(|it| blocks.records(it, until)).collect();
         self.failed = blocks.failed(until);
+    }
+
+    /// Time after contact until which data are used \[s\].
+    pub(super) fn seen(&self) -> f64 {
+        let blocks = self.blocks.as_ref().map(Blocks::layout);
+        let last = blocks.and_then(|it| it.get(self.observed.checked_sub(1)?));
+        last.map_or(0.0, |it| it.start + it.length)
     }
 
     /// Gives at most `count` responses from `first` on that were never weighed a first impression, in this thread; returns

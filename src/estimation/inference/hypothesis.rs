@@ -1,6 +1,7 @@
 //! What may have struck the column, before anything is measured.
 
 use crate::column::{CrushCurve, CrushSpring, Impact, Vehicle};
+use crate::estimation::inference::model_error::light_front;
 use crate::parameters::{Parameters, vehicle_catalogue};
 
 /// Most unknowns of a hypothesis: the logarithms of mass, velocity, factor of the front, factor of the yield strength, and those
@@ -195,6 +196,15 @@ impl Hypothesis {
             Front::Rigid => Some(libm::exp(unknowns[0])),
             Front::TwoMasses => Some(libm::exp(unknowns[0] + unknowns[UNKNOWNS - 1])),
             Front::Elastic | Front::Plateau | Front::Vehicle(_) => None,
+        }
+    }
+
+    /// Error of motions under a rigid vehicle that is light beside this mass of the model at the impact point \[kg\], relative to the largest
+    /// reading; 0 for others. A hard front with something behind it does not have it: what follows it would explain any hit then.
+    pub(crate) fn light_front(&self, unknowns: &[f64; UNKNOWNS], impact_point_mass: f64) -> f64 {
+        match self.front {
+            Front::Rigid => light_front(impact_point_mass / libm::exp(unknowns[0])),
+            _ => 0.0,
         }
     }
 

@@ -36,8 +36,12 @@ pub(crate) struct Member {
     pub known_drawn: usize,
     /// Blocks whose data are in the sums.
     pub seen: usize,
+    /// Square of the error of motions by a light front, see [`light_front`](super::model_error::light_front).
+    wavy: f64,
     /// For each instant of contact and group of sensors.
     sums: Vec<Sums>,
+    /// For each group of sensors the logarithm of how much less likely any reading is by the error of a light front.
+    costs: Vec<Lanes>,
     /// Action and capacity ratio, once they were computed; `None` in it if they cannot be.
     pub assessed: Option<Option<(Action, f64)>>,
     /// The most likely instant of contact, among those that are considered.
@@ -70,7 +74,7 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    pub fn new([squares, cross, predicted]: [f64; 3], error: ModelError) -> Self {
+    fn new([squares, cross, predicted]: [f64; 3], error: ModelError) -> Self {
         let prior = 1.0 / (error.scale * error.scale);
         let information = predicted + prior;
         let squares = squares - cross * cross / information;
@@ -90,6 +94,7 @@ impl Sums {
         shift: usize,
         group: usize,
         prediction: &Prediction,
+        wavy: f64,
     ) {
         // The errors of the block before are what those of the first one follow.
         let from = first.saturating_sub(1);
@@ -109,10 +114,11 @@ impl Sums {
                 let error = terms.means[k] - predicted;
                 let new_error = error - terms.carried[k] * last_error[k];
                 let new_predicted = predicted - terms.carried[k] * last_predicted[k];
-                let weighed = counts * terms.precisions[k] * new_error;
+                let precision = counts * terms.precisions[k] / (1.0 + wavy * terms.in_waves[k]);
+                let weighed = precision * new_error;
                 self.squares[k] += weighed * new_error;
                 self.cross[k] += weighed * new_predicted;
-                self.predicted[k] += counts * terms.precisions[k] * new_predicted * new_predicted;
+                self.predicted[k] += precision * new_predicted * new_predicted;
                 (last_error[k], last_predicted[k]) = (error, predicted);
             }
             start = end;
@@ -125,12 +131,13 @@ impl Sums {
 }
 
 impl Member {
-    /// Before any data.
+    /// Before any data. `light` is the error of motions by a light front.
     pub fn new(
         hypothesis: usize,
         unknowns: [f64; UNKNOWNS],
         prediction: Prediction,
         log_prior: f64,
+        light: f64,
         groups: usize,
     ) -> Self {
         Self {
@@ -143,7 +150,9 @@ impl Member {
             log_drawn: f64::NEG_INFINITY,
             known_drawn: 0,
             seen: 0,
+            wavy: light * light,
             sums: vec![NO_SUMS; SHIFTS * groups],
+            costs: vec![ZERO; groups],
             assessed: None,
             shift: SHIFTS / 2,
             delay: 0.0,
@@ -153,7 +162,8 @@ impl Member {
 
     /// Bytes that a member takes without its prediction.
     pub fn bytes(sensors: &[Sensor]) -> usize {
-        size_of::<Self>() + SHIFTS * lanes(sensors.len()).len() * size_of::<Sums>()
+        let of_group = SHIFTS * size_of::<Sums>() + size_of::<Lanes>();
+        size_of::<Self>() + lanes(sensors.len()).len() * of_group
     }
 
     /// Back to what it was before any data. What was assessed does not depend on them.
@@ -161,6 +171,7 @@ impl Member {
         (self.known_drawn, self.log_drawn) = (0, f64::NEG_INFINITY);
         self.seen = 0;
         self.sums.fill(NO_SUMS);
+        self.costs.fill(ZERO);
         (self.log_events, self.log_likelihood) = (0.0, 0.0);
         (self.shift, self.delay, self.scale) = (SHIFTS / 2, 0.0, NO_SCALE);
     }
@@ -181,13 +192,29 @@ impl Member {
         self.sums[self.shift * groups + sensor / WIDTH].of(sensor % WIDTH)
     }
 
+    /// How well it explains what a sensor reads, at the most likely instant of contact.
+    pub fn fit(&self, sensor: usize, error: ModelError) -> Fit {
+        let fit = Fit::new(self.sums(sensor), error);
+        Fit {
+            log_likelihood: fit.log_likelihood - self.costs[sensor / WIDTH][sensor % WIDTH],
+            ..fit
+        }
+    }
+
     /// Takes all blocks that are not in the sums yet.
     pub fn weigh(&mut self, weighing: &Weighing) {
         let blocks = &weighing.blocks;
         let groups = self.sums.len() / SHIFTS;
         for (shift, sums) in self.sums.chunks_exact_mut(groups).enumerate() {
             for (group, sums) in sums.iter_mut().enumerate() {
-                sums.take(blocks, self.seen, shift, group, &self.prediction);
+                sums.take(blocks, self.seen, shift, group, &self.prediction, self.wavy);
+            }
+        }
+        for (group, costs) in self.costs.iter_mut().enumerate() {
+            for block in &blocks[self.seen..] {
+                for (cost, in_waves) in costs.iter_mut().zip(block.terms[group].in_waves) {
+                    *cost += 0.5 * libm::log1p(self.wavy * in_waves);
+                }
             }
         }
         self.seen = blocks.len();
@@ -205,7 +232,7 @@ impl Member {
         for (shift, log) in logs.iter_mut().enumerate() {
             for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
                 let mut sums = NO_SUMS;
-                sums.take(blocks, first, shift, group, &self.prediction);
+                sums.take(blocks, first, shift, group, &self.prediction, self.wavy);
                 for (lane, sensor) in sensors.iter().enumerate() {
                     if !sensor.is_ignored {
                         let [squares, cross, predicted] = sums.of(lane);
@@ -224,14 +251,15 @@ impl Member {
         let mut ratios = [1.0; SHIFTS];
         let mut scales = [NO_SCALE; SHIFTS];
         for (shift, sums) in self.sums.chunks_exact(groups).enumerate() {
-            for (sums, sensors) in sums.iter().zip(weighing.sensors.chunks(WIDTH)) {
+            let each = sums.iter().zip(&self.costs);
+            for ((sums, costs), sensors) in each.zip(weighing.sensors.chunks(WIDTH)) {
                 for (lane, sensor) in sensors.iter().enumerate() {
                     if sensor.is_ignored {
                         continue;
                     }
                     let [squares, cross, predicted] = sums.of(lane);
                     let information = predicted + sensor.prior;
-                    logs[shift] -= 0.5 * (squares - cross * cross / information);
+                    logs[shift] -= 0.5 * (squares - cross * cross / information) + costs[lane];
                     // One logarithm for all sensors and instants: they would take most of the time.
                     let ratio = &mut ratios[shift];
                     *ratio *= information / sensor.prior;

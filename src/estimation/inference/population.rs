@@ -14,7 +14,7 @@ use crate::estimation::inference::contradiction::{
     scale_ratio,
 };
 use crate::estimation::inference::drawn::{Drawn, independent};
-use crate::estimation::inference::event_evidence::EventEvidence;
+use crate::estimation::inference::event_evidence::{EventEvidence, log_events};
 use crate::estimation::inference::hypothesis::{Front, Hypothesis, OF_ONE_FACTOR, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
 use crate::estimation::inference::member::{Member, log_sum};
@@ -128,6 +128,8 @@ impl Round {
 pub(crate) struct Population {
     column: StandingColumn,
     properties: ColumnProperties,
+    /// Mass that the model has at the impact point \[kg\].
+    pub impact_point_mass: f64,
     sensors: Vec<Sensor>,
     grid: TimeGrid,
     pub hypotheses: Vec<Hypothesis>,
@@ -150,10 +152,10 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// For a column with these properties.
+    /// For a column with these properties, and with this mass that the model has at the impact point \[kg\].
     pub fn new(
         column: StandingColumn,
-        properties: ColumnProperties,
+        (properties, impact_point_mass): (ColumnProperties, f64),
         sensors: Vec<Sensor>,
         hypotheses: Vec<Hypothesis>,
         seed: u64,
@@ -161,6 +163,7 @@ impl Population {
         Self {
             column,
             properties,
+            impact_point_mass,
             ignored: vec![false; sensors.len()],
             temperature: 1.0,
             sensors,
@@ -362,7 +365,8 @@ impl Population {
         let (column, sensors) = (&self.column, &self.sensors);
         let prediction = Prediction::compute(column, &properties, &impact, sensors, &self.grid)?;
         let groups = lanes(sensors.len()).len();
-        let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, groups);
+        let light = self.hypotheses[hypothesis].light_front(&unknowns, self.impact_point_mass);
+        let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, light, groups);
         member.log_events = log_events(&self.events, &unknowns);
         Some(member)
     }
@@ -664,14 +668,6 @@ impl Population {
         };
         self.weighing.take().unwrap_or_else(made)
     }
-}
-
-/// Logarithm of the likelihood of what events say, if these unknowns are true.
-fn log_events(events: &[EventEvidence], unknowns: &[f64; UNKNOWNS]) -> f64 {
-    let each = events
-        .iter()
-        .map(|it| it.log_likelihood(unknowns[0], unknowns[1]));
-    each.fold(0.0, |sum, it| sum + it)
 }
 
 /// The column with its yield strength times a factor.

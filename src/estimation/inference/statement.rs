@@ -55,6 +55,16 @@ const CONTRADICTED: f64 = 0.5;
 /// Factor by which hypotheses that are wrong may miss a peak \[A\]. A sensor that is further off is broken.
 const MISSED_PEAK: f64 = 2.0;
 
+/// Least share of the mass of a response that a light vehicle is taken to have by the mass of the column that moves with it \[A\].
+const LEAST_SHARE_OF_MASS: f64 = 0.25;
+
+/// Probability that a vehicle whose front acts as one of the catalogue is another one \[A\].
+const UNLIKE_CATALOGUE: f64 = 0.5;
+
+/// Standard deviation of the logarithm of the impulse that a front is still to deliver by one hypothesis \[A\]: how the front goes on is told by no
+/// data.
+const TO_COME: f64 = 1.0;
+
 /// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
 const RANGE_PARTS: u32 = 5;
 
@@ -65,9 +75,21 @@ impl Estimator {
         let Some(striking) = hypothesis.hard_mass(&member.unknowns) else {
             return IMPACT_ERROR;
         };
-        let ratio = self.impact_point_mass / striking;
+        let ratio = self.population.impact_point_mass / striking;
         let [size, most] = LIGHT_ERROR[usize::from(of_momentum)];
         libm::hypot(IMPACT_ERROR, (size * ratio * ratio.sqrt()).min(most))
+    }
+
+    /// Mass of the column that the model does not have at the impact point, over that of a vehicle with a hard front; 0 for a soft one.
+    fn column_beside(&self, member: &Member) -> f64 {
+        let hypothesis = &self.population.hypotheses[member.hypothesis];
+        if hypothesis.hard_mass(&member.unknowns).is_none() {
+            return 0.0;
+        }
+        let properties = self.population.properties();
+        let length = properties.length_below + properties.length_above;
+        let beside = properties.mass_per_length * length - self.population.impact_point_mass;
+        beside.max(0.0) / libm::exp(member.unknowns[0])
     }
 
     /// Probability that the part of a vehicle that a member has is only its light, hard front, behind which there is more, and the share
@@ -81,9 +103,21 @@ impl Estimator {
             return (0.0, 1.0);
         };
         let [from, to] = LIGHT_RATIO;
-        let ratio = self.impact_point_mass / hard;
+        let ratio = self.population.impact_point_mass / hard;
         let hidden = HIDDEN * ((ratio - from) / (to - from)).clamp(0.0, 1.0);
         (hidden, hard / libm::exp(member.unknowns[0]))
+    }
+
+    /// Share of the impulse of a soft front that is still to come, about: by the share of the time of its contact. A hard front delivers most
+    /// of its impulse at once.
+    fn to_come(&self, member: &Member) -> f64 {
+        let hypothesis = &self.population.hypotheses[member.hypothesis];
+        if hypothesis.hard_mass(&member.unknowns).is_some() {
+            return 0.0;
+        }
+        let report = &member.prediction.report;
+        let left = report.release_time.unwrap_or(report.end_time);
+        (1.0 - (self.seen() - member.delay) / left).clamp(0.0, 1.0)
     }
 
     /// The hypotheses with their probabilities. A vehicle with a light, hard front may be either of the two kinds that have one.
@@ -262,18 +296,52 @@ impl Estimator {
         // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
         let shows = if is_moving { of_mass } else { of_velocity };
         let [low, high] = if shows > 0.0 { open } else { [0.0; 2] };
-        let parts = if high > low { RANGE_PARTS } else { 1 };
+        // A light vehicle is lighter and faster than one that moves the column of the model alike: at most the whole column moves with it.
+        let with_it = self.column_beside(member);
+        let lighter = move |share: f64| {
+            (of_mass - of_velocity) * libm::log1p(-(share * with_it).min(1.0 - LEAST_SHARE_OF_MASS))
+        };
+        let parts = if high > low || with_it > 0.0 {
+            RANGE_PARTS
+        } else {
+            1
+        };
         let width = (high - low) / f64::from(parts);
-        let model = self.impact_error(member, of_mass > 0.0 && of_velocity > 0.0);
+        // The readings tell about the momentum, and leave open how it is shared by mass and speed.
+        let is_share = of_mass == 0.0 || of_velocity == 0.0;
+        let mut model = self.impact_error(member, !is_share);
+        if is_share {
+            model = libm::hypot(model, of_mass * TO_COME * self.to_come(member));
+        }
         // Each part is a normal distribution of the variance of a uniform one.
         let deviation = libm::hypot(model, width / 12.0_f64.sqrt());
         let (hidden, hard) = self.hidden(member);
         let hidden = if of_mass > 0.0 { hidden } else { 0.0 };
+        let front = &self.population.hypotheses[member.hypothesis].front;
+        let unlike = match front {
+            Front::Vehicle(_) if is_share => UNLIKE_CATALOGUE,
+            _ => 0.0,
+        };
         let own = (0..parts).map(move |part| Spread {
-            mean: known + low + (f64::from(part) + 0.5) * width,
+            mean: known
+                + low
+                + (f64::from(part) + 0.5) * width
+                + lighter((f64::from(part) + 0.5) / f64::from(parts)),
             deviation,
-            weight: weight * (1.0 - hidden) / f64::from(parts),
+            weight: weight * (1.0 - hidden) * (1.0 - unlike) / f64::from(parts),
         });
+        // The force of a front leaves open how heavy and how fast the vehicle is whose momentum it shows.
+        let momentum = member.unknowns[0] + member.unknowns[1] + 0.5 * (open[0] + open[1]);
+        let scatter = libm::hypot(IMPACT_ERROR, (open[1] - open[0]) / 12.0_f64.sqrt());
+        let scatter = libm::hypot(scatter, TO_COME * self.to_come(member));
+        let other = Spread {
+            weight: weight * unlike,
+            ..any_vehicle(
+                &self.population.hypotheses,
+                [of_mass, of_velocity],
+                [momentum, scatter],
+            )
+        };
         // What may be behind a light front is as heavy as before anything is measured.
         let [front_share, scatter] = FRONT_SHARE;
         let behind = Spread {
@@ -281,7 +349,7 @@ impl Estimator {
             deviation: libm::hypot(model, scatter),
             weight: weight * hidden,
         };
-        own.chain(std::iter::once(behind))
+        own.chain([behind, other])
     }
 
     /// The logarithm of the largest momentum that is probable before anything is measured.
@@ -482,6 +550,34 @@ fn spread_before(
         deviation: libm::hypot(of_mass * it.deviation[0], of_velocity * it.deviation[1]),
         weight: it.probability,
     })
+}
+
+/// What is known of these powers of mass and speed, multiplied, of a vehicle of any kind whose momentum has this logarithm with this standard
+/// deviation: normal laws of both before anything is measured, given it. With the weight 1.
+fn any_vehicle(
+    hypotheses: &[Hypothesis],
+    [of_mass, of_velocity]: [f64; 2],
+    [momentum, scatter]: [f64; 2],
+) -> Spread {
+    let before = |powers| {
+        let (mut first, mut second) = (0.0, 0.0);
+        for it in spread_before(hypotheses, powers) {
+            first += it.weight * it.mean;
+            second += it.weight * (it.mean * it.mean + it.deviation * it.deviation);
+        }
+        [first, second - first * first]
+    };
+    let [[mass, of_masses], [velocity, of_velocities]] = [before([1.0, 0.0]), before([0.0, 1.0])];
+    let total = of_masses + of_velocities + scatter * scatter;
+    let shared = of_mass * of_masses + of_velocity * of_velocities;
+    let own = of_mass * of_mass * of_masses + of_velocity * of_velocity * of_velocities;
+    Spread {
+        mean: of_mass * mass
+            + of_velocity * velocity
+            + shared / total * (momentum - mass - velocity),
+        deviation: (own - shared * shared / total).max(0.0).sqrt(),
+        weight: 1.0,
+    }
 }
 
 /// What a response leaves open of the momentum: logarithms of its bounds over the momentum of the response, and whether the vehicle

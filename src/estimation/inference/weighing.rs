@@ -46,12 +46,15 @@ pub(crate) struct Terms {
     pub precisions: Lanes,
     /// The error that is expected, relative to that in the block before.
     pub carried: Lanes,
+    /// Square of [`BlockMean::in_waves`] times the precision.
+    pub in_waves: Lanes,
 }
 
 const NO_TERMS: Terms = Terms {
     means: ZERO,
     precisions: ZERO,
     carried: ZERO,
+    in_waves: ZERO,
 };
 
 #[derive(Debug, Clone, Copy)]
@@ -93,6 +96,7 @@ impl Weighing {
                     terms.means[lane] = it.mean;
                     terms.precisions[lane] = 1.0 / variance.max(f64::MIN_POSITIVE);
                     terms.carried[lane] = carried;
+                    terms.in_waves[lane] = it.in_waves * it.in_waves * terms.precisions[lane];
                 }
             }
             WeighedBlock {
