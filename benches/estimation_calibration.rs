@@ -237,9 +237,10 @@ fn main() {
             let truth = [Some(mass), Some(velocity), Some(momentum), peak];
             if prints_each {
                 println!(
-                    "{kind}, seed {seed}: {mass:.0} kg at {velocity:.2} m/s, peak {:.2} mm, J/(m v) {:.2}, yielded {}, released {}, \
+                    "{kind}, seed {seed}: {mass:.0} kg at {velocity:.2} m/s, peak {:.2} mm at {:.0} ms, J/(m v) {:.2}, yielded {}, released {}, \
                      collapsed {}",
                     1e3 * signal.truth.peak[0],
+                    1e3 * signal.truth.peak[1],
                     signal.truth.impulse / momentum,
                     signal.truth.yielded,
                     signal.truth.released,

@@ -149,9 +149,9 @@ fn the_command_estimate_writes_a_report_and_figures() {
     assert_eq!((code, stderr.as_str()), (0, ""));
     let html = std::fs::read_to_string(folder.path().join("detected.html")).expect("a report");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
-    let mass = json["mass_kg"]["mean"].as_f64().expect("a mass");
-    let mass = column_twin::figures::units::significant(mass, 3);
-    assert!(html.contains(&format!("{mass} kg</td>")), "{mass}");
+    let momentum = json["momentum_n_s"]["mean"].as_f64().expect("a momentum");
+    let momentum = column_twin::figures::units::significant(1e-3 * momentum, 3);
+    assert!(html.contains(&format!("{momentum} kN s</td>")), "{momentum}");
     let figures = [
         "estimate_forecast",
         "sensor_accelerometer",

@@ -36,8 +36,8 @@ pub(crate) struct Member {
     pub known_drawn: usize,
     /// Blocks whose data are in the sums.
     pub seen: usize,
-    /// Square of the error of motions by a light front, see [`light_front`](super::model_error::light_front).
-    wavy: f64,
+    /// Error of motions by a light front, see [`light_front`](super::model_error::light_front).
+    pub light: f64,
     /// For each instant of contact and group of sensors.
     sums: Vec<Sums>,
     /// For each group of sensors the logarithm of how much less likely any reading is by the error of a light front.
@@ -150,7 +150,7 @@ impl Member {
             log_drawn: f64::NEG_INFINITY,
             known_drawn: 0,
             seen: 0,
-            wavy: light * light,
+            light,
             sums: vec![NO_SUMS; SHIFTS * groups],
             costs: vec![ZERO; groups],
             assessed: None,
@@ -205,15 +205,16 @@ impl Member {
     pub fn weigh(&mut self, weighing: &Weighing) {
         let blocks = &weighing.blocks;
         let groups = self.sums.len() / SHIFTS;
+        let wavy = self.light * self.light;
         for (shift, sums) in self.sums.chunks_exact_mut(groups).enumerate() {
             for (group, sums) in sums.iter_mut().enumerate() {
-                sums.take(blocks, self.seen, shift, group, &self.prediction, self.wavy);
+                sums.take(blocks, self.seen, shift, group, &self.prediction, wavy);
             }
         }
         for (group, costs) in self.costs.iter_mut().enumerate() {
             for block in &blocks[self.seen..] {
                 for (cost, in_waves) in costs.iter_mut().zip(block.terms[group].in_waves) {
-                    *cost += 0.5 * libm::log1p(self.wavy * in_waves);
+                    *cost += 0.5 * libm::log1p(wavy * in_waves);
                 }
             }
         }
@@ -228,11 +229,12 @@ impl Member {
         let blocks = &weighing.blocks;
         let first = blocks.len().saturating_sub(count);
         let groups = self.sums.len() / SHIFTS;
+        let wavy = self.light * self.light;
         let mut logs = weighing.log_delays;
         for (shift, log) in logs.iter_mut().enumerate() {
             for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
                 let mut sums = NO_SUMS;
-                sums.take(blocks, first, shift, group, &self.prediction, self.wavy);
+                sums.take(blocks, first, shift, group, &self.prediction, wavy);
                 for (lane, sensor) in sensors.iter().enumerate() {
                     if !sensor.is_ignored {
                         let [squares, cross, predicted] = sums.of(lane);

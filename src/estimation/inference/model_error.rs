@@ -134,7 +134,9 @@ const OF_ANY_FRONT: f64 = 0.1;
 pub(crate) fn light_front(ratio: f64) -> f64 {
     let [size, most] = LIGHT_FRONT;
     let whole = (size * ratio * ratio.sqrt()).min(most);
-    (whole * whole - OF_ANY_FRONT * OF_ANY_FRONT).max(0.0).sqrt()
+    (whole * whole - OF_ANY_FRONT * OF_ANY_FRONT)
+        .max(0.0)
+        .sqrt()
 }
 
 /// Time from contact to the middle of a block \[s\]; negative before contact.

@@ -55,6 +55,10 @@ const CONTRADICTED: f64 = 0.5;
 /// Factor by which hypotheses that are wrong may miss a peak \[A\]. A sensor that is further off is broken.
 const MISSED_PEAK: f64 = 2.0;
 
+/// Periods of the column after a light vehicle has left it within which its vibrations by several modes add up to their largest sum: a
+/// damping of 2 % has reduced them to a third after ten \[A\].
+const VIBRATIONS_OF_LIGHT_FRONTS: f64 = 10.0;
+
 /// Least share of the mass of a response that a light vehicle is taken to have by the mass of the column that moves with it \[A\].
 const LEAST_SHARE_OF_MASS: f64 = 0.25;
 
@@ -188,11 +192,16 @@ impl Estimator {
     }
 
     /// When the column has its peak behind it by one response \[s\]: it does not move further once the vehicle has left it, but for a
-    /// vibration.
+    /// vibration, and for the sum of several under a light front.
     fn past_peak(&self, member: &Member) -> f64 {
         let report = &member.prediction.report;
         let left = report.release_time.unwrap_or(report.max_v1_time);
-        self.contact[0] + member.delay + left.max(report.max_v1_time) + self.period
+        let vibrations = match member.light > 0.0 {
+            true => VIBRATIONS_OF_LIGHT_FRONTS,
+            false => 1.0,
+        };
+        let later = left.max(report.max_v1_time) + vibrations * self.period;
+        self.contact[0] + member.delay + later
     }
 
     /// The sensor that tells the peak, if its readings rise on when by most of the weighted responses the column has its peak behind it.
@@ -261,6 +270,7 @@ impl Estimator {
         let added = report.max_v1 - self.rest_v1;
         let mut peak = (scale * added).max(LEAST_PEAK);
         let error = libm::hypot(PEAK_ERROR, self.impact_error(member, true));
+        let error = libm::hypot(error, member.light);
         let mut deviation = libm::hypot(scatter * added, error * added);
         if let Some(records) = measured {
             let Highest {
@@ -268,8 +278,12 @@ impl Estimator {
                 deviation: noise,
                 ..
             } = records.by(self.past_peak(member));
-            let since = records.seen_until - (self.contact[0] + member.delay);
-            if since > report.max_v1_time {
+            let contact = self.contact[0] + member.delay;
+            let settled = match member.light > 0.0 {
+                true => self.past_peak(member) - contact,
+                false => report.max_v1_time,
+            };
+            if records.seen_until - contact > settled {
                 // Prediction and measurement, each by its precision.
                 let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
                 peak = (own * peak + other * highest) / (own + other);
