@@ -151,7 +151,10 @@ fn the_command_estimate_writes_a_report_and_figures() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let momentum = json["momentum_n_s"]["mean"].as_f64().expect("a momentum");
     let momentum = column_twin::figures::units::significant(1e-3 * momentum, 3);
-    assert!(html.contains(&format!("{momentum} kN s</td>")), "{momentum}");
+    assert!(
+        html.contains(&format!("{momentum} kN s</td>")),
+        "{momentum}"
+    );
     let figures = [
         "estimate_forecast",
         "sensor_accelerometer",
