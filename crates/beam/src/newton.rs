@@ -12,10 +12,6 @@ const MAX_REFINEMENTS: usize = 3;
 /// Trials along a direction.
 const MAX_TRIALS: usize = 8;
 
-/// Growth of the residual, and of its work on the direction, with which a whole step in time is accepted: what flowed unloads there, and
-/// the elastic stiffness beyond finds back sooner than trials along the direction, which belongs to the smaller plastic stiffness.
-const MAX_OVERSHOOT: [f64; 2] = [5.0, 3.0];
-
 /// Residual moments count as forces at this lever \[m\].
 const LEVER: f64 = 0.1;
 
@@ -323,11 +319,9 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         self.has_factored = false;
         beam.begin(state, &mut self.work);
         let mut size = self.evaluate(beam, state, kind, &mut striker);
-        let is_motion = matches!(kind, Kind::Motion { .. });
-        let most = if is_motion {
-            MAX_ITERATIONS
-        } else {
-            2 * MAX_ITERATIONS
+        let most = match kind {
+            Kind::Motion { .. } => MAX_ITERATIONS,
+            Kind::Equilibrium => 2 * MAX_ITERATIONS,
         };
         let mut refinements = 0;
         for _ in 0..most {
@@ -351,8 +345,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             let start: f64 = self.slope();
             self.increments.clone_from_slice(&self.tried);
             self.shear = self.tried_shear;
-            let (mut low, mut high) = ((0.0, start), None::<(f64, f64)>);
-            let mut was_low = false;
+            let (mut low, mut high) = ((0.0, start), None);
             let mut share = 1.0;
             let before = size;
             for trial in 0..MAX_TRIALS {
@@ -370,13 +363,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                 }
                 let new = self.evaluate(beam, state, kind, &mut striker);
                 let slope = self.slope();
-                let [grown, turned] = MAX_OVERSHOOT;
-                let enough = slope.abs() <= 0.6 * start.abs()
-                    || new <= 0.3 * before
-                    || is_motion
-                        && trial == 0
-                        && new <= grown * before
-                        && slope.abs() <= turned * start.abs();
+                let enough = slope.abs() <= 0.6 * start.abs() || new <= 0.3 * before;
                 if (enough || trial + 1 == MAX_TRIALS || start >= 0.0) && new.is_finite() {
                     size = new;
                     break;
@@ -386,19 +373,12 @@ impl<const D: usize, const R: usize> Solver<D, R> {
                     size = f64::NAN;
                     continue;
                 }
-                // Regula falsi: the slope of a convex function rises through zero. An end that stays counts half (Illinois).
+                // Regula falsi: the slope of a convex function rises through zero.
                 if slope < 0.0 {
-                    if was_low {
-                        high = high.map(|(above, slope)| (above, 0.5 * slope));
-                    }
                     low = (share, slope);
                 } else {
-                    if trial > 0 && !was_low {
-                        low.1 *= 0.5;
-                    }
                     high = Some((share, slope));
                 }
-                was_low = slope < 0.0;
                 size = new;
                 let Some((above, slope_above)) = high else {
                     break;
