@@ -104,9 +104,9 @@ impl Estimator {
 
     /// The momentum, among those that the response of this member leaves open.
     fn drawn_momentum(&self, member: &Member, random: &mut Random) -> f64 {
-        let largest = self.largest_momentum();
+        let before = self.before_impact();
         let mut at = random.uniform();
-        let open = self.spread_of_vehicle(member, 1.0, [1.0, 1.0], largest);
+        let open = self.spread_of_vehicle(member, 1.0, [1.0, 1.0], &before);
         let mut drawn = None;
         for it in open.filter(|it| it.weight > 0.0) {
             drawn = Some(it);

@@ -65,8 +65,7 @@ const LEAST_SHARE_OF_MASS: f64 = 0.25;
 /// Probability that a vehicle whose front acts as one of the catalogue is another one \[A\].
 const UNLIKE_CATALOGUE: f64 = 0.5;
 
-/// Standard deviation of the logarithm of the impulse that a front is still to deliver by one hypothesis \[A\]: how the front goes on is told by no
-/// data.
+/// Standard deviation of the logarithm of the mass behind a soft front of which no data tell anything yet \[A\].
 const TO_COME: f64 = 1.0;
 
 /// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
@@ -273,17 +272,18 @@ impl Estimator {
         let error = libm::hypot(error, member.light);
         let mut deviation = libm::hypot(scatter * added, error * added);
         if let Some(records) = measured {
+            let past_peak = self.past_peak(member);
             let Highest {
                 value: highest,
                 deviation: noise,
                 ..
-            } = records.by(self.past_peak(member));
-            let contact = self.contact[0] + member.delay;
+            } = records.by(past_peak);
+            // What several vibrations add up to is the peak only when they are over.
             let settled = match member.light > 0.0 {
-                true => self.past_peak(member) - contact,
-                false => report.max_v1_time,
+                true => past_peak,
+                false => self.contact[0] + member.delay + report.max_v1_time,
             };
-            if records.seen_until - contact > settled {
+            if records.seen_until > settled {
                 // Prediction and measurement, each by its precision.
                 let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
                 peak = (own * peak + other * highest) / (own + other);
@@ -296,16 +296,17 @@ impl Estimator {
     }
 
     /// What a member with this weight says of these powers of mass and speed, multiplied: logarithms. Their distributions are skew, and
-    /// the mean is that of the logarithm. A front that is crushed leaves the momentum open, and the speed with it, up to this logarithm
-    /// of the largest momentum that is probable before anything is measured.
+    /// the mean is that of the logarithm. A front that is crushed leaves the momentum open, and the speed with it, up to the largest
+    /// momentum that is probable before anything is measured.
     pub(super) fn spread_of_vehicle(
         &self,
         member: &Member,
         weight: f64,
         [of_mass, of_velocity]: [f64; 2],
-        largest: f64,
-    ) -> impl Iterator<Item = Spread> {
+        before: &BeforeImpact,
+    ) -> impl Iterator<Item = Spread> + use<> {
         let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
+        let largest = before.largest_momentum;
         let (open, is_moving) = open_momentum(&member.prediction.report, member, largest);
         // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
         let shows = if is_moving { of_mass } else { of_velocity };
@@ -324,8 +325,9 @@ impl Estimator {
         // The readings tell about the momentum, and leave open how it is shared by mass and speed.
         let is_share = of_mass == 0.0 || of_velocity == 0.0;
         let mut model = self.impact_error(member, !is_share);
+        let to_come = TO_COME * self.to_come(member);
         if is_share {
-            model = libm::hypot(model, of_mass * TO_COME * self.to_come(member));
+            model = libm::hypot(model, of_mass * to_come);
         }
         // Each part is a normal distribution of the variance of a uniform one.
         let deviation = libm::hypot(model, width / 12.0_f64.sqrt());
@@ -347,15 +349,11 @@ impl Estimator {
         // The force of a front leaves open how heavy and how fast the vehicle is whose momentum it shows.
         let momentum = member.unknowns[0] + member.unknowns[1] + 0.5 * (open[0] + open[1]);
         let scatter = libm::hypot(IMPACT_ERROR, (open[1] - open[0]) / 12.0_f64.sqrt());
-        let scatter = libm::hypot(scatter, TO_COME * self.to_come(member));
-        let other = Spread {
+        let scatter = libm::hypot(scatter, to_come);
+        let other = (unlike > 0.0).then(|| Spread {
             weight: weight * unlike,
-            ..any_vehicle(
-                &self.population.hypotheses,
-                [of_mass, of_velocity],
-                [momentum, scatter],
-            )
-        };
+            ..before.with_momentum([of_mass, of_velocity], [momentum, scatter])
+        });
         // What may be behind a light front is as heavy as before anything is measured.
         let [front_share, scatter] = FRONT_SHARE;
         let behind = Spread {
@@ -363,12 +361,12 @@ impl Estimator {
             deviation: libm::hypot(model, scatter),
             weight: weight * hidden,
         };
-        own.chain([behind, other])
+        own.chain([behind]).chain(other)
     }
 
-    /// The logarithm of the largest momentum that is probable before anything is measured.
-    pub(super) fn largest_momentum(&self) -> f64 {
-        libm::log(prior(&self.population.hypotheses, [1.0, 1.0]).high)
+    /// What is known of the vehicle before anything is measured.
+    pub(super) fn before_impact(&self) -> BeforeImpact {
+        BeforeImpact::of(&self.population.hypotheses)
     }
 
     /// The members with their weights, as far as these count.
@@ -383,9 +381,9 @@ impl Estimator {
     /// See [`Estimator::spread_of_vehicle`] and [`Estimator::explained`]. A vehicle of an unknown kind has the mass and the speed that are
     /// probable before anything is measured.
     fn spread_of_vehicles(&self, weights: &[f64], explained: f64, powers: [f64; 2]) -> Vec<Spread> {
-        let largest = self.largest_momentum();
+        let before = self.before_impact();
         let members = self.weighted(weights).flat_map(|(member, weight)| {
-            self.spread_of_vehicle(member, explained * weight, powers, largest)
+            self.spread_of_vehicle(member, explained * weight, powers, &before)
         });
         let unknown = spread_before(&self.population.hypotheses, powers).map(|it| Spread {
             weight: (1.0 - explained) * it.weight,
@@ -566,31 +564,48 @@ fn spread_before(
     })
 }
 
-/// What is known of these powers of mass and speed, multiplied, of a vehicle of any kind whose momentum has this logarithm with this standard
-/// deviation: normal laws of both before anything is measured, given it. With the weight 1.
-fn any_vehicle(
-    hypotheses: &[Hypothesis],
-    [of_mass, of_velocity]: [f64; 2],
-    [momentum, scatter]: [f64; 2],
-) -> Spread {
-    let before = |powers| {
-        let (mut first, mut second) = (0.0, 0.0);
-        for it in spread_before(hypotheses, powers) {
-            first += it.weight * it.mean;
-            second += it.weight * (it.mean * it.mean + it.deviation * it.deviation);
+/// What is known of a vehicle of any kind before anything is measured: logarithms.
+pub(super) struct BeforeImpact {
+    /// The largest momentum that is probable.
+    largest_momentum: f64,
+    /// Mass and speed, each with its variance.
+    laws: [[f64; 2]; 2],
+}
+
+impl BeforeImpact {
+    fn of(hypotheses: &[Hypothesis]) -> Self {
+        let law = |powers| {
+            let (mut first, mut second) = (0.0, 0.0);
+            for it in spread_before(hypotheses, powers) {
+                first += it.weight * it.mean;
+                second += it.weight * (it.mean * it.mean + it.deviation * it.deviation);
+            }
+            [first, second - first * first]
+        };
+        Self {
+            largest_momentum: libm::log(prior(hypotheses, [1.0, 1.0]).high),
+            laws: [law([1.0, 0.0]), law([0.0, 1.0])],
         }
-        [first, second - first * first]
-    };
-    let [[mass, of_masses], [velocity, of_velocities]] = [before([1.0, 0.0]), before([0.0, 1.0])];
-    let total = of_masses + of_velocities + scatter * scatter;
-    let shared = of_mass * of_masses + of_velocity * of_velocities;
-    let own = of_mass * of_mass * of_masses + of_velocity * of_velocity * of_velocities;
-    Spread {
-        mean: of_mass * mass
-            + of_velocity * velocity
-            + shared / total * (momentum - mass - velocity),
-        deviation: (own - shared * shared / total).max(0.0).sqrt(),
-        weight: 1.0,
+    }
+
+    /// These powers of mass and speed, multiplied, of a vehicle whose momentum has this logarithm with this standard deviation: normal laws of
+    /// both, given the momentum. With the weight 1.
+    fn with_momentum(
+        &self,
+        [of_mass, of_velocity]: [f64; 2],
+        [momentum, scatter]: [f64; 2],
+    ) -> Spread {
+        let [[mass, of_masses], [velocity, of_velocities]] = self.laws;
+        let total = of_masses + of_velocities + scatter * scatter;
+        let shared = of_mass * of_masses + of_velocity * of_velocities;
+        let own = of_mass * of_mass * of_masses + of_velocity * of_velocity * of_velocities;
+        Spread {
+            mean: of_mass * mass
+                + of_velocity * velocity
+                + shared / total * (momentum - mass - velocity),
+            deviation: (own - shared * shared / total).max(0.0).sqrt(),
+            weight: 1.0,
+        }
     }
 }
 
