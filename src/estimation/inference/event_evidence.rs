@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::estimation::inference::hypothesis::UNKNOWNS;
 use crate::exact_number;
 
 /// Most events that count for one impact.
@@ -44,6 +45,14 @@ impl EventEvidence {
             + square(self.velocity, self.velocity_deviation, log_velocity);
         libm::log(libm::exp(-0.5 * squares) + WRONG)
     }
+}
+
+/// Logarithm of the likelihood of what events say, if these unknowns are true.
+pub(crate) fn log_events(events: &[EventEvidence], unknowns: &[f64; UNKNOWNS]) -> f64 {
+    let each = events
+        .iter()
+        .map(|it| it.log_likelihood(unknowns[0], unknowns[1]));
+    each.fold(0.0, |sum, it| sum + it)
 }
 
 #[cfg(test)]

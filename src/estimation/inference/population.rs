@@ -14,7 +14,7 @@ use crate::estimation::inference::contradiction::{
     scale_ratio,
 };
 use crate::estimation::inference::drawn::{Drawn, independent};
-use crate::estimation::inference::event_evidence::EventEvidence;
+use crate::estimation::inference::event_evidence::{EventEvidence, log_events};
 use crate::estimation::inference::hypothesis::{Front, Hypothesis, OF_ONE_FACTOR, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
 use crate::estimation::inference::member::{Member, log_sum};
@@ -668,14 +668,6 @@ impl Population {
         };
         self.weighing.take().unwrap_or_else(made)
     }
-}
-
-/// Logarithm of the likelihood of what events say, if these unknowns are true.
-fn log_events(events: &[EventEvidence], unknowns: &[f64; UNKNOWNS]) -> f64 {
-    let each = events
-        .iter()
-        .map(|it| it.log_likelihood(unknowns[0], unknowns[1]));
-    each.fold(0.0, |sum, it| sum + it)
 }
 
 /// The column with its yield strength times a factor.

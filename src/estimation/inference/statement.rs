@@ -304,7 +304,7 @@ impl Estimator {
         weight: f64,
         [of_mass, of_velocity]: [f64; 2],
         before: &BeforeImpact,
-    ) -> impl Iterator<Item = Spread> + use<> {
+    ) -> impl Iterator<Item = Spread> {
         let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
         let largest = before.largest_momentum;
         let (open, is_moving) = open_momentum(&member.prediction.report, member, largest);
