@@ -328,7 +328,7 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
     let _ = writeln!(text, "Action             {}", list(&mut action.into_iter()));
     let _ = writeln!(
         text,
-        "Vehicle            {}",
+        "Front like         {}",
         list(&mut last.vehicle_probabilities.iter().cloned())
     );
     text += "\nData until [ms]   mass [kg]              speed [m/s]            peak v1 [mm]           action\n";

@@ -25,7 +25,7 @@ pub(super) fn markup(
                 p { (reason) "." }
             }
             Some(Ok(opinion)) => {
-                section.second-opinion {
+                section.sheet.second-opinion {
                     h3 { "Second opinion" }
                     p { (agreement(opinion)) }
                     (comparison(impact, opinion))

@@ -36,8 +36,10 @@ use ros_node::matches::Matches;
 use ros_node::raw::Raw;
 use ros_node::security::{Peers, Protection};
 
-/// Maximum time between two diagnostics.
-const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
+/// Maximum time between two diagnostics, and the time after which they go out with whatever is published: so they follow the status, which
+/// comes every second, and a node at rest wakes once and not twice.
+const DIAGNOSTICS_PERIOD: Duration = Duration::from_millis(1050);
+const DIAGNOSTICS_DUE: Duration = Duration::from_millis(950);
 
 /// How long the status is published after the last response of a managed node that is not active: until that of a fleet has been told
 /// as well.
@@ -165,7 +167,7 @@ impl Publishing {
             if !self.sending.is_over {
                 self.warn_of_a_missing_clock();
                 let last = self.last_diagnostics.as_ref();
-                if last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
+                if last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_DUE) {
                     self.look_at_sensors();
                     self.diagnose(true);
                 }

@@ -47,8 +47,8 @@ function faultsOfLayout({ pageHeight }) {
     const svg = figure.querySelector("svg");
     const box = svg.getBoundingClientRect();
     const caption = figure.querySelector("figcaption").textContent;
-    // The sketch takes the room that the first page has.
-    const least = figure.matches(".sketch, .shape") ? 0.2 : 0.5;
+    // These take the room that their page has.
+    const least = figure.matches(".sketch, .shape, .second-opinion figure") ? 0.2 : 0.5;
     if (box.width < 0.9 * figure.clientWidth || box.height < least * box.width) {
       faults.push(`"${caption}" is shown with ${box.width} x ${box.height} px`);
     }

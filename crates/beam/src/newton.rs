@@ -63,6 +63,8 @@ pub(crate) struct Solver<const D: usize, const R: usize> {
     pub tolerance: f64,
     /// Largest energy that a step may lose: the residual times the increment \[J\].
     pub energy_tolerance: f64,
+    /// What the steps so far have lost together, as magnitudes \[J\].
+    pub energy_lost: f64,
 }
 
 impl<const D: usize, const R: usize> Solver<D, R> {
@@ -86,6 +88,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             has_factored: false,
             tolerance: 1.0,
             energy_tolerance: f64::INFINITY,
+            energy_lost: 0.0,
         }
     }
 
@@ -325,21 +328,25 @@ impl<const D: usize, const R: usize> Solver<D, R> {
         };
         let mut refinements = 0;
         for _ in 0..most {
-            if size <= self.tolerance
-                && (refinements == MAX_REFINEMENTS || self.lost().abs() <= self.energy_tolerance)
-            {
-                self.increments.clone_from_slice(&self.tried);
-                self.shear = self.tried_shear;
-                for push in &mut self.pushes {
-                    let beyond = self.tried[push.node][push.unknown] - push.target;
-                    push.force = -push.stiffness * beyond;
+            if size <= self.tolerance {
+                let lost = self.lost().abs();
+                if refinements == MAX_REFINEMENTS || lost <= self.energy_tolerance {
+                    if let Kind::Motion { .. } = kind {
+                        self.energy_lost += lost;
+                    }
+                    self.increments.clone_from_slice(&self.tried);
+                    self.shear = self.tried_shear;
+                    for push in &mut self.pushes {
+                        let beyond = self.tried[push.node][push.unknown] - push.target;
+                        push.force = -push.stiffness * beyond;
+                    }
+                    return true;
                 }
-                return true;
+                refinements += 1;
             }
             if !size.is_finite() {
                 return false;
             }
-            refinements += usize::from(size <= self.tolerance);
             self.assemble(beam, state, kind, &striker);
             self.solve_direction(&striker, beam.shears());
             let start: f64 = self.slope();

@@ -33,8 +33,11 @@ pub(crate) const MAX_STEPS: u64 = 200_000;
 /// parameters and a step chosen by itself, an oblique hit by a lorry takes a sixth of them.
 pub(crate) const MAX_FIBRE_UPDATES: u64 = 2_000_000_000;
 
-/// Energy that one step may lose over the energy put in: 1e-8 in ten thousand steps.
-const ENERGY_TOLERANCE: f64 = 1e-12;
+/// Energy that the steps of a response may lose together, over the energy put in: half of what its ledger is promised to close to.
+const ENERGY_BUDGET: f64 = 5e-9;
+
+/// Share of what is left of it that one step may lose.
+const BUDGET_OF_A_STEP: f64 = 0.02;
 
 /// Share of the peak displacement by which the column comes back before a response ends.
 const BACK: f64 = 0.02;
@@ -94,7 +97,6 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         let last = solver.increments.clone();
         let striker = Striker::new(impact, touches);
         let energy_in = 0.5 * impact.mass * impact.velocity * impact.velocity;
-        solver.energy_tolerance = ENERGY_TOLERANCE * energy_in;
         solver.tolerance = 3e-5 * energy_in / (0.001 + 0.01 * impact.velocity);
         let squash = beam.section.steel.yield_strength * beam.section.area;
         solver.tolerance = solver.tolerance.min(1e-5 * squash).max(1e-11 * squash);
@@ -136,6 +138,8 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         }
         self.solver.shear = self.last_shear.map(|angle| ratio * angle);
         self.striker.begin(secs);
+        let left = ENERGY_BUDGET * self.course.energy_in - self.solver.energy_lost;
+        self.solver.energy_tolerance = BUDGET_OF_A_STEP * left;
         let contact = Some((&mut self.striker, self.normal));
         if self.solver.solve(self.beam, &self.state, kind, contact) {
             self.internal += self.beam.commit(

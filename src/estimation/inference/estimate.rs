@@ -199,7 +199,8 @@ pub struct ImpactEstimate {
     /// Probability of each action, the least severe first.
     #[serde(with = "exact_number::labelled")]
     pub action: Vec<(Action, f64)>,
-    /// Probabilities of the hypotheses, the most probable first.
+    /// Probabilities of the hypotheses, the most probable first: that the front presses like that of a vehicle, and not that it is this
+    /// vehicle.
     #[serde(with = "exact_number::labelled")]
     pub vehicle_probabilities: Vec<(String, f64)>,
     /// Effective number of responses behind the estimate; below [`FEWEST_RESPONSES`] the intervals are unreliable.
