@@ -250,7 +250,8 @@ impl Reader<'_> {
                     self.read_module(inner, file, source, declared, true);
                     continue;
                 }
-                "use" => {
+                // What a return type captures (`use<>`) is no import.
+                "use" if self.peek(1) != "<" => {
                     let is_public = self.at > 0
                         && (self.tokens[self.at - 1] == "pub"
                             || self.tokens[self.at - 1] == ")"
@@ -533,7 +534,7 @@ fn names_are_followed_through_re_exports_to_where_they_are_defined() {
         ),
         (
             "src/high.rs",
-            "use crate::middle::{self, Renamed,}; // crate::low::X\nfn f<'a>(_: &'a str) { middle::other(); crate::middle::Nanos::new(\"crate::low::Y\"); middle::all() }\n#[cfg(test)]\nmod tests { use crate::low::X; }",
+            "use crate::middle::{self, Renamed,}; // crate::low::X\nfn f<'a>(_: &'a str) -> impl Sized + use<'a> { middle::other(); crate::middle::Nanos::new(\"crate::low::Y\"); middle::all() }\n#[cfg(test)]\nmod tests { use crate::low::X; }",
         ),
     ];
     assert_eq!(

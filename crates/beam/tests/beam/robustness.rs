@@ -178,6 +178,7 @@ fn explore(count: i32, tested: i32, most_doubtful: usize) {
         "by displacement: {give_way} give way under their load, {lose_shape} lose their shape, {} doubtful",
         doubtful.len()
     );
+    doubtful.iter().for_each(|it| println!("{it}"));
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(doubtful.len() <= most_doubtful, "{doubtful:#?}");
     assert!(worst <= 1e-8, "{worst:e}");
