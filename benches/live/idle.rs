@@ -8,7 +8,7 @@ use column_twin::ros::qos;
 use super::bare::Bare;
 use super::domain::Domain;
 use super::peers::Peer;
-use super::processor::{share, share_during};
+use super::processor::share_at_rest;
 use super::program::Program;
 use super::table::{number, row};
 
@@ -38,7 +38,8 @@ pub fn run(span: Duration) {
     let bare = Bare::echo(&other);
     std::thread::sleep(START);
     let mut alone = 0.0;
-    let of_bare = share_during(bare.id(), || alone = share(program.id(), span));
+    let wait = || std::thread::sleep(span);
+    let of_bare = share_at_rest(bare.id(), || alone = share_at_rest(program.id(), wait));
     drop(bare);
     let mut peer = Peer::new(&domain);
     let states = peer.reader(
@@ -51,7 +52,7 @@ pub fn run(span: Duration) {
         |_: TwinStatus, _| (),
         |it| it.header.stamp,
     );
-    let with_readers = share(program.id(), span);
+    let with_readers = share_at_rest(program.id(), wait);
     drop((states, statuses));
     println!(
         "processor time of the node at rest over {} s",

@@ -24,6 +24,25 @@ pub fn share_during(id: u32, doing: impl FnOnce()) -> f64 {
     (processor_time(id) - before) / began.elapsed().as_secs_f64()
 }
 
+/// Processor time that the present threads of a process have used \[s\], to the nanosecond.
+fn time_of_threads(id: u32) -> f64 {
+    let threads = std::fs::read_dir(format!("/proc/{id}/task")).expect("it runs");
+    let nanos = threads.map(|thread| -> f64 {
+        let path = thread.expect("a thread").path().join("schedstat");
+        let text = std::fs::read_to_string(path).expect("the times of a thread");
+        let used = text.split_ascii_whitespace().next();
+        used.and_then(|it| it.parse().ok()).expect("a number")
+    });
+    1e-9 * nanos.sum::<f64>()
+}
+
+/// The share of a processor that a process at rest, which neither starts nor ends threads, uses during a function call.
+pub fn share_at_rest(id: u32, doing: impl FnOnce()) -> f64 {
+    let (before, began) = (time_of_threads(id), Instant::now());
+    doing();
+    (time_of_threads(id) - before) / began.elapsed().as_secs_f64()
+}
+
 /// The share of a processor that these processes use together during a sleep.
 pub fn share_together(ids: &[u32], span: Duration) -> f64 {
     let used = || -> f64 { ids.iter().map(|id| processor_time(*id)).sum() };
