@@ -39,6 +39,13 @@ const ENERGY_BUDGET: f64 = 5e-9;
 /// Share of what is left of it that one step may lose.
 const BUDGET_OF_A_STEP: f64 = 0.02;
 
+/// Evaluations of a step beyond which the column rings faster than its steps can follow: two are usual.
+const USUAL_EVALUATIONS: u64 = 3;
+
+/// Share of the increment before the last one in the start of a step then, because the increments alternate. Of 0.5 to 1, it takes the fewest
+/// evaluations in most cases.
+const SHARE_OF_ALTERNATION: f64 = 0.75;
+
 /// Share of the peak displacement by which the column comes back before a response ends.
 const BACK: f64 = 0.02;
 
@@ -65,6 +72,23 @@ pub(crate) struct Course {
     pub impulse: f64,
 }
 
+/// An increment of a step that has been solved, and the time of this step \[s\].
+struct Past<const D: usize> {
+    nodes: Vec<[f64; D]>,
+    shear: [f64; BARS],
+    secs: f64,
+}
+
+impl<const D: usize> Past<D> {
+    fn none(nodes: usize) -> Self {
+        Self {
+            nodes: vec![[0.0; D]; nodes],
+            shear: [0.0; BARS],
+            secs: 1.0,
+        }
+    }
+}
+
 /// A running response.
 pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
     pub beam: &'a Beam<D, R, Q>,
@@ -76,10 +100,11 @@ pub(crate) struct Run<'a, const D: usize, const R: usize, const Q: usize> {
     pub node: usize,
     pub course: Course,
     internal: f64,
-    /// The last increment and its time \[s\].
-    last: Vec<[f64; D]>,
-    last_shear: [f64; BARS],
-    last_secs: f64,
+    /// The last increment and the one before it, each with its time \[s\].
+    last: Past<D>,
+    older: Past<D>,
+    /// Whether the last step took more than the usual evaluations.
+    rings: bool,
     /// Sums of shear and moment over time, and that time \[s\].
     window: [f64; 3],
 }
@@ -94,7 +119,7 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         node: usize,
     ) -> Self {
         let mut solver = Solver::new(beam);
-        let last = solver.increments.clone();
+        let nodes = solver.increments.len();
         let striker = Striker::new(impact, touches);
         let energy_in = 0.5 * impact.mass * impact.velocity * impact.velocity;
         solver.tolerance = 3e-5 * energy_in / (0.001 + 0.01 * impact.velocity);
@@ -112,9 +137,9 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 ..Course::default()
             },
             internal: 0.0,
-            last,
-            last_shear: [0.0; BARS],
-            last_secs: 1.0,
+            last: Past::none(nodes),
+            older: Past::none(nodes),
+            rings: false,
             window: [0.0; 3],
         }
     }
@@ -124,10 +149,21 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
         let kind = Kind::Motion { secs };
         // The last movement continues. The velocity at its end would lead further away where the column rings faster than the
         // steps can follow.
-        let ratio = secs / self.last_secs;
-        for (increment, last) in self.solver.increments.iter_mut().zip(&self.last) {
-            *increment = last.map(|value| ratio * value);
+        let (last, older) = (&self.last, &self.older);
+        let ratio = secs / last.secs;
+        let alternates = self.rings && secs == last.secs && secs == older.secs;
+        let share = if alternates {
+            SHARE_OF_ALTERNATION
+        } else {
+            0.0
+        };
+        let start = |last: f64, older: f64| ratio * last + share * (older - last);
+        let pasts = last.nodes.iter().zip(&older.nodes);
+        for (increment, (last, older)) in self.solver.increments.iter_mut().zip(pasts) {
+            *increment = std::array::from_fn(|k| start(last[k], older[k]));
         }
+        self.solver.shear = std::array::from_fn(|bar| start(last.shear[bar], older.shear[bar]));
+        let evaluations = self.solver.evaluations;
         // What is held does not move: a node that turns about y and z would otherwise begin with a turn about x as well.
         for (increment, held) in self.solver.increments.iter_mut().zip(&self.beam.held) {
             for (value, held) in increment.iter_mut().zip(held) {
@@ -136,7 +172,6 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 }
             }
         }
-        self.solver.shear = self.last_shear.map(|angle| ratio * angle);
         self.striker.begin(secs);
         let left = ENERGY_BUDGET * self.course.energy_in - self.solver.energy_lost;
         self.solver.energy_tolerance = BUDGET_OF_A_STEP * left;
@@ -148,9 +183,11 @@ impl<'a, const D: usize, const R: usize, const Q: usize> Run<'a, D, R, Q> {
                 kind,
                 &self.solver.work,
             );
-            self.last.copy_from_slice(&self.solver.increments);
-            self.last_shear = self.solver.shear;
-            self.last_secs = secs;
+            std::mem::swap(&mut self.last, &mut self.older);
+            self.last.nodes.copy_from_slice(&self.solver.increments);
+            self.last.shear = self.solver.shear;
+            self.last.secs = secs;
+            self.rings = self.solver.evaluations - evaluations > USUAL_EVALUATIONS;
             self.striker.commit(secs);
             self.course.impulse += secs * self.striker.force();
             self.course.secs += secs;
