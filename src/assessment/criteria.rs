@@ -659,15 +659,6 @@ fn bow(input: &AssessmentInput, bow: fn(&AssessmentInput) -> Option<f64>, part: 
     }
 }
 
-/// How much smaller the margin of a criterion is relative to the quantity that is computed with a certain relative error than
-/// relative to its limit: a residual bow is a small part of the peak displacement, whose relative error is known.
-pub(super) fn share_of_limit(definition: &Definition, input: &AssessmentInput, limit: f64) -> f64 {
-    if definition.unit != PART_OF_LENGTH {
-        return 1.0;
-    }
-    (limit / input.bow_of_kink(input.max_v1)).min(1.0)
-}
-
 /// Why the limits of a code for compact sections do not hold for a section; `None` if they do.
 fn not_compact(input: &AssessmentInput, section: &RolledSection) -> Option<NotEvaluated> {
     let found = section_class(section, input.yield_strength, input.axial_ratio());

@@ -4,7 +4,8 @@
 use std::sync::OnceLock;
 
 use super::base::{BaseDemand, ConnectedBase};
-use super::criteria::{DEFINITIONS, share_of_limit};
+use super::criteria::DEFINITIONS;
+use super::criterion::PART_OF_LENGTH;
 use super::definition::Definition;
 use super::remaining::{ResidualCapacity, VerdictBasis, imperfection};
 use super::{
@@ -285,4 +286,13 @@ impl PreparedAssessment {
             least_margin,
         }
     }
+}
+
+/// How much smaller the margin of a criterion is relative to the quantity that is computed with a certain relative error than
+/// relative to its limit: a residual bow is a small part of the peak displacement, whose relative error is known.
+fn share_of_limit(definition: &Definition, input: &AssessmentInput, limit: f64) -> f64 {
+    if definition.unit != PART_OF_LENGTH {
+        return 1.0;
+    }
+    (limit / input.bow_of_kink(input.max_v1)).min(1.0)
 }

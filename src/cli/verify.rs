@@ -29,8 +29,8 @@ pub struct VerifyArgs {
 
 const EXAMPLE: &str = "\
 Runs the twin again from the recorded state, parameters and commands, and compares every message
-of column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and
-markers with the recording: its values, its place, and whether it is there. impact_event and
+that the twin publishes about its column, such as column_state, impact_report, twin_status or
+markers, with the recording: its values, its place, and whether it is there. impact_event and
 column_parameters are compared with the commands in the journal. Estimates from sensors are computed
 again from the recorded measurements and compared with impact_estimate, and /parameter_events with
 the parameters. The journal counts the messages on all other topics. Log and publish times are

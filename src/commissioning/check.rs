@@ -5,7 +5,7 @@ use std::ops::Range;
 use column_beam::{BeamColumn, BeamError};
 use thiserror::Error;
 
-use super::expected::{Candidates, MODES, lag, shows_vibration};
+use super::expected::{Candidates, MODES, lag, shows_vibration, vibrating};
 use super::explanation::{Amplitude, Comparison, Explanation, MeasuredMode, Suspicion};
 use super::motion::{LEAST_MEANS, LEAST_OF_NOISE, Motion, Vibration};
 use super::stiffness::{SupportStiffness, stiffness};
@@ -41,7 +41,8 @@ pub enum CheckError {
     Beam(#[from] BeamError),
     /// No sensor shows vibrations across the column.
     #[error(
-        "expected a sensor that shows vibrations across the column (acceleration, displacement, rotation or bending strain); found {found}"
+        "expected a sensor that shows vibrations across the column ({}); found {found}",
+        vibrating()
     )]
     NoSensor {
         /// What the sensors measure.

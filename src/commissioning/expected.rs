@@ -149,6 +149,13 @@ pub(super) fn shows_vibration(quantity: Quantity) -> bool {
     }
 }
 
+/// The quantities in which it shows, in words.
+pub(super) fn vibrating() -> String {
+    let all = Quantity::ALL.into_iter().filter(|it| shows_vibration(*it));
+    let words: Vec<_> = all.map(|it| it.word().replace('_', " ")).collect();
+    words.join(", ")
+}
+
 /// The amplitude that a sensor at a height shows of a vibration of this mode with an amplitude of 1 m: with its sign, and weakened by
 /// its filter.
 pub(super) fn reading(mode: &Mode, sensor: &Sensor, height: f64) -> f64 {

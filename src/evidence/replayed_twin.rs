@@ -302,10 +302,10 @@ impl ReplayedTwin {
             match due {
                 Due::Message(message) => note_missing(&message, place, found),
                 Due::State(state) => {
-                    // The joint states and markers of a state that is not recorded are not known.
+                    // Which messages for displays there were of a state that is not recorded is not known.
                     let mut outgoing = self.outgoing.clone();
                     outgoing.convert(&Output::State(*state), |message| {
-                        if matches!(message.topic(), Topic::ColumnState | Topic::HingeForces) {
+                        if message.topic().is_of_every_state() {
                             note_missing(&message, place, found);
                         }
                     });

@@ -63,9 +63,18 @@ const AT_REST_PERIOD: i64 = 900_000_000;
 /// The header of a message; the column and the impact to which it belongs, if its type has fields for them.
 type About<'a> = (Option<&'a Header>, Option<[&'a str; 2]>);
 
-// The topics with the types of their messages, their endpoints, and what a message says about itself.
+/// Of which states of a response a topic has a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum States {
+    None,
+    /// Those that a display needs.
+    Some,
+    Every,
+}
+
+// The topics with the types of their messages, their endpoints, of which states they have one, and what a message says about itself.
 macro_rules! topics {
-    ($($topic:ident($type:ty) $endpoint:ident $about:expr;)*) => {
+    ($($topic:ident($type:ty) $endpoint:ident $states:ident $about:expr;)*) => {
         /// A topic on which the twin publishes.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Topic {
@@ -83,6 +92,10 @@ macro_rules! topics {
             #[must_use]
             pub const fn endpoint(self) -> &'static Endpoint {
                 match self { $(Self::$topic => &endpoints::$endpoint),* }
+            }
+
+            const fn states(self) -> States {
+                match self { $(Self::$topic => States::$states),* }
             }
         }
 
@@ -129,14 +142,14 @@ macro_rules! topics {
 }
 
 topics! {
-    ColumnState(ColumnState) COLUMN_STATE |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
-    HingeForces(HingeForces) HINGE_FORCES |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
-    ImpactForecast(ImpactReport) IMPACT_FORECAST |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
-    ImpactReport(ImpactReport) IMPACT_REPORT |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
-    ImpactEstimate(ImpactEstimate) IMPACT_ESTIMATE |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
-    TwinStatus(TwinStatus) TWIN_STATUS |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
-    JointStates(JointState) JOINT_STATES |it| (Some(&it.header), None);
-    Markers(MarkerArray) MARKERS |it| (it.markers.first().map(|it| &it.header), None);
+    ColumnState(ColumnState) COLUMN_STATE Every |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    HingeForces(HingeForces) HINGE_FORCES Every |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    ImpactForecast(ImpactReport) IMPACT_FORECAST None |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    ImpactReport(ImpactReport) IMPACT_REPORT None |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    ImpactEstimate(ImpactEstimate) IMPACT_ESTIMATE None |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    TwinStatus(TwinStatus) TWIN_STATUS None |it| (Some(&it.header), Some([&it.column_id, &it.event_id]));
+    JointStates(JointState) JOINT_STATES Some |it| (Some(&it.header), None);
+    Markers(MarkerArray) MARKERS Some |it| (it.markers.first().map(|it| &it.header), None);
 }
 
 impl Topic {
@@ -149,10 +162,13 @@ impl Topic {
     /// Whether each of its messages shows a state of a response.
     #[must_use]
     pub const fn is_of_state(self) -> bool {
-        matches!(
-            self,
-            Self::ColumnState | Self::HingeForces | Self::JointStates | Self::Markers
-        )
+        !matches!(self.states(), States::None)
+    }
+
+    /// Whether every state of a response has such a message.
+    #[must_use]
+    pub const fn is_of_every_state(self) -> bool {
+        matches!(self.states(), States::Every)
     }
 }
 

@@ -120,6 +120,12 @@ impl Quantity {
         !matches!(self, Self::AxialStrain)
     }
 
+    /// Whether it is a motion that has no jumps, because the column has mass; an acceleration has some.
+    #[must_use]
+    pub const fn is_motion(self) -> bool {
+        matches!(self, Self::Displacement | Self::Rotation)
+    }
+
     /// Whether it keeps a value for as long as the column keeps its shape: an acceleration returns to zero.
     #[must_use]
     pub const fn is_level(self) -> bool {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::impact_height::HEIGHT_TOLERANCE;
 use super::impact_height::with_impact_height;
 use crate::column::{ColumnProperties, carried_over, residual_state};
-use crate::column::{Displacement, Model, PerBar, PlasticFlow, State, WebState};
+use crate::column::{Displacement, Model, PerBar, PerBarHinges, PlasticFlow, State, WebState};
 use crate::parameters::Parameters;
 
 /// A column at rest, as the next impact will find it. With the parameters it is everything on which the responses to
@@ -28,7 +28,7 @@ pub struct Damage {
     /// Plastic deformation of the hinges.
     pub plastic: PerBar<PlasticFlow>,
     /// Accumulated plastic rotations \[rad\], per bar: at the impact point, at the other end.
-    pub accumulated_rotation: PerBar<[f64; 2]>,
+    pub accumulated_rotation: PerBarHinges,
     /// Hardening of the webs; `None` where no web has yielded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub webs: Option<PerBar<WebState>>,

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::rejection::{Rejection, RejectionCode};
 use crate::column::{
-    ColumnProperties, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow, Progress, Report,
-    Response, Scheme, ShearProperties, State, StepError, carried_over, residual_state,
+    ColumnProperties, End, Impact, Model, ModelError, PerBar, Phase, Progress, Report, Response,
+    Scheme, ShearProperties, State, StepError, carried_over, residual_state,
     residual_without_bumper, with_half_the_step,
 };
 use crate::standing::{StandingColumn, is_same_height, with_impact_height};
@@ -208,23 +208,8 @@ impl Plant {
     /// The column at rest with the plastic deformation of all hinges multiplied by a factor, in the equilibrium that this
     /// gives; `None` if there is none in which no hinge yields any further.
     pub fn with_damage_scaled(&self, factor: f64) -> Option<Self> {
-        let times = |pair: [f64; 2]| pair.map(|it| factor * it);
-        let scaled = |flow: &PlasticFlow| PlasticFlow {
-            elongation: times(flow.elongation),
-            rotation: times(flow.rotation),
-            shear_angle: factor * flow.shear_angle,
-            shear_elongation: factor * flow.shear_elongation,
-        };
-        let (mut state, accumulated) = (self.state, self.state.accumulated_rotation());
-        state.plastic = PerBar {
-            below: scaled(&state.plastic.below),
-            above: scaled(&state.plastic.above),
-        };
-        let accumulated = PerBar {
-            below: times(accumulated.below),
-            above: times(accumulated.above),
-        };
-        state.set_accumulated_rotation(&self.model, &accumulated);
+        let mut state = self.state;
+        state.scale_damage(&self.model, factor);
         Some(Self {
             state: equilibrium(&self.model, &state)?,
             ..self.clone()
@@ -419,9 +404,7 @@ fn is_impact_point_damaged(state: &State) -> bool {
 }
 
 fn is_damaged(state: &State) -> bool {
-    is_impact_point_damaged(state)
-        || state.plastic.below.has_flowed(1)
-        || state.plastic.above.has_flowed(1)
+    state.plastic != PerBar::default()
 }
 
 /// The equilibrium of a damaged column under another load, or with its hinges elsewhere, provided that no hinge yields

@@ -12,7 +12,9 @@ use super::life::Life;
 use super::opinion_state::KnownBeamDamage;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::printable;
-use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow, WebState};
+use crate::column::{
+    ColumnProperties, Displacement, ModelError, PerBar, PerBarHinges, PlasticFlow, WebState,
+};
 use crate::parameters::{Parameters, SectionShape};
 use crate::standing::{Damage, StandingColumn};
 use crate::time::Nanos;
@@ -44,7 +46,7 @@ pub struct SavedState {
     /// Plastic deformation of the hinges.
     pub plastic: PerBar<PlasticFlow>,
     /// Accumulated plastic rotations \[rad\].
-    pub accumulated_rotation: PerBar<[f64; 2]>,
+    pub accumulated_rotation: PerBarHinges,
     /// Hardening of the webs; `None` where no web has yielded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub webs: Option<PerBar<WebState>>,

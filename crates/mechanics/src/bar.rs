@@ -32,6 +32,9 @@ pub struct PerBar<T> {
     pub above: T,
 }
 
+/// A number of each hinge, per bar: at the impact point, at the other end.
+pub type PerBarHinges = PerBar<[f64; 2]>;
+
 /// Forces of one bar.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BarForces {
@@ -122,6 +125,16 @@ impl PlasticFlow {
     /// Whether the web is deformed at all.
     pub fn has_sheared(&self) -> bool {
         self.shear_angle != 0.0 || self.shear_elongation != 0.0
+    }
+
+    /// `factor * self`.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self {
+            elongation: self.elongation.map(|it| factor * it),
+            rotation: self.rotation.map(|it| factor * it),
+            shear_angle: factor * self.shear_angle,
+            shear_elongation: factor * self.shear_elongation,
+        }
     }
 
     /// `self + factor * flow`.

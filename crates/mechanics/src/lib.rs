@@ -151,7 +151,7 @@ mod yielding;
 
 pub use accuracy::{COMMON_ERROR, ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use backbone::HingeFactors;
-pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use bar::{Bar, BarForces, PerBar, PerBarHinges, PlasticFlow};
 pub use base_plate::{Anchors, BaseFactors, BasePlate, BasePlateError, stress_area};
 pub use base_reactions::BASE_WINDOW;
 pub use base_resistance::{BaseFailure, BaseResistance};

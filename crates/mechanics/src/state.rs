@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bar::{Bar, BarForces, BarStrain, PerBar, PerBarHinges, PlasticFlow};
 use super::base_reactions::{BaseInstant, base_forces};
 use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
@@ -233,7 +233,7 @@ impl State {
 
     /// Sets the accumulated plastic rotations \[rad\] of a column at rest, per bar: at the impact point, at the other end.
     /// [`State::settled`] takes the absolute plastic rotations, which is right unless a hinge has turned back.
-    pub fn set_accumulated_rotation(&mut self, model: &Model, accumulated: &PerBar<[f64; 2]>) {
+    pub fn set_accumulated_rotation(&mut self, model: &Model, accumulated: &PerBarHinges) {
         for (hinges, accumulated) in [
             (&mut self.strength.below, accumulated.below),
             (&mut self.strength.above, accumulated.above),
@@ -246,6 +246,20 @@ impl State {
         if let Some(law) = &model.strength {
             law.settle(&mut self.strength, &mut self.webs, &self.forces);
         }
+    }
+
+    /// Multiplies the plastic deformation of a column at rest, and the accumulated plastic rotations, by a factor.
+    pub fn scale_damage(&mut self, model: &Model, factor: f64) {
+        let accumulated = self.accumulated_rotation();
+        self.plastic = PerBar {
+            below: self.plastic.below.scaled(factor),
+            above: self.plastic.above.scaled(factor),
+        };
+        let scaled = PerBar {
+            below: accumulated.below.map(|it| factor * it),
+            above: accumulated.above.map(|it| factor * it),
+        };
+        self.set_accumulated_rotation(model, &scaled);
     }
 
     /// The plastic deformation of the steel since the column was new: without the slip of the base, which turns the lower bar as
@@ -263,7 +277,7 @@ impl State {
     }
 
     /// Accumulated plastic rotations \[rad\], per bar.
-    pub fn accumulated_rotation(&self) -> PerBar<[f64; 2]> {
+    pub fn accumulated_rotation(&self) -> PerBarHinges {
         let of = |hinges: &[HingeStrength; 2]| hinges.map(|hinge| hinge.accumulated_rotation);
         PerBar {
             below: of(&self.strength.below),

@@ -405,13 +405,9 @@ impl Blocks {
             variance: channel.noise * channel.noise / count + channel.zero_variance,
             largest,
             swing: self.swing(channel, index),
-            in_waves: match channel.quantity {
-                Quantity::Displacement | Quantity::Rotation
-                    if self.layout[index].start < self.period =>
-                {
-                    largest
-                }
-                _ => 0.0,
+            in_waves: match channel.quantity.is_motion() && self.layout[index].start < self.period {
+                true => largest,
+                false => 0.0,
             },
             yielded: yielded && channel.quantity.is_strain(),
         })

@@ -55,7 +55,7 @@ impl ModelError {
             shape,
             waves,
             correlation,
-            is_motion: matches!(quantity, Quantity::Displacement | Quantity::Rotation),
+            is_motion: quantity.is_motion(),
         }
     }
 
