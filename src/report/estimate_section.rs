@@ -156,7 +156,7 @@ fn probabilities(estimate: &ImpactEstimate) -> Markup {
                     tr { th scope="row" { "Action: " (action.to_string()) } td.number { (percent(*share)) } }
                 }
                 @for (vehicle, share) in vehicles.filter(|(_, share)| *share >= LEAST_NAMED) {
-                    tr { th scope="row" { "Front like that of: " (vehicle) } td.number { (percent(*share)) } }
+                    tr { th scope="row" { "Front like: " (vehicle) } td.number { (percent(*share)) } }
                 }
             }
         }
