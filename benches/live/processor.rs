@@ -17,13 +17,6 @@ fn processor_time(id: u32) -> f64 {
     (ticks(14) + ticks(15)) / USER_HZ
 }
 
-/// The share of a processor that a process uses during a function call.
-pub fn share_during(id: u32, doing: impl FnOnce()) -> f64 {
-    let (before, began) = (processor_time(id), Instant::now());
-    doing();
-    (processor_time(id) - before) / began.elapsed().as_secs_f64()
-}
-
 /// Processor time that the present threads of a process have used \[s\], to the nanosecond.
 fn time_of_threads(id: u32) -> f64 {
     let threads = std::fs::read_dir(format!("/proc/{id}/task")).expect("it runs");
@@ -36,19 +29,27 @@ fn time_of_threads(id: u32) -> f64 {
     1e-9 * nanos.sum::<f64>()
 }
 
+/// By how much a processor time grows during a function call, over the time that this takes.
+fn share_by(used: impl Fn() -> f64, doing: impl FnOnce()) -> f64 {
+    let (before, began) = (used(), Instant::now());
+    doing();
+    (used() - before) / began.elapsed().as_secs_f64()
+}
+
+/// The share of a processor that a process uses during a function call.
+pub fn share_during(id: u32, doing: impl FnOnce()) -> f64 {
+    share_by(|| processor_time(id), doing)
+}
+
 /// The share of a processor that a process at rest, which neither starts nor ends threads, uses during a function call.
 pub fn share_at_rest(id: u32, doing: impl FnOnce()) -> f64 {
-    let (before, began) = (time_of_threads(id), Instant::now());
-    doing();
-    (time_of_threads(id) - before) / began.elapsed().as_secs_f64()
+    share_by(|| time_of_threads(id), doing)
 }
 
 /// The share of a processor that these processes use together during a sleep.
 pub fn share_together(ids: &[u32], span: Duration) -> f64 {
-    let used = || -> f64 { ids.iter().map(|id| processor_time(*id)).sum() };
-    let (before, began) = (used(), Instant::now());
-    std::thread::sleep(span);
-    (used() - before) / began.elapsed().as_secs_f64()
+    let used = || ids.iter().map(|id| processor_time(*id)).sum();
+    share_by(used, || std::thread::sleep(span))
 }
 
 /// The share of a processor that a process uses during a sleep.

@@ -108,9 +108,9 @@ fn a_reader_that_takes_nothing_keeps_at_most_64_mebibytes() {
     let sender = Sender::<std_msgs::String>::start(&domain, &deep);
     let mut node = reader(&domain);
     let subscription = node.subscription::<std_msgs::String>(&deep).unwrap();
-    // Another reader tells that everything has arrived.
-    let mut other = reader(&domain);
-    let arrived = Incoming::<std_msgs::String>::start(&mut other, &deep);
+    // Another reader tells what has arrived. That of another participant may be ahead on a busy machine, where fragments are lost
+    // and sent again; readers of one participant share the samples.
+    let arrived = Incoming::<std_msgs::String>::start(&mut node, &deep);
     sender.wait_for_readers(2);
     for number in 0..SENT {
         let data = format!("{number}{}", " ".repeat(LENGTH));
