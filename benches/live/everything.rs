@@ -12,7 +12,7 @@ use column_twin::ros::qos;
 
 use super::domain::Domain;
 use super::peers::{Peer, event, now};
-use super::processor::share;
+use super::processor::share_together;
 use super::program::Program;
 use super::programs::{Mosquitto, free_port};
 use super::stream::Impacts;
@@ -134,7 +134,7 @@ fn measure(domain: &Domain, program: &Program, turn: Duration, found: &mut Found
     let events = peer.publisher::<ImpactEvent>(&qos::IMPACT_EVENT);
     // After the start, the node computes the critical velocities of its column, once.
     statuses.find(|vehicles| *vehicles > 0);
-    found.idle.push(share(program.id(), turn));
+    found.idle.push(share_together(&[program.id()], turn));
     for number in 0..EVENTS {
         let id = format!("forecast-{number:06}");
         let sent = Instant::now();

@@ -52,11 +52,6 @@ pub fn share_together(ids: &[u32], span: Duration) -> f64 {
     share_by(used, || std::thread::sleep(span))
 }
 
-/// The share of a processor that a process uses during a sleep.
-pub fn share(id: u32, span: Duration) -> f64 {
-    share_together(&[id], span)
-}
-
 /// The resident memory of a process \[MiB\], from `VmRSS` in `/proc/PID/status`.
 pub fn resident_mebibytes(id: u32) -> f64 {
     let status = std::fs::read_to_string(format!("/proc/{id}/status")).expect("it runs");
