@@ -277,6 +277,8 @@ impl Doorbell {
 /// the call pattern readers, writers, and tests already use. Deadlines are
 /// absolute `Instant`s, so there is no timer-wheel tick to round them up.
 pub(crate) struct Timer<E> {
+  /// When the common periods of `set_period` begin.
+  began: Instant,
   next_id: u64,
   deadlines: BTreeMap<(Instant, u64), E>,
 }
@@ -284,6 +286,7 @@ pub(crate) struct Timer<E> {
 impl<E> Timer<E> {
   pub(crate) fn new() -> Self {
     Self {
+      began: Instant::now(),
       next_id: 0,
       deadlines: BTreeMap::new(),
     }
@@ -296,6 +299,19 @@ impl<E> Timer<E> {
     let id = self.next_id;
     self.next_id = self.next_id.wrapping_add(1);
     self.deadlines.insert((when, id), event);
+  }
+
+  /// A timeout after about this time, for work that recurs. From one second on, it
+  /// ends when a common second does, up to a second earlier: so the work of many
+  /// readers and writers wakes the loop once.
+  pub(crate) fn set_period(&mut self, period: Duration, event: E) {
+    let end = self.began.elapsed() + period;
+    let early = if period >= Duration::from_secs(1) {
+      Duration::from_nanos(end.subsec_nanos().into())
+    } else {
+      Duration::ZERO
+    };
+    self.set_timeout(period - early, event);
   }
 
   /// The earliest event whose deadline has passed, if any.

@@ -206,8 +206,8 @@ impl DPEventLoop {
     let shared_timer = new_shared_timer::<DpTimerEvent>();
     {
       let mut t = shared_timer.borrow_mut();
-      t.set_timeout(PREEMPTIVE_ACKNACK_PERIOD, DpTimerEvent::PreemptiveAcknack);
-      t.set_timeout(CACHE_CLEAN_PERIOD, DpTimerEvent::CacheGc);
+      t.set_period(PREEMPTIVE_ACKNACK_PERIOD, DpTimerEvent::PreemptiveAcknack);
+      t.set_period(CACHE_CLEAN_PERIOD, DpTimerEvent::CacheGc);
     }
 
     // port number 0 means OS chooses an available port number.
@@ -510,7 +510,7 @@ impl DPEventLoop {
           self
             .shared_timer
             .borrow_mut()
-            .set_timeout(PREEMPTIVE_ACKNACK_PERIOD, DpTimerEvent::PreemptiveAcknack);
+            .set_period(PREEMPTIVE_ACKNACK_PERIOD, DpTimerEvent::PreemptiveAcknack);
         }
         DpTimerEvent::CacheGc => {
           debug!("Clean DDSCache on timer");
@@ -519,7 +519,7 @@ impl DPEventLoop {
           self
             .shared_timer
             .borrow_mut()
-            .set_timeout(CACHE_CLEAN_PERIOD, DpTimerEvent::CacheGc);
+            .set_period(CACHE_CLEAN_PERIOD, DpTimerEvent::CacheGc);
         }
         DpTimerEvent::Reader { entity_id, event } => {
           if let Some(reader) = self.message_receiver.reader_mut(entity_id) {

@@ -313,7 +313,7 @@ impl Writer {
 
     // Start periodic Heartbeat
     if let Some(period) = heartbeat_period {
-      timed_event_timer.borrow_mut().set_timeout(
+      timed_event_timer.borrow_mut().set_period(
         std::time::Duration::from(period),
         DpTimerEvent::Writer {
           entity_id: i.guid.entity_id,
@@ -322,7 +322,7 @@ impl Writer {
       );
     }
     // start periodic cache cleaning
-    timed_event_timer.borrow_mut().set_timeout(
+    timed_event_timer.borrow_mut().set_period(
       std::time::Duration::from(cache_cleaning_period),
       DpTimerEvent::Writer {
         entity_id: i.guid.entity_id,
@@ -405,7 +405,7 @@ impl Writer {
   // The payload is tagged with this Writer's EntityId so the event loop can
   // route the fired event back to this Writer.
   fn schedule_timed_event(&self, after: std::time::Duration, event: TimedEvent) {
-    self.timed_event_timer.borrow_mut().set_timeout(
+    self.timed_event_timer.borrow_mut().set_period(
       after,
       DpTimerEvent::Writer {
         entity_id: self.my_guid.entity_id,
