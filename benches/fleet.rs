@@ -38,7 +38,7 @@ use column_twin::twin::{Command, ImpactCommand, Output};
 use futures::StreamExt;
 
 use domain::{Domain, PATIENCE};
-use processor::{resident_mebibytes, share};
+use processor::{resident_mebibytes, share_together};
 use program::Program;
 use table::{Ranked, number, row};
 
@@ -179,13 +179,13 @@ fn at_rest(columns: usize, equal: bool, is_shown: bool) {
     // After the start, critical velocities are computed with the lowest priority.
     let computing = Instant::now();
     let most = Duration::from_secs(30);
-    while share(id, Duration::from_secs(1)) > 0.05 && computing.elapsed() < most {}
+    while share_together(&[id], Duration::from_secs(1)) > 0.05 && computing.elapsed() < most {}
     let computed = match computing.elapsed() < most {
         true => format!("{:.0} s", computing.elapsed().as_secs_f64()),
         false => format!("more than {} s", most.as_secs()),
     };
     let before = packets(id);
-    let busy = share(id, AT_REST);
+    let busy = share_together(&[id], AT_REST);
     let sent = packets(id)
         .zip(before)
         .map(|(after, before)| after - before);
