@@ -149,7 +149,16 @@ fn widen(values: &mut Vec<Spread>, effective: f64) {
     let mean = sum(&|it| it.weight * it.mean) / total;
     let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
     let others = effective - 1.0;
-    let of_few = if others > 0.0 { variance / others } else { 0.0 };
+    // One response may stand for values far apart. Their variance is not the one between responses then, but no mean is off by more than
+    // the range of all values.
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    let [least, most] = values.iter().fold(ends, |[least, most], it| {
+        [least.min(it.mean), most.max(it.mean)]
+    });
+    let of_few = match others > 0.0 {
+        true => (variance / others).min((most - least) * (most - least)),
+        false => 0.0,
+    };
     for value in values {
         value.deviation = (value.deviation * value.deviation + of_few).sqrt();
     }
@@ -313,6 +322,19 @@ mod tests {
         let one = CredibleInterval::of_spread(values, 1.0);
         assert!((one.mean - 1.0).abs() < 1e-12);
         assert!(CredibleInterval::of_spread(Vec::new(), 1.0).mean.is_nan());
+    }
+
+    /// The momentum of one response to a vehicle that had not stopped had an interval up to 1e68 times the truth: its values are far apart,
+    /// and the number of effective responses was hardly more than one.
+    #[test]
+    fn one_response_that_leaves_a_quantity_open_does_not_leave_everything_open() {
+        let values = || vec![spread(1.0, 0.1, 0.5), spread(4.0, 0.1, 0.5)];
+        let open = CredibleInterval::of_spread(values(), 1.0 + 1e-6);
+        let widest = 3.0 * (TAIL_DEVIATIONS + 1.0);
+        assert!(
+            open.low > 1.0 - widest && open.high < 4.0 + widest,
+            "{open:?}"
+        );
     }
 
     /// Quantile of the standard normal distribution, by halving an interval of its distribution function.
