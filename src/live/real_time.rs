@@ -184,6 +184,15 @@ impl Urgency {
         }
     }
 
+    /// While the priority is normal, lets threads that wait for this processor run first. A kernel with lazy preemption would let them wait
+    /// for its next tick, up to some milliseconds later: measured were readers and DDS threads whose slowest hundredth waited 2 ms, and
+    /// 8 ms in the first 20 ms of a response.
+    pub fn give_way(&self) {
+        if self.is_relaxed {
+            std::thread::yield_now();
+        }
+    }
+
     /// Gives the calling thread its priority of real time again.
     ///
     /// # Errors

@@ -102,6 +102,7 @@ impl Shared {
                 restore(urgency, now, sink);
             }
             slot.twin.run_ahead(slice, now, sink);
+            urgency.give_way();
             // At once, because a reader of the forecast would otherwise wait for the deadline, or for the lock.
             sink.notify();
             let before = std::mem::replace(&mut now, self.clock.now());
