@@ -60,6 +60,11 @@ pub fn impact(name: &str) -> Impact {
         "crush_car_15" => deformable(&[1300.0], &[plateau(1.0e6, 260e3)], 15.0),
         "crush_lorry_8" => deformable(&[20e3], &[plateau(2.5e6, 560e3)], 8.0),
         "forklift_2" => deformable(&[4000.0], &[spring(&[[1.0, 3e6]])], 2.0),
+        "stiffening_car_9" => {
+            let front = spring(&[[0.2, 40e3], [0.5, 100e3], [0.8, 400e3]]);
+            deformable(&[2500.0], &[front], 9.0)
+        }
+        "strong_lorry_16" => deformable(&[18e3], &[plateau(3e6, 900e3)], 16.0),
         "held_light_rigid_9" => Impact::rigid(400.0, 9.0),
         "held_light_rigid_1" => Impact::rigid(500.0, 1.2),
         "held_two_mass_car_11" => deformable(

@@ -118,6 +118,37 @@ fn the_momentum_of_a_crushed_front_lies_between_half_of_its_impulse_and_the_impu
     assert!(last.yielded < 0.1, "{last:#?}");
 }
 
+/// While the vehicle pressed on, momentum and peak were those of the vehicles of the catalogue whose curves were like that of its front
+/// so far: both intervals were below the truth by factors of 2 to 20.
+#[test]
+fn a_front_that_stiffens_later_leaves_momentum_and_peak_open_until_then() {
+    let (signal, found) = estimated("stiffening_car_9", 1);
+    let [peak, peak_time] = signal.truth.peak;
+    let each = found.estimates.iter();
+    let before = each.filter(|it| it.data_until < BEFORE + peak_time);
+    for estimate in before.clone() {
+        let peaks = estimate.peak_v1.low..=estimate.peak_v1.high;
+        assert!(peaks.contains(&peak), "{peak} {estimate:#?}");
+        let momentum = signal.momentum();
+        let momenta = estimate.momentum.low..=estimate.momentum.high;
+        assert!(momenta.contains(&momentum), "{momentum} {estimate:#?}");
+    }
+    assert!(before.count() > 4, "the peak is at {peak_time} s");
+}
+
+/// A vehicle that no hypothesis explained had the momentum that is probable before anything is measured, however large the impulse was
+/// that it had delivered: the interval was below the truth.
+#[test]
+fn a_vehicle_of_an_unknown_kind_has_at_least_half_of_the_impulse_that_it_has_delivered() {
+    let (signal, found) = estimated("strong_lorry_16", 1);
+    let last = last(&found);
+    let unknown = |(name, _): &&(String, f64)| name == "unknown";
+    let unknown = last.vehicle_probabilities.iter().find(unknown);
+    assert!(unknown.is_some_and(|it| it.1 > 0.5), "{last:#?}");
+    let momenta = last.momentum.low..=last.momentum.high;
+    assert!(momenta.contains(&signal.momentum()), "{last:#?}");
+}
+
 /// All weights were no numbers where a hypothesis that is always searched had weights too small for one.
 #[test]
 fn an_estimate_is_a_number_whatever_hypothesis_is_ruled_out() {

@@ -102,11 +102,11 @@ impl Estimator {
         })
     }
 
-    /// The momentum, among those that the response of this member leaves open.
+    /// The momentum, among those that the response of this member leaves open once the contact is over.
     fn drawn_momentum(&self, member: &Member, random: &mut Random) -> f64 {
         let before = self.before_impact();
         let mut at = random.uniform();
-        let open = self.spread_of_vehicle(member, 1.0, [1.0, 1.0], &before);
+        let open = self.spread_of_vehicle(member, 1.0, [1.0, 1.0], &before, 0.0);
         let mut drawn = None;
         for it in open.filter(|it| it.weight > 0.0) {
             drawn = Some(it);

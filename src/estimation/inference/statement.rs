@@ -71,6 +71,13 @@ const TO_COME: f64 = 1.0;
 /// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
 const RANGE_PARTS: u32 = 5;
 
+/// Logarithm of the most by which a momentum can be smaller than that of the response \[A\].
+const LONGEST_RANGE: f64 = 3.0;
+
+/// Standard deviations from the mean beyond which the momentum of a vehicle is not probable, and parts of that many.
+const FARTHEST: f64 = 4.0;
+const MOMENTUM_PARTS: u32 = 12;
+
 impl Estimator {
     /// Standard deviation of the logarithm of a member's momentum, or of its mass and speed, by the model.
     fn impact_error(&self, member: &Member, of_momentum: bool) -> f64 {
@@ -102,13 +109,19 @@ impl Estimator {
     /// force from behind adds: whether a response with anything behind explains the readings better does not tell whether there is.
     fn hidden(&self, member: &Member) -> (f64, f64) {
         let hypothesis = &self.population.hypotheses[member.hypothesis];
-        let Some(hard) = hypothesis.hard_mass(&member.unknowns) else {
-            return (0.0, 1.0);
-        };
+        let hard = hypothesis.hard_mass(&member.unknowns);
+        let share = hard.map_or(1.0, |it| it / libm::exp(member.unknowns[0]));
+        (HIDDEN * self.lightness(member), share)
+    }
+
+    /// How far the hard front of a member is light beside the column: 0, not at all and for a soft front, to 1, wholly.
+    fn lightness(&self, member: &Member) -> f64 {
+        let hypothesis = &self.population.hypotheses[member.hypothesis];
         let [from, to] = LIGHT_RATIO;
-        let ratio = self.population.impact_point_mass / hard;
-        let hidden = HIDDEN * ((ratio - from) / (to - from)).clamp(0.0, 1.0);
-        (hidden, hard / libm::exp(member.unknowns[0]))
+        hypothesis.hard_mass(&member.unknowns).map_or(0.0, |hard| {
+            let ratio = self.population.impact_point_mass / hard;
+            ((ratio - from) / (to - from)).clamp(0.0, 1.0)
+        })
     }
 
     /// Share of the impulse of a soft front that is still to come, about: by the share of the time of its contact. A hard front delivers most
@@ -292,67 +305,94 @@ impl Estimator {
                 (peak, deviation) = (highest, deviation.max(noise));
             }
         }
+        // As long as a vehicle moves the column further, it may press on otherwise.
+        if self.seen() - member.delay < report.max_v1_time {
+            let otherwise = UNLIKE_CATALOGUE.sqrt() * TO_COME * self.to_come(member);
+            deviation = libm::hypot(deviation, otherwise * peak);
+        }
         logarithm_of_peak(peak, deviation)
     }
 
     /// What a member with this weight says of these powers of mass and speed, multiplied: logarithms. Their distributions are skew, and
     /// the mean is that of the logarithm. A front that is crushed leaves the momentum open, and the speed with it, up to the largest
-    /// momentum that is probable before anything is measured.
+    /// momentum that is probable before anything is measured. So does any soft front whose contact lasts, of whose impulse the share
+    /// `to_come` is still to come, and a light, hard one down to half of its impulse.
     pub(super) fn spread_of_vehicle(
         &self,
         member: &Member,
         weight: f64,
         [of_mass, of_velocity]: [f64; 2],
         before: &BeforeImpact,
+        to_come: f64,
     ) -> impl Iterator<Item = Spread> {
         let known = of_mass * member.unknowns[0] + of_velocity * member.unknowns[1];
         let largest = before.largest_momentum;
-        let (open, is_moving) = open_momentum(&member.prediction.report, member, largest);
+        let report = &member.prediction.report;
+        let (mut open, is_moving) = open_momentum(report, member, largest);
+        let momentum = member.unknowns[0] + member.unknowns[1];
+        // It returns all that it has delivered so far.
+        let least = libm::log(0.5 * (1.0 - to_come) * report.impulse) - momentum;
+        let least = least.clamp(-LONGEST_RANGE, 0.0);
         // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
         let shows = if is_moving { of_mass } else { of_velocity };
-        let [low, high] = if shows > 0.0 { open } else { [0.0; 2] };
+        let [mut low, high] = if shows > 0.0 { open } else { [0.0; 2] };
+        // Of what is hard and light beside the column, the model tells the impulse, but not what the first blow loses: the less it loses,
+        // the lighter the vehicle is.
+        // The model tells a front that has only just begun to be light.
+        let lightness = self.lightness(member);
+        let lightness = lightness * lightness;
+        let returned = lightness * least;
+        open[0] = open[0].min(returned);
+        if of_mass > 0.0 {
+            low = low.min(returned);
+        }
         // A light vehicle is lighter and faster than one that moves the column of the model alike: at most the whole column moves with it.
         let with_it = self.column_beside(member);
         let lighter = move |share: f64| {
             (of_mass - of_velocity) * libm::log1p(-(share * with_it).min(1.0 - LEAST_SHARE_OF_MASS))
         };
-        let parts = if high > low || with_it > 0.0 {
-            RANGE_PARTS
-        } else {
-            1
-        };
-        let width = (high - low) / f64::from(parts);
         // The readings tell about the momentum, and leave open how it is shared by mass and speed.
         let is_share = of_mass == 0.0 || of_velocity == 0.0;
         let mut model = self.impact_error(member, !is_share);
-        let to_come = TO_COME * self.to_come(member);
         if is_share {
-            model = libm::hypot(model, of_mass * to_come);
+            model = libm::hypot(model, of_mass * TO_COME * to_come);
         }
-        // Each part is a normal distribution of the variance of a uniform one.
-        let deviation = libm::hypot(model, width / 12.0_f64.sqrt());
         let (hidden, hard) = self.hidden(member);
         let hidden = if of_mass > 0.0 { hidden } else { 0.0 };
         let front = &self.population.hypotheses[member.hypothesis].front;
         let unlike = match front {
             Front::Vehicle(_) if is_share => UNLIKE_CATALOGUE,
+            _ if is_share => UNLIKE_CATALOGUE * lightness,
+            _ if to_come > 0.0 => UNLIKE_CATALOGUE,
             _ => 0.0,
         };
-        let own = (0..parts).map(move |part| Spread {
-            mean: known
-                + low
-                + (f64::from(part) + 0.5) * width
-                + lighter((f64::from(part) + 0.5) / f64::from(parts)),
-            deviation,
+        let parts = match low < high || with_it > 0.0 {
+            true => RANGE_PARTS,
+            false => 1,
+        };
+        let own = range([low, high], parts).map(move |(share, place, scatter)| Spread {
+            mean: known + place + lighter(share),
+            deviation: libm::hypot(model, scatter),
             weight: weight * (1.0 - hidden) * (1.0 - unlike) / f64::from(parts),
         });
-        // The force of a front leaves open how heavy and how fast the vehicle is whose momentum it shows.
-        let momentum = member.unknowns[0] + member.unknowns[1] + 0.5 * (open[0] + open[1]);
-        let scatter = libm::hypot(IMPACT_ERROR, (open[1] - open[0]) / 12.0_f64.sqrt());
-        let scatter = libm::hypot(scatter, to_come);
-        let other = (unlike > 0.0).then(|| Spread {
-            weight: weight * unlike,
-            ..before.with_momentum([of_mass, of_velocity], [momentum, scatter])
+        // The force of a front, or the impulse of a light one, leaves open how heavy and how fast the vehicle is whose momentum it shows.
+        let other = (unlike > 0.0 && is_share).then(|| {
+            let scatter = libm::hypot(IMPACT_ERROR, (open[1] - open[0]) / 12.0_f64.sqrt());
+            let scatter = libm::hypot(scatter, TO_COME * to_come);
+            let momentum = momentum + 0.5 * (open[0] + open[1]);
+            Spread {
+                weight: weight * (1.0 - hidden) * unlike,
+                ..before.with_momentum([of_mass, of_velocity], [momentum, scatter])
+            }
+        });
+        // As long as it presses, it may press on otherwise.
+        let most = to_come * (largest - momentum);
+        let ends = [least, most.max(0.0)];
+        let later = range(ends, RANGE_PARTS).filter(move |_| unlike > 0.0 && !is_share);
+        let later = later.map(move |(_, place, scatter)| Spread {
+            mean: momentum + place,
+            deviation: libm::hypot(model, scatter),
+            weight: weight * unlike / f64::from(RANGE_PARTS),
         });
         // What may be behind a light front is as heavy as before anything is measured.
         let [front_share, scatter] = FRONT_SHARE;
@@ -361,7 +401,7 @@ impl Estimator {
             deviation: libm::hypot(model, scatter),
             weight: weight * hidden,
         };
-        own.chain([behind]).chain(other)
+        own.chain([behind]).chain(other).chain(later)
     }
 
     /// What is known of the vehicle before anything is measured.
@@ -383,13 +423,25 @@ impl Estimator {
     fn spread_of_vehicles(&self, weights: &[f64], explained: f64, powers: [f64; 2]) -> Vec<Spread> {
         let before = self.before_impact();
         let members = self.weighted(weights).flat_map(|(member, weight)| {
-            self.spread_of_vehicle(member, explained * weight, powers, &before)
+            let to_come = self.to_come(member);
+            self.spread_of_vehicle(member, explained * weight, powers, &before, to_come)
         });
-        let unknown = spread_before(&self.population.hypotheses, powers).map(|it| Spread {
+        let unknown = before.with_momentum_of_at_least(powers, self.least_momentum(weights));
+        let unknown = unknown.into_iter().map(|it| Spread {
             weight: (1.0 - explained) * it.weight,
             ..it
         });
         members.chain(unknown).collect()
+    }
+
+    /// Logarithm of the least momentum of any passive vehicle that has delivered the impulse so far: it returns all of it.
+    fn least_momentum(&self, weights: &[f64]) -> f64 {
+        let delivered =
+            |member: &Member| (1.0 - self.to_come(member)) * member.prediction.report.impulse;
+        let impulse = self.weighted(weights).fold(0.0, |sum, (member, weight)| {
+            sum + weight * delivered(member)
+        });
+        libm::log((0.5 * impulse).max(f64::MIN_POSITIVE))
     }
 
     /// Standard deviation of the logarithm of the peak by the scale of the sensor that tells it: the less, the better other sensors confirm
@@ -540,6 +592,20 @@ impl Estimator {
     }
 }
 
+/// Parts of a range: the share of the range up to the middle of each, this place in the range, and the standard deviation of a uniform
+/// distribution over the part.
+fn range([low, high]: [f64; 2], parts: u32) -> impl Iterator<Item = (f64, f64, f64)> {
+    let width = (high - low) / f64::from(parts);
+    (0..parts).map(move |part| {
+        let middle = f64::from(part) + 0.5;
+        (
+            middle / f64::from(parts),
+            low + middle * width,
+            width / 12.0_f64.sqrt(),
+        )
+    })
+}
+
 /// The logarithm of a peak \[m\] with its standard deviation.
 fn logarithm_of_peak(peak: f64, deviation: f64) -> [f64; 2] {
     let peak = peak.max(LEAST_PEAK);
@@ -568,8 +634,8 @@ fn spread_before(
 pub(super) struct BeforeImpact {
     /// The largest momentum that is probable.
     largest_momentum: f64,
-    /// Mass and speed, each with its variance.
-    laws: [[f64; 2]; 2],
+    /// Mass, speed and momentum, each with its variance.
+    laws: [[f64; 2]; 3],
 }
 
 impl BeforeImpact {
@@ -584,7 +650,7 @@ impl BeforeImpact {
         };
         Self {
             largest_momentum: libm::log(prior(hypotheses, [1.0, 1.0]).high),
-            laws: [law([1.0, 0.0]), law([0.0, 1.0])],
+            laws: [law([1.0, 0.0]), law([0.0, 1.0]), law([1.0, 1.0])],
         }
     }
 
@@ -595,7 +661,7 @@ impl BeforeImpact {
         [of_mass, of_velocity]: [f64; 2],
         [momentum, scatter]: [f64; 2],
     ) -> Spread {
-        let [[mass, of_masses], [velocity, of_velocities]] = self.laws;
+        let [[mass, of_masses], [velocity, of_velocities], _] = self.laws;
         let total = of_masses + of_velocities + scatter * scatter;
         let shared = of_mass * of_masses + of_velocity * of_velocities;
         let own = of_mass * of_mass * of_masses + of_velocity * of_velocity * of_velocities;
@@ -606,6 +672,29 @@ impl BeforeImpact {
             deviation: (own - shared * shared / total).max(0.0).sqrt(),
             weight: 1.0,
         }
+    }
+
+    /// These powers of mass and speed, multiplied, of a vehicle of which only the logarithm of the least momentum that it can have is known.
+    fn with_momentum_of_at_least(&self, powers: [f64; 2], least: f64) -> Vec<Spread> {
+        let [_, _, [mean, variance]] = self.laws;
+        let deviation = variance.sqrt();
+        let begin = least.max(mean - FARTHEST * deviation);
+        let step = FARTHEST * deviation / f64::from(MOMENTUM_PARTS);
+        let each = (0..2 * MOMENTUM_PARTS).map(|part| {
+            let momentum = begin + (f64::from(part) + 0.5) * step;
+            let away = (momentum - mean) / deviation;
+            // Relative to that of the first part: far from the mean, all of them are too small for a number.
+            let first = (begin - mean) / deviation;
+            let density = libm::exp(0.5 * (first * first - away * away));
+            Spread {
+                weight: density,
+                ..self.with_momentum(powers, [momentum, step / 12.0_f64.sqrt()])
+            }
+        });
+        let mut each: Vec<Spread> = each.collect();
+        let total = each.iter().fold(0.0, |sum, it| sum + it.weight);
+        each.iter_mut().for_each(|it| it.weight /= total);
+        each
     }
 }
 
