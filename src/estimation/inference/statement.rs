@@ -258,10 +258,9 @@ impl Estimator {
     }
 
     /// Names of the sensors that contradict the others, wholly or by their scale, that have failed, or whose readings stray or rise on.
-    fn sensors_in_doubt(&self, weights: &[f64]) -> Vec<String> {
+    fn sensors_in_doubt(&self, weights: &[f64], compared: &[SensorComparison]) -> Vec<String> {
         let rises_on = self.rises_on(weights);
-        let each = self.population.compare(weights).into_iter();
-        let in_doubt = each.filter(|it| {
+        let in_doubt = compared.iter().filter(|it| {
             let index = it.sensor;
             self.doubtful[index]
                 || self.off_scale[index]
@@ -477,10 +476,29 @@ impl Estimator {
         contradicting.map_or(tempered, |_| CONTRADICTED * tempered)
     }
 
+    /// What the sensor that tells the peak says of its logarithm, if its readings stray from what the members predict for it: `None`
+    /// otherwise.
+    fn straying_peak(&self, compared: &[SensorComparison]) -> Option<Spread> {
+        let (sensor, records) = self.measured_peak()?;
+        let comparison = compared.iter().find(|it| it.sensor == sensor)?;
+        Self::strays(comparison).then(|| {
+            let Highest {
+                value, deviation, ..
+            } = records.last();
+            let [mean, deviation] = logarithm_of_peak(value, deviation);
+            Spread {
+                mean,
+                deviation: libm::hypot(deviation, self.scale_deviation(sensor)),
+                weight: 1.0 - CONTRADICTED,
+            }
+        })
+    }
+
     /// What is known of the logarithm of the peak that the impact adds.
-    fn spread_of_peaks(&self, weights: &[f64]) -> Vec<Spread> {
+    fn spread_of_peaks(&self, weights: &[f64], compared: &[SensorComparison]) -> Vec<Spread> {
         let mut each = self.peaks_by_members(weights);
-        if let Some(other) = self.contradicting_peak(&each) {
+        let other = self.contradicting_peak(&each);
+        if let Some(other) = other.or_else(|| self.straying_peak(compared)) {
             each.iter_mut().for_each(|it| it.weight *= CONTRADICTED);
             each.push(other);
         }
@@ -526,10 +544,11 @@ impl Estimator {
         let weights = self.weights();
         let effective = effective(&weights);
         let vehicles = self.spread_of_vehicles(&weights, self.explained(&weights), [1.0, 1.0]);
+        let compared = self.population.compare(&weights);
         let peak = libm::log((peak_v1 - self.rest_v1).max(LEAST_PEAK));
         [
             share_below(vehicles, effective, libm::log(momentum)),
-            share_below(self.spread_of_peaks(&weights), effective, peak),
+            share_below(self.spread_of_peaks(&weights, &compared), effective, peak),
             share_below(self.spread_of_residuals(&weights), effective, residual_v1),
         ]
     }
@@ -562,7 +581,8 @@ impl Estimator {
         vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
         let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
         let [contact, deviation] = self.contact;
-        let doubtful_sensors = self.sensors_in_doubt(&weights);
+        let compared = self.population.compare(&weights);
+        let doubtful_sensors = self.sensors_in_doubt(&weights, &compared);
         let with_action = |action| {
             let count = assessed.iter().filter(|(it, _)| *it == action).count();
             (action, count as f64 / assessed.len().max(1) as f64)
@@ -577,8 +597,11 @@ impl Estimator {
                 members()
                     .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
             ),
-            peak_v1: CredibleInterval::of_spread(self.spread_of_peaks(&weights), effective)
-                .map(|log| libm::exp(log) + before),
+            peak_v1: CredibleInterval::of_spread(
+                self.spread_of_peaks(&weights, &compared),
+                effective,
+            )
+            .map(|log| libm::exp(log) + before),
             residual_v1,
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
             collapsed: share(&|member| collapses(member.prediction.report.outcome)),
