@@ -2,6 +2,7 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - before_impact.rs: What is known of a vehicle of any kind before anything is measured, and once only its momentum is
 // - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
 // - conceivable.rs: Impacts as the estimator conceives them, and what its sensors read of them by its own model of all errors
@@ -28,7 +29,8 @@
 // - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
 //   blocks are in the predictions
 
-pub(super) mod blocks;
+pub(super) mod before_impact;
+mod blocks;
 pub(super) mod comparison;
 pub(super) mod conceivable;
 pub(super) mod contradiction;
