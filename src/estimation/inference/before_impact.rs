@@ -75,14 +75,13 @@ impl BeforeImpact {
         let deviation = variance.sqrt();
         let begin = least.max(mean - FARTHEST * deviation);
         let step = FARTHEST * deviation / f64::from(MOMENTUM_PARTS);
+        // Weights are relative to that of the first part: far from the mean, all densities are too small for a number.
+        let first = (begin - mean) / deviation;
         let each = (0..2 * MOMENTUM_PARTS).map(|part| {
             let momentum = begin + (f64::from(part) + 0.5) * step;
             let away = (momentum - mean) / deviation;
-            // Relative to that of the first part: far from the mean, all of them are too small for a number.
-            let first = (begin - mean) / deviation;
-            let density = libm::exp(0.5 * (first * first - away * away));
             Spread {
-                weight: density,
+                weight: libm::exp(0.5 * (first * first - away * away)),
                 ..self.with_momentum(powers, [momentum, step / 12.0_f64.sqrt()])
             }
         });

@@ -29,8 +29,8 @@
 // - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
 //   blocks are in the predictions
 
-pub(super) mod before_impact;
-mod blocks;
+mod before_impact;
+pub(super) mod blocks;
 pub(super) mod comparison;
 pub(super) mod conceivable;
 pub(super) mod contradiction;

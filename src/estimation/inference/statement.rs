@@ -326,15 +326,14 @@ impl Estimator {
         let report = &member.prediction.report;
         let (mut open, is_moving) = open_momentum(report, member, largest);
         let momentum = member.unknowns[0] + member.unknowns[1];
-        // It returns all that it has delivered so far.
-        let least = libm::log(0.5 * (1.0 - to_come) * report.impulse) - momentum;
+        // A vehicle that returns all that it has delivered so far.
+        let least = libm::log(0.5 * delivered(member, to_come)) - momentum;
         let least = least.clamp(-LONGEST_RANGE, 0.0);
         // A vehicle that has not stopped is heavier; one that has stopped was faster or slower.
         let shows = if is_moving { of_mass } else { of_velocity };
         let [mut low, high] = if shows > 0.0 { open } else { [0.0; 2] };
         // Of what is hard and light beside the column, the model tells the impulse, but not what the first blow loses: the less it loses,
-        // the lighter the vehicle is.
-        // The model tells a front that has only just begun to be light.
+        // the lighter the vehicle is. The square, because the model is right about a front that is hardly light.
         let lightness = self.lightness(member);
         let lightness = lightness * lightness;
         let returned = lightness * least;
@@ -357,10 +356,13 @@ impl Estimator {
         let hidden = if of_mass > 0.0 { hidden } else { 0.0 };
         let front = &self.population.hypotheses[member.hypothesis].front;
         let unlike = match front {
-            Front::Vehicle(_) if is_share => UNLIKE_CATALOGUE,
-            _ if is_share => UNLIKE_CATALOGUE * lightness,
-            _ if to_come > 0.0 => UNLIKE_CATALOGUE,
-            _ => 0.0,
+            _ if !is_share => 0.0,
+            Front::Vehicle(_) => UNLIKE_CATALOGUE,
+            _ => UNLIKE_CATALOGUE * lightness,
+        };
+        let goes_on = match !is_share && to_come > 0.0 {
+            true => UNLIKE_CATALOGUE,
+            false => 0.0,
         };
         let parts = match low < high || with_it > 0.0 {
             true => RANGE_PARTS,
@@ -369,10 +371,10 @@ impl Estimator {
         let own = range([low, high], parts).map(move |(share, place, scatter)| Spread {
             mean: known + place + lighter(share),
             deviation: libm::hypot(model, scatter),
-            weight: weight * (1.0 - hidden) * (1.0 - unlike) / f64::from(parts),
+            weight: weight * (1.0 - hidden) * (1.0 - unlike) * (1.0 - goes_on) / f64::from(parts),
         });
         // The force of a front, or the impulse of a light one, leaves open how heavy and how fast the vehicle is whose momentum it shows.
-        let other = (unlike > 0.0 && is_share).then(|| {
+        let other = (unlike > 0.0).then(|| {
             let scatter = libm::hypot(IMPACT_ERROR, (open[1] - open[0]) / 12.0_f64.sqrt());
             let scatter = libm::hypot(scatter, TO_COME * to_come);
             let momentum = momentum + 0.5 * (open[0] + open[1]);
@@ -384,11 +386,10 @@ impl Estimator {
         // As long as it presses, it may press on otherwise.
         let most = to_come * (largest - momentum);
         let ends = [least, most.max(0.0)];
-        let later = range(ends, RANGE_PARTS).filter(move |_| unlike > 0.0 && !is_share);
-        let later = later.map(move |(_, place, scatter)| Spread {
+        let later = range(ends, RANGE_PARTS).map(move |(_, place, scatter)| Spread {
             mean: momentum + place,
             deviation: libm::hypot(model, scatter),
-            weight: weight * unlike / f64::from(RANGE_PARTS),
+            weight: weight * goes_on / f64::from(RANGE_PARTS),
         });
         // What may be behind a light front is as heavy as before anything is measured.
         let [front_share, scatter] = FRONT_SHARE;
@@ -432,10 +433,8 @@ impl Estimator {
 
     /// Logarithm of the least momentum of any passive vehicle that has delivered the impulse so far: it returns all of it.
     fn least_momentum(&self, weights: &[f64]) -> f64 {
-        let delivered =
-            |member: &Member| (1.0 - self.to_come(member)) * member.prediction.report.impulse;
         let impulse = self.weighted(weights).fold(0.0, |sum, (member, weight)| {
-            sum + weight * delivered(member)
+            sum + weight * delivered(member, self.to_come(member))
         });
         libm::log((0.5 * impulse).max(f64::MIN_POSITIVE))
     }
@@ -452,18 +451,11 @@ impl Estimator {
     /// it is so far from what the members say that it is broken.
     fn contradicting_peak(&self, by_members: &[Spread]) -> Option<Spread> {
         let (sensor, records) = self.peak_by_sensors(true)?;
-        let Highest {
-            value, deviation, ..
-        } = records.last();
-        let [mean, deviation] = logarithm_of_peak(value, deviation);
+        let read = self.peak_read_by(sensor, records);
         let [sum, total] = by_members.iter().fold([0.0; 2], |[sum, total], it| {
             [sum + it.weight * it.mean, total + it.weight]
         });
-        ((mean - sum / total).abs() <= libm::log(MISSED_PEAK)).then(|| Spread {
-            mean,
-            deviation: libm::hypot(deviation, self.scale_deviation(sensor)),
-            weight: 1.0 - CONTRADICTED,
-        })
+        ((read.mean - sum / total).abs() <= libm::log(MISSED_PEAK)).then_some(read)
     }
 
     /// Probability that the members explain what has struck.
@@ -478,17 +470,20 @@ impl Estimator {
     fn straying_peak(&self, compared: &[SensorComparison]) -> Option<Spread> {
         let (sensor, records) = self.measured_peak()?;
         let comparison = compared.iter().find(|it| it.sensor == sensor)?;
-        Self::strays(comparison).then(|| {
-            let Highest {
-                value, deviation, ..
-            } = records.last();
-            let [mean, deviation] = logarithm_of_peak(value, deviation);
-            Spread {
-                mean,
-                deviation: libm::hypot(deviation, self.scale_deviation(sensor)),
-                weight: 1.0 - CONTRADICTED,
-            }
-        })
+        Self::strays(comparison).then(|| self.peak_read_by(sensor, records))
+    }
+
+    /// What a sensor says of the logarithm of the peak by what it has read alone, with the probability that the members are wrong.
+    fn peak_read_by(&self, sensor: usize, records: &Records) -> Spread {
+        let Highest {
+            value, deviation, ..
+        } = records.last();
+        let [mean, deviation] = logarithm_of_peak(value, deviation);
+        Spread {
+            mean,
+            deviation: libm::hypot(deviation, self.scale_deviation(sensor)),
+            weight: 1.0 - CONTRADICTED,
+        }
     }
 
     /// What is known of the logarithm of the peak that the impact adds.
@@ -610,6 +605,11 @@ impl Estimator {
             doubtful_sensors,
         }
     }
+}
+
+/// Impulse that the vehicle of a member has delivered when this share of it is still to come \[N s\].
+fn delivered(member: &Member, to_come: f64) -> f64 {
+    (1.0 - to_come) * member.prediction.report.impulse
 }
 
 /// Parts of a range: the share of the range up to the middle of each, this place in the range, and the standard deviation of a uniform
