@@ -216,6 +216,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
         "effective_sample_size": estimate.effective_sample_size,
         "doubtful_sensors": estimate.doubtful_sensors,
         "scale_not_confirmed": estimate.scale_not_confirmed,
+        "vehicle_by_beam": estimate.vehicle_by_beam,
     });
     match fields {
         Json::Object(fields) => fields,
@@ -370,8 +371,12 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
     if let Some(doubt) = last.doubt_in_words() {
         let _ = writeln!(text, "\nWarning: {doubt}");
     }
-    if let Some(reservation) = last.scale_reservation() {
-        let _ = writeln!(text, "\nNote: {reservation}");
+    let notes = [
+        last.scale_reservation(),
+        last.model_in_words().map(str::to_owned),
+    ];
+    for note in notes.into_iter().flatten() {
+        let _ = writeln!(text, "\nNote: {note}");
     }
     text += "\nThe estimate includes the model's own error (docs/estimation.md), and is for the undamaged column.\n";
     text

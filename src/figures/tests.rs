@@ -430,6 +430,7 @@ mod estimates {
             effective_sample_size: 100.0,
             doubtful_sensors: Vec::new(),
             scale_not_confirmed: Vec::new(),
+            vehicle_by_beam: false,
         }
     }
 

@@ -10,5 +10,5 @@
 mod cholesky;
 mod random;
 
-pub(crate) use cholesky::cholesky;
+pub(crate) use cholesky::{cholesky, solved};
 pub(crate) use random::Random;

@@ -95,6 +95,9 @@ fn reservations(estimate: &ImpactEstimate) -> Markup {
         @if let Some(reservation) = estimate.scale_reservation() {
             p.note { (reservation) }
         }
+        @if let Some(model) = estimate.model_in_words() {
+            p.note { (model) }
+        }
         p.note {
             "The intervals contain the noise of the sensors and the model's own error as docs/estimation.md describes it."
         }

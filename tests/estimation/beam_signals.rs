@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use column_beam::{
-    BeamColumn, BeamError, BowAxes, History, Instrument, Shape, Steel, Torsion, history,
+    BeamColumn, BeamError, BowAxes, History, Instrument, Sampling, Shape, Steel, Torsion, history,
 };
 use column_twin::column::{CrushCurve, CrushSpring, Impact, RolledSection, Support, Vehicle};
 use column_twin::estimation::{Readings, with_sensor_errors};
@@ -18,6 +18,9 @@ const LENGTHS: [f64; 2] = [0.8, 3.2];
 /// Times before and after contact \[s\].
 pub const BEFORE: f64 = 0.05;
 pub const AFTER: f64 = 0.35;
+
+/// Steps of the beam between two samples.
+const STEPS: u32 = 5;
 
 /// A made impact with its truth.
 pub struct BeamSignal {
@@ -164,8 +167,12 @@ impl BeamSignal {
                 other => panic!("no instrument for {other:?}"),
             })
             .collect();
-        let samples = (after / PERIOD).round() as usize;
-        let truth = history(column, &impact, &instruments, PERIOD, samples)?;
+        let sampling = Sampling {
+            period: PERIOD,
+            steps: STEPS,
+            samples: (after / PERIOD).round() as usize,
+        };
+        let truth = history(column, &impact, &instruments, &sampling)?;
         Ok(Self { impact, truth })
     }
 

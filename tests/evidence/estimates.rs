@@ -67,6 +67,7 @@ fn estimate(update: u32, contact: Nanos, velocity: f64) -> EstimateRecord {
             effective_sample_size: 80.0,
             doubtful_sensors: vec!["top".to_owned()],
             scale_not_confirmed: vec!["laser".to_owned()],
+            vehicle_by_beam: true,
         },
         best: Impact::rigid(1500.0, velocity),
     }

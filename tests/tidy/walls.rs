@@ -60,7 +60,7 @@ pub const ROOMS: &[Room] = &[
     room("messages", "Rust types of the messages", &["mechanics", "ros_interface", "assessment"], "the twin, parameters, DDS"),
     room("results", "results by name", &["mechanics", "parameters", "assessment", "second_opinion"], "the twin, files"),
     room("study", "many impacts on a column", &["mechanics", "numerics", "parameters", "assessment", "second_opinion", "results"], "the twin, clocks, files"),
-    room("estimation", "what readings say about an impact", &["mechanics", "printable", "time", "numerics", "sensors", "parameters", "exact_number", "standing", "assessment"], "the twin, threads, DDS"),
+    room("estimation", "what readings say about an impact", &["mechanics", "beam", "printable", "time", "numerics", "sensors", "parameters", "exact_number", "standing", "assessment", "second_opinion"], "the twin, threads, DDS"),
     room("commissioning", "the check of sensors at commissioning", &["mechanics", "beam", "sensors", "estimation"], "the twin, parameters, files, clocks"),
     room("twin", "the twin of one column", &["mechanics", "beam", "printable", "bounded_file", "state_home", "time", "sensors", "parameters", "exact_number", "standing", "assessment", "second_opinion", "study", "estimation"], "threads, clocks, DDS, messages"),
     room("shape", "the geometry of a deformed column", &["mechanics", "observables", "parameters", "assessment", "twin"], "RViz, Rerun"),

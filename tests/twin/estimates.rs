@@ -68,6 +68,7 @@ fn estimate(id: &str, update: u32, contact: Nanos, best: Impact, is_sure: bool) 
             effective_sample_size: 80.0,
             doubtful_sensors: Vec::new(),
             scale_not_confirmed: Vec::new(),
+            vehicle_by_beam: false,
         },
         best,
     }

@@ -10,9 +10,6 @@ use super::mesh::nearest;
 use super::response::Run;
 use super::statics::settle;
 
-/// Steps between two samples: the mean of a sample is the mean over them.
-const STEPS: u32 = 5;
-
 /// Most samples of a history.
 const MAX_SAMPLES: usize = 100_000;
 
@@ -26,6 +23,17 @@ pub enum Instrument {
     Acceleration(f64),
     /// Bending strain of the outer fibre on the side that is struck: negative at the base, positive at the impact point.
     BendingStrain(f64),
+}
+
+/// When the instruments are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling {
+    /// Time between two samples \[s\].
+    pub period: f64,
+    /// Steps between two samples, at least one: a sample is the mean over them.
+    pub steps: u32,
+    /// How many samples there are.
+    pub samples: usize,
 }
 
 /// Readings from contact on, and what a person would want to know about them.
@@ -45,7 +53,7 @@ pub struct History {
     pub collapsed: bool,
 }
 
-/// Follows a head-on impact in the plane of the web on the undamaged column for `samples` samples, `period` \[s\] apart.
+/// Follows a head-on impact in the plane of the web on the undamaged column.
 ///
 /// # Errors
 /// Numbers out of range, no equilibrium before the impact, or a step that is not solved.
@@ -53,9 +61,13 @@ pub fn history(
     column: &BeamColumn,
     impact: &Impact,
     instruments: &[Instrument],
-    period: f64,
-    samples: usize,
+    sampling: &Sampling,
 ) -> Result<History, BeamError> {
+    let Sampling {
+        period,
+        steps,
+        samples,
+    } = *sampling;
     column.check()?;
     impact.check()?;
     let heights = column.heights(column.elements, mesh::FINE);
@@ -84,11 +96,11 @@ pub fn history(
         released: false,
         collapsed: false,
     };
-    let secs = period / f64::from(STEPS);
+    let secs = period / f64::from(steps);
     let mut last: Vec<f64> = vec![0.0; probes.len()];
     for _ in 0..samples.min(MAX_SAMPLES) {
         let mut sums = vec![0.0; probes.len()];
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             let solved = run.advance(secs, 0);
             let along = run.displacement(&rest)[0];
             if along > found.peak[0] {
@@ -104,7 +116,7 @@ pub fn history(
                 });
             }
             for ((sum, probe), rest) in sums.iter_mut().zip(&probes).zip(&at_rest) {
-                *sum += (probe.read(&beam, &run.state) - rest) / f64::from(STEPS);
+                *sum += (probe.read(&beam, &run.state) - rest) / f64::from(steps);
             }
         }
         if found.collapsed {

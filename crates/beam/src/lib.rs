@@ -71,7 +71,7 @@ pub use column::{BeamColumn, BeamError, BowAxes, Torsion};
 pub use correction::Measurement;
 pub use curve::Steel;
 pub use damage::{Damage, DamageError};
-pub use history::{History, Instrument, history};
+pub use history::{History, Instrument, Sampling, history};
 pub use modes::{Mode, modes};
 pub use movement::{Movement, YieldedFibre};
 pub use opinion::{BeamModel, BeamOpinion, Hit, Undamaged, is_in_plane};

@@ -3,6 +3,8 @@
 //! Vibrations whose phase the model cannot predict for long average out, and the number of blocks grows with the logarithm
 //! of the time only.
 
+use crate::estimation::inference::extremes::{Extremes, NO_EXTREMES, STUCK_SAMPLES};
+use crate::estimation::inference::short_means::ShortSums;
 use crate::sensors::{Quantity, Sensor};
 
 /// Before contact, from which the blocks begin \[s\].
@@ -25,15 +27,8 @@ const NEAR_YIELD: f64 = 0.5;
 const TURNED: f64 = 0.03;
 const TURNED_NOISE: f64 = 4.0;
 
-/// Samples of a block that have to be the same, bit for bit, if a sensor with noise is stuck.
-const STUCK_SAMPLES: u32 = 10;
-
 /// Share of its range at which a sensor is at the end of it: the range as a number of 32 bits may be smaller by round-off.
 pub(crate) const CLIPPED: f64 = 1.0 - 1e-6;
-
-/// The end of a range that is not declared holds at least [`STUCK_SAMPLES`] readings, and so many times as many as the value next to it; at
-/// the crest of a sine in steps it is 2.4 times.
-const LIMIT_OVER_NEXT: u32 = 5;
 
 /// Share of the largest reading to either side from which on a value may be such an end. A coarse sensor repeats the values next to its zero.
 const CUT_OFF_FROM: f64 = 0.5;
@@ -163,39 +158,7 @@ struct Channel {
     gauge: Cell,
     /// Number of this cell after contact.
     gauge_time: f64,
-}
-
-/// The two largest values, and how often each has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Extremes {
-    largest: (f64, u32),
-    next: (f64, u32),
-}
-
-const NO_EXTREMES: Extremes = Extremes {
-    largest: (f64::NEG_INFINITY, 0),
-    next: (f64::NEG_INFINITY, 0),
-};
-
-impl Extremes {
-    /// Takes a value that has come so often.
-    fn take(&mut self, value: f64, count: u32) {
-        if value > self.largest.0 {
-            self.next = self.largest;
-            self.largest = (value, count);
-        } else if value == self.largest.0 {
-            self.largest.1 += count;
-        } else if value > self.next.0 {
-            self.next = (value, count);
-        } else if value == self.next.0 {
-            self.next.1 += count;
-        }
-    }
-
-    /// Whether values beyond the largest one were cut off to it.
-    fn are_cut_off(&self) -> bool {
-        self.largest.1 >= STUCK_SAMPLES && self.largest.1 >= LIMIT_OVER_NEXT * self.next.1
-    }
+    short: ShortSums,
 }
 
 /// A mean over a short time.
@@ -247,6 +210,7 @@ impl Blocks {
                 cell: Cell::default(),
                 gauge: Cell::default(),
                 gauge_time: f64::NEG_INFINITY,
+                short: ShortSums::default(),
             })
             .collect();
         Self {
@@ -286,6 +250,7 @@ impl Blocks {
         largest.take(reading, 1);
         smallest.take(-reading, 1);
         channel.follow_peak(time, reading);
+        channel.short.push(time, reading);
         let only = &mut channel.only[index];
         *only = if channel.counts[index] == 1 {
             Some(value)
@@ -325,6 +290,13 @@ impl Blocks {
             records,
             seen_until,
         })
+    }
+
+    /// For each sensor its means over short times that are complete at `until` \[s\]. See [`ShortSums::means`].
+    pub fn short_means(&self, until: f64) -> Vec<Vec<Option<(f64, u32)>>> {
+        let each = self.channels.iter();
+        each.map(|it| it.short.means(until - self.contact))
+            .collect()
     }
 
     /// End of the last one of so many blocks of which this holds \[s\].
@@ -520,11 +492,9 @@ impl Channel {
         [(0, 1.0), (1, -1.0)].into_iter().any(|(side, sign)| {
             let mut all = NO_EXTREMES;
             for block in &self.extremes[..complete] {
-                let Extremes { largest, next } = block[side];
-                all.take(largest.0, largest.1);
-                all.take(next.0, next.1);
+                all.take_all(&block[side]);
             }
-            let (limit, _) = all.largest;
+            let limit = all.largest();
             limit >= least && all.are_cut_off() && !self.is_clipped(sign * limit + self.zero)
         })
     }

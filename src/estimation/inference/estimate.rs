@@ -223,6 +223,10 @@ pub struct ImpactEstimate {
     /// 30 % may be unnoticed. They are not in doubt.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scale_not_confirmed: Vec<String>,
+    /// Whether mass, speed and momentum are those of a rigid vehicle that explains all readings by the fibre beam; otherwise they are those of
+    /// the two bars.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub vehicle_by_beam: bool,
 }
 
 impl ImpactEstimate {
@@ -247,6 +251,15 @@ impl ImpactEstimate {
                  sign, position and data."
             )
         })
+    }
+
+    /// Which model the vehicle is by, where it is not the two bars, as a sentence.
+    #[must_use]
+    pub fn model_in_words(&self) -> Option<&'static str> {
+        self.vehicle_by_beam.then_some(
+            "Mass, speed and momentum are those of a rigid vehicle that explains all readings by the fibre beam; peak, residual displacement and \
+             capacity are those of the two bars.",
+        )
     }
 
     /// What the peak rests on that no sensor confirms, as sentences; `None` where the sensors confirm each other.

@@ -7,6 +7,7 @@ use crate::column::{
 };
 use crate::estimation::detection::detector::{Detection, WITNESS_RATE};
 use crate::estimation::detection::sway::Sway;
+use crate::estimation::inference::beam_readings::BeamReadings;
 use crate::estimation::inference::blocks::{Blocks, Records};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
@@ -15,6 +16,7 @@ use crate::estimation::inference::hypothesis::{Front, Hypothesis};
 use crate::estimation::inference::member::Member;
 use crate::estimation::inference::population::{EXPLORATION, Population, Round};
 use crate::estimation::inference::prediction::HORIZON;
+use crate::estimation::inference::rigid_vehicle::RigidVehicle;
 use crate::estimation::inference::undamaged_capacities::UndamagedCapacities;
 use crate::parameters::Parameters;
 use crate::sensors::Sensor;
@@ -145,6 +147,12 @@ pub struct Estimator {
     pub(super) doubtful: Vec<bool>,
     /// Sensors whose scale the others contradict.
     pub(super) off_scale: Vec<bool>,
+    /// The fibre beam, if there is one for the column.
+    pub(super) beam: Option<BeamReadings>,
+    /// For each sensor its means over short times by the instant until which data were used last.
+    pub(super) short_means: Vec<Vec<Option<(f64, u32)>>>,
+    /// The rigid vehicle that explains all readings by the beam, if it was looked for and found.
+    pub(super) rigid_vehicle: Option<RigidVehicle>,
 }
 
 impl Estimator {
@@ -165,6 +173,7 @@ impl Estimator {
         let properties = column.properties(parameters);
         let model = Model::new(&properties)?;
         let steel = parameters.steel();
+        let beam = BeamReadings::new(parameters, column, &sensors);
         let (column, of_population) = (column.clone(), sensors.clone());
         Ok(Self {
             undamaged: UndamagedCapacities::new(parameters, &properties),
@@ -190,6 +199,9 @@ impl Estimator {
             prepared: 0,
             preparing: None,
             assessed: 0,
+            beam,
+            short_means: Vec::new(),
+            rigid_vehicle: None,
         })
     }
 
@@ -299,6 +311,8 @@ impl Estimator {
         ));
         self.highest.clear();
         self.failed.clear();
+        self.short_means.clear();
+        self.rigid_vehicle = None;
         self.observed = 0;
     }
 
@@ -345,6 +359,8 @@ impl Estimator {
         let sensors = 0..self.sensors.len();
         self.highest = sensors.map(|it| blocks.records(it, until)).collect();
         self.failed = blocks.failed(until);
+        self.short_means = blocks.short_means(until);
+        self.rigid_vehicle = None;
     }
 
     /// Time after contact until which data are used \[s\].

@@ -29,6 +29,8 @@
 // - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
 //   blocks are in the predictions
 
+pub(super) mod beam_error;
+pub(super) mod beam_readings;
 mod before_impact;
 pub(super) mod blocks;
 pub(super) mod comparison;
@@ -39,6 +41,7 @@ pub(super) mod estimate;
 pub(super) mod estimate_record;
 pub(super) mod estimator;
 pub(super) mod event_evidence;
+pub(super) mod extremes;
 pub(super) mod hypothesis;
 pub(super) mod lanes;
 pub(super) mod library;
@@ -48,6 +51,9 @@ pub(super) mod population;
 pub(super) mod prediction;
 pub(super) mod recomputation;
 pub(super) mod recorded;
+pub(super) mod rigid_fit;
+pub(super) mod rigid_vehicle;
+pub(super) mod short_means;
 pub(super) mod statement;
 pub(super) mod undamaged_capacities;
 pub(super) mod update;

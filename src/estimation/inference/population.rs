@@ -251,6 +251,11 @@ impl Population {
         self.weighing = None;
     }
 
+    /// What events say about the impact.
+    pub fn events(&self) -> &[EventEvidence] {
+        &self.events
+    }
+
     /// Takes what events say about the impact, instead of what they said before.
     pub fn set_events(&mut self, events: &[EventEvidence]) {
         if self.events == events {

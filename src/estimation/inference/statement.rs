@@ -11,6 +11,7 @@ use crate::estimation::inference::estimate::{
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front};
 use crate::estimation::inference::member::Member;
+use crate::estimation::inference::rigid_vehicle::RIGID_BY_BEAM;
 use crate::sensors::Quantity;
 
 /// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
@@ -112,7 +113,7 @@ impl Estimator {
     }
 
     /// How far the hard front of a member is light beside the column: 0, not at all and for a soft front, to 1, wholly.
-    fn lightness(&self, member: &Member) -> f64 {
+    pub(super) fn lightness(&self, member: &Member) -> f64 {
         let hypothesis = &self.population.hypotheses[member.hypothesis];
         let [from, to] = LIGHT_RATIO;
         hypothesis.hard_mass(&member.unknowns).map_or(0.0, |hard| {
@@ -148,6 +149,10 @@ impl Estimator {
             let (hidden, _) = self.hidden(member);
             shares[member.hypothesis] += (1.0 - hidden) * weight;
             shares[other] += hidden * weight;
+        }
+        if let Some(rigid) = kinds[0].filter(|_| self.rigid_vehicle.is_some()) {
+            shares.iter_mut().for_each(|it| *it *= 1.0 - RIGID_BY_BEAM);
+            shares[rigid] += RIGID_BY_BEAM;
         }
         let names = hypotheses.iter().map(|it| it.name.clone());
         names.zip(shares).collect()
@@ -407,7 +412,7 @@ impl Estimator {
     }
 
     /// The members with their weights, as far as these count.
-    fn weighted<'a>(
+    pub(super) fn weighted<'a>(
         &'a self,
         weights: &'a [f64],
     ) -> impl Iterator<Item = (&'a Member, f64)> + Clone {
@@ -416,19 +421,27 @@ impl Estimator {
     }
 
     /// See [`Estimator::spread_of_vehicle`] and [`Estimator::explained`]. A vehicle of an unknown kind has the mass and the speed that are
-    /// probable before anything is measured.
+    /// probable before anything is measured. A rigid vehicle that explains the readings by the beam takes the place of most of them.
     fn spread_of_vehicles(&self, weights: &[f64], explained: f64, powers: [f64; 2]) -> Vec<Spread> {
+        let by_beam = self.rigid_vehicle.map(|it| it.spread(powers));
+        let others = 1.0 - by_beam.as_ref().map_or(0.0, |it| it.weight);
         let before = self.before_impact();
         let members = self.weighted(weights).flat_map(|(member, weight)| {
             let to_come = self.to_come(member);
-            self.spread_of_vehicle(member, explained * weight, powers, &before, to_come)
+            self.spread_of_vehicle(
+                member,
+                others * explained * weight,
+                powers,
+                &before,
+                to_come,
+            )
         });
         let unknown = before.with_momentum_of_at_least(powers, self.least_momentum(weights));
         let unknown = unknown.into_iter().map(|it| Spread {
-            weight: (1.0 - explained) * it.weight,
+            weight: others * (1.0 - explained) * it.weight,
             ..it
         });
-        members.chain(unknown).collect()
+        members.chain(unknown).chain(by_beam).collect()
     }
 
     /// Logarithm of the least momentum of any passive vehicle that has delivered the impulse so far: it returns all of it.
@@ -602,6 +615,7 @@ impl Estimator {
             vehicle_probabilities: vehicles,
             effective_sample_size: effective,
             scale_not_confirmed: self.unconfirmed_scales(&weights, &doubtful_sensors),
+            vehicle_by_beam: self.rigid_vehicle.is_some(),
             doubtful_sensors,
         }
     }

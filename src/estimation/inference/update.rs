@@ -5,6 +5,7 @@
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::estimator::{ASSESSED, Estimator};
 use crate::estimation::inference::population::Round;
+use crate::estimation::inference::rigid_fit::RigidFit;
 
 /// Responses weighed in one slice.
 const WEIGHED: usize = 64;
@@ -116,6 +117,8 @@ pub(crate) struct Update {
     refinement: Refinement,
     /// Whether sensors are looked for that contradict the others.
     judges: bool,
+    /// Whether the fibre beam is asked for a rigid vehicle that explains the readings: once, behind everything else.
+    asks_beam: bool,
     until: f64,
     /// Responses that are assessed.
     assessed: usize,
@@ -131,6 +134,7 @@ enum Task {
     WeighAll(usize),
     JudgeSensors,
     WeighAgain(usize),
+    AskBeam(Box<RigidFit>),
     Assess(Vec<usize>),
     Over,
 }
@@ -158,6 +162,7 @@ impl Update {
         Self {
             refinement,
             judges: number > 0,
+            asks_beam: is_final,
             until,
             assessed: assessed(estimator, number, is_final),
             task: Task::Prefilter(0),
@@ -183,6 +188,23 @@ impl Update {
         matches!(self.task, Task::Over)
     }
 
+    /// What follows when all responses are weighed.
+    fn weighed(&self, estimator: &Estimator) -> Task {
+        let fit = if self.asks_beam {
+            estimator.rigid_fit()
+        } else {
+            None
+        };
+        match fit {
+            Some(fit) => Task::AskBeam(Box::new(fit)),
+            None => self.assessing(estimator),
+        }
+    }
+
+    fn assessing(&self, estimator: &Estimator) -> Task {
+        Task::Assess(estimator.unassessed(self.assessed))
+    }
+
     /// The next slice, unless it is over.
     pub fn step(&mut self, estimator: &mut Estimator) {
         self.task = match std::mem::replace(&mut self.task, Task::Over) {
@@ -199,19 +221,27 @@ impl Update {
                 Task::Refine
             }
             Task::Refine if self.judges && estimator.has_doubts() => Task::WeighAll(0),
-            Task::Refine => Task::Assess(estimator.unassessed(self.assessed)),
+            Task::Refine => self.weighed(estimator),
             Task::WeighAll(first) => match estimator.weigh_all(first, WEIGHED) {
                 true => Task::WeighAll(first + WEIGHED),
                 false => Task::JudgeSensors,
             },
             Task::JudgeSensors => match estimator.judge_sensors() {
                 true => Task::WeighAgain(0),
-                false => Task::Assess(estimator.unassessed(self.assessed)),
+                false => self.weighed(estimator),
             },
             Task::WeighAgain(first) => match estimator.weigh_all(first, WEIGHED) {
                 true => Task::WeighAgain(first + WEIGHED),
-                false => Task::Assess(estimator.unassessed(self.assessed)),
+                false => self.weighed(estimator),
             },
+            Task::AskBeam(mut fit) if !fit.is_over() => {
+                fit.step();
+                Task::AskBeam(fit)
+            }
+            Task::AskBeam(fit) => {
+                estimator.rigid_vehicle = fit.found();
+                self.assessing(estimator)
+            }
             Task::Assess(mut left) => match left.pop() {
                 Some(index) => {
                     estimator.assess_one(index);

@@ -1,0 +1,504 @@
+//! The rigid vehicle that explains the readings by the fibre beam, if one does.
+//!
+//! The bars have the mass of the column at points. They take a light rigid vehicle for a heavier one, and of a push that leaves the
+//! column elastic they know neither shape nor period of the vibrations. The beam does, and all that it does not know of the column and its
+//! sensors has a prior: an adjustment by least squares (Levenberg and Marquardt), whose residuals are whitened by the errors of model and
+//! sensors, over a time after contact that grows, because late vibrations have many minima.
+
+use std::sync::Arc;
+
+use crate::column::Impact;
+use crate::estimation::inference::beam_error::{Channel, Read, channel};
+use crate::estimation::inference::beam_readings::{BeamReadings, Factors, PERIOD};
+use crate::estimation::inference::event_evidence::EventEvidence;
+use crate::estimation::inference::hypothesis::Hypothesis;
+use crate::estimation::inference::rigid_vehicle::RigidVehicle;
+use crate::estimation::inference::short_means::SHORT;
+use crate::numerics::{cholesky, solved};
+use crate::sensors::Quantity;
+
+/// What is adjusted: the logarithms of mass and speed, those of the factors of yield strength, Young's modulus, density and load, and
+/// the time of contact after the detected one \[s\].
+const UNKNOWNS: usize = 7;
+
+/// Standard deviations of the logarithms of the factors \[A\].
+const FACTORS: [f64; 4] = [0.05, 0.03, 0.05, 0.1];
+
+/// Least standard deviation of the time of contact \[s\] \[A\]: its samples are 0.1 ms apart, or more.
+const LEAST_CONTACT_DEVIATION: f64 = 0.2e-3;
+
+/// Steps by which derivatives are taken.
+const STEPS: [f64; UNKNOWNS] = [0.02, 0.02, 0.01, 0.01, 0.01, 0.01, 5e-5];
+
+/// Means that are used, one time after another.
+const HORIZONS: [usize; 4] = [14, 30, 60, 90];
+
+/// Of the factors, only this part of their deviations is free before the third horizon: they would take the place of mass and speed.
+const HELD: f64 = 0.2;
+
+/// Least number of means.
+const LEAST_MEANS: usize = 40;
+
+/// Masses that are tried first \[kg\]: the least one, how many, and the factor between two.
+const FIRST_MASS: f64 = 50.0;
+const MASSES: u32 = 18;
+const NEXT_MASS: f64 = 1.35;
+
+/// Speed with which each of them begins \[m/s\]: the column remains elastic.
+const FIRST_SPEED: f64 = 0.5;
+
+/// Times of contact that are tried with each of them \[s\].
+const SHIFTS: [f64; 7] = [-0.6e-3, -0.4e-3, -0.2e-3, 0.0, 0.2e-3, 0.4e-3, 0.6e-3];
+
+/// How often the speed is adjusted for each of them: the readings are proportional to it as long as the column is elastic.
+const ADJUSTMENTS: u32 = 3;
+
+/// Adjustments that are begun, where their masses differ by more than this factor.
+const BEGUN: usize = 3;
+const DIFFERENT_MASS: f64 = 1.5;
+
+/// Most steps over one horizon, most attempts of one step, and the decrease of the squares that is worth another step.
+const MOST_STEPS: u32 = 6;
+const MOST_ATTEMPTS: u32 = 5;
+const DECREASE: f64 = 1.0;
+
+/// Least damping of a step.
+const LEAST_DAMPING: f64 = 1e-6;
+
+/// Longest step of the logarithms of mass and speed.
+const LONGEST_STEP: f64 = 0.7;
+
+/// Standard deviations of the scale of a sensor up to which the vehicle explains its readings.
+const MOST_OFF_SCALE: f64 = 3.0;
+
+/// Mean square of the residuals up to which the vehicle explains the readings: twice what it is by the assumed errors, each of which is
+/// alike in four means and counts once.
+const EXPLAINED: f64 = 0.5;
+
+/// The same beyond which an adjustment is given up.
+const HOPELESS: f64 = 2.0;
+
+/// A place among the unknowns, with its residuals.
+#[derive(Debug, Clone)]
+struct Point {
+    unknowns: [f64; UNKNOWNS],
+    /// See [`RigidFit::rows`].
+    rows: Arc<[Vec<f64>]>,
+    residuals: Vec<f64>,
+    /// Sum of all squares, those of the priors included.
+    cost: f64,
+    /// How far the scale of one sensor is from 1, in its standard deviations.
+    off_scale: f64,
+}
+
+impl Point {
+    /// Whether the mean square of its residuals is at most this.
+    fn is_within(&self, mean_square: f64) -> bool {
+        let squares = self.residuals.iter().fold(0.0, |sum, it| sum + it * it);
+        squares <= mean_square * self.residuals.len() as f64
+    }
+}
+
+/// An adjustment over one horizon after another.
+#[derive(Debug, Clone)]
+struct Descent {
+    horizon: usize,
+    steps: u32,
+    damping: f64,
+    point: Point,
+    /// Derivatives of the residuals, by one unknown after another.
+    slopes: Vec<Vec<f64>>,
+    /// Matrix and right side of the normal equations, once all derivatives are known.
+    normal: [[f64; UNKNOWNS]; UNKNOWNS],
+    gradient: [f64; UNKNOWNS],
+    attempts: u32,
+}
+
+/// How far one step of an adjustment is.
+enum Progress {
+    Under,
+    /// It was worth it, or not.
+    Over(bool),
+}
+
+/// The work on it, in slices.
+#[derive(Debug, Clone)]
+pub(crate) struct RigidFit {
+    beam: BeamReadings,
+    channels: Vec<Channel>,
+    prior: [[f64; 2]; UNKNOWNS],
+    events: Vec<EventEvidence>,
+    /// Masses that were tried.
+    tried: u32,
+    started: Vec<Point>,
+    descents: Vec<Descent>,
+    over: bool,
+}
+
+impl RigidFit {
+    /// `None` where the readings do not suffice. `rigid` is the hypothesis of a rigid vehicle.
+    pub fn begin(
+        beam: &BeamReadings,
+        rigid: &Hypothesis,
+        read: &Read,
+        events: &[EventEvidence],
+    ) -> Option<Self> {
+        let longest = read.means.iter().map(Vec::len).max()?;
+        let channels: Vec<Channel> = beam.sensors().map(|it| channel(read, it)).collect();
+        let has_level = channels.iter().any(|it| {
+            it.sensor.quantity != Quantity::Acceleration && it.means.iter().any(Option::is_some)
+        });
+        let contact = read.contact_deviation.max(LEAST_CONTACT_DEVIATION);
+        let mut prior = [[0.0, contact]; UNKNOWNS];
+        let of_vehicle = rigid.mean.iter().zip(&rigid.deviation).take(2);
+        let of_factors = FACTORS.iter().map(|it| (&0.0, it));
+        for (prior, (mean, deviation)) in prior.iter_mut().zip(of_vehicle.chain(of_factors)) {
+            *prior = [*mean, *deviation];
+        }
+        (longest >= LEAST_MEANS && has_level).then(|| Self {
+            beam: beam.clone(),
+            channels,
+            prior,
+            events: events.to_vec(),
+            tried: 0,
+            started: Vec::new(),
+            descents: Vec::new(),
+            over: false,
+        })
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// The next slice, unless it is over.
+    pub fn step(&mut self) {
+        if self.over {
+        } else if self.tried < MASSES {
+            self.started.extend(self.start());
+            self.tried += 1;
+            if self.tried == MASSES {
+                self.choose();
+            }
+        } else {
+            self.descend();
+        }
+        self.over |= self.tried == MASSES && self.descents.is_empty();
+    }
+
+    /// The vehicle, if one explains the readings, and all that events say that do not contradict it.
+    pub fn found(&self) -> Option<RigidVehicle> {
+        let Descent { point, normal, .. } = self.descents.first()?;
+        let explains = point.is_within(EXPLAINED) && point.off_scale <= MOST_OFF_SCALE;
+        if !self.over || !explains {
+            return None;
+        }
+        let factor = cholesky(normal);
+        let mut covariance = [[0.0; 2]; 2];
+        for (k, row) in covariance.iter_mut().enumerate() {
+            let mut unit = [0.0; UNKNOWNS];
+            unit[k] = 1.0;
+            row.copy_from_slice(&solved(&factor, &unit)[..2]);
+        }
+        let [mass, velocity, ..] = point.unknowns;
+        let found = RigidVehicle {
+            mean: [mass, velocity],
+            covariance,
+        };
+        Some(self.events.iter().fold(found, RigidVehicle::with_event))
+    }
+
+    /// The speed and the time of contact that suit the next mass.
+    fn start(&self) -> Option<Point> {
+        let mass = libm::log(FIRST_MASS) + f64::from(self.tried) * libm::log(NEXT_MASS);
+        let mut unknowns = [0.0; UNKNOWNS];
+        unknowns[..2].copy_from_slice(&[mass, libm::log(FIRST_SPEED)]);
+        let mut best: Option<Point> = None;
+        for _ in 0..ADJUSTMENTS {
+            let rows = self.rows(&unknowns, HORIZONS[0])?;
+            let shifted = SHIFTS.map(|shift| {
+                let mut it = unknowns;
+                it[UNKNOWNS - 1] = shift;
+                it
+            });
+            let points = shifted.map(|it| self.point_of(it, HORIZONS[0], rows.clone()));
+            let scales = shifted.map(|it| self.scale(&it, &rows));
+            let squares = |k: usize| {
+                let [cross, predicted, read] = scales[k];
+                read - cross * cross / predicted
+            };
+            let k = (0..SHIFTS.len()).min_by(|a, b| squares(*a).total_cmp(&squares(*b)))?;
+            let cheapest = points
+                .into_iter()
+                .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+            if best.as_ref().is_none_or(|it| cheapest.cost < it.cost) {
+                best = Some(cheapest);
+            }
+            let [cross, predicted, _] = scales[k];
+            unknowns = shifted[k];
+            unknowns[1] += libm::log((cross / predicted).clamp(0.05, 20.0));
+        }
+        best
+    }
+
+    /// Begins with the best of what was tried.
+    fn choose(&mut self) {
+        self.started.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        for point in std::mem::take(&mut self.started) {
+            let apart = |it: &Descent| {
+                (it.point.unknowns[0] - point.unknowns[0]).abs() > libm::log(DIFFERENT_MASS)
+            };
+            if self.descents.len() < BEGUN && self.descents.iter().all(apart) {
+                self.descents.push(Descent {
+                    horizon: 0,
+                    steps: 0,
+                    damping: 1e-2,
+                    point,
+                    slopes: Vec::new(),
+                    normal: [[0.0; UNKNOWNS]; UNKNOWNS],
+                    gradient: [0.0; UNKNOWNS],
+                    attempts: 0,
+                });
+            }
+        }
+    }
+
+    /// One more response of the adjustment that is least far.
+    fn descend(&mut self) {
+        let next = (0..self.descents.len()).min_by_key(|k| self.descents[*k].horizon);
+        let Some(next) = next else { return };
+        let mut descent = self.descents.remove(next);
+        let is_at_bottom = match self.improve(&mut descent) {
+            Progress::Over(was_worth_it) => !was_worth_it || descent.steps >= MOST_STEPS,
+            Progress::Under => false,
+        };
+        if !is_at_bottom {
+            self.descents.insert(next, descent);
+            return;
+        }
+        match HORIZONS.get(descent.horizon + 1) {
+            None => {
+                self.over = true;
+                self.descents.insert(0, descent);
+                return;
+            }
+            Some(&means) if descent.point.is_within(HOPELESS) => {
+                if let Some(point) = self.point(descent.point.unknowns, means) {
+                    self.descents.push(Descent {
+                        horizon: descent.horizon + 1,
+                        steps: 0,
+                        attempts: 0,
+                        slopes: Vec::new(),
+                        point,
+                        ..descent
+                    });
+                }
+            }
+            Some(_) => {}
+        }
+        // Once all of them have used the second horizon, the best one goes on.
+        if self.descents.iter().all(|it| it.horizon == 2) && self.descents.len() > 1 {
+            self.descents
+                .sort_by(|a, b| a.point.cost.total_cmp(&b.point.cost));
+            self.descents.truncate(1);
+        }
+    }
+
+    /// One more response for a step of Levenberg and Marquardt: first for the derivatives, then to attempt the step.
+    fn improve(&self, descent: &mut Descent) -> Progress {
+        let means = HORIZONS[descent.horizon];
+        if let Some(&step) = STEPS.get(descent.slopes.len()) {
+            let unknown = descent.slopes.len();
+            let Some(slope) = self.slope(&descent.point, unknown, step, means) else {
+                return Progress::Over(false);
+            };
+            descent.slopes.push(slope);
+            if descent.slopes.len() == STEPS.len() {
+                self.complete(descent);
+            }
+            return Progress::Under;
+        }
+        let mut damped = descent.normal;
+        for (k, row) in damped.iter_mut().enumerate() {
+            row[k] *= 1.0 + descent.damping;
+        }
+        let step = solved(&cholesky(&damped), &descent.gradient);
+        let mut unknowns = descent.point.unknowns;
+        for (k, (unknown, step)) in unknowns.iter_mut().zip(step).enumerate() {
+            *unknown -= match k < 2 {
+                true => step.clamp(-LONGEST_STEP, LONGEST_STEP),
+                false => step,
+            };
+        }
+        descent.attempts += 1;
+        let before = descent.point.cost;
+        let found = self.point(unknowns, means).filter(|it| it.cost < before);
+        let is_last = found.is_some() || descent.attempts == MOST_ATTEMPTS;
+        let decrease = found.as_ref().map_or(0.0, |it| before - it.cost);
+        descent.damping = match found {
+            Some(point) => {
+                descent.point = point;
+                (0.2 * descent.damping).max(LEAST_DAMPING)
+            }
+            None => 6.0 * descent.damping,
+        };
+        if !is_last {
+            return Progress::Under;
+        }
+        descent.steps += 1;
+        descent.attempts = 0;
+        descent.slopes.clear();
+        Progress::Over(decrease > DECREASE)
+    }
+
+    /// Derivative of the residuals by one unknown.
+    fn slope(&self, point: &Point, unknown: usize, step: f64, means: usize) -> Option<Vec<f64>> {
+        let mut unknowns = point.unknowns;
+        unknowns[unknown] += step;
+        // The time of contact does not change what the beam does.
+        let moved = match unknown == UNKNOWNS - 1 {
+            true => self.point_of(unknowns, means, point.rows.clone()),
+            false => self.point(unknowns, means)?,
+        };
+        let pairs = moved.residuals.iter().zip(&point.residuals);
+        Some(pairs.map(|(a, b)| (a - b) / step).collect())
+    }
+
+    /// Makes the normal equations of the derivatives.
+    fn complete(&self, descent: &mut Descent) {
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
+        let (slopes, point) = (&descent.slopes, &descent.point);
+        for k in 0..UNKNOWNS {
+            let [mean, deviation] = self.prior_of(k, HORIZONS[descent.horizon]);
+            let precision = 1.0 / (deviation * deviation);
+            descent.normal[k] = std::array::from_fn(|other| product(&slopes[k], &slopes[other]));
+            descent.normal[k][k] += precision;
+            let away = point.unknowns[k] - mean;
+            descent.gradient[k] = product(&slopes[k], &point.residuals) + precision * away;
+        }
+    }
+
+    fn prior_of(&self, unknown: usize, means: usize) -> [f64; 2] {
+        let [mean, deviation] = self.prior[unknown];
+        let is_held = means < HORIZONS[2] && (2..UNKNOWNS - 1).contains(&unknown);
+        [mean, if is_held { HELD * deviation } else { deviation }]
+    }
+
+    fn point(&self, unknowns: [f64; UNKNOWNS], means: usize) -> Option<Point> {
+        let rows = self.rows(&unknowns, means)?;
+        Some(self.point_of(unknowns, means, rows))
+    }
+
+    /// Sums of what the beam lets the sensors read, from contact on; a few more than these means need.
+    fn rows(&self, unknowns: &[f64; UNKNOWNS], means: usize) -> Option<Arc<[Vec<f64>]>> {
+        let [
+            mass,
+            velocity,
+            yield_strength,
+            young_modulus,
+            density,
+            load,
+            _,
+        ] = unknowns.map(libm::exp);
+        let factors = Factors {
+            yield_strength,
+            young_modulus,
+            density,
+            load,
+        };
+        let longest = self.channels.iter().map(|it| it.means.len()).max()?;
+        let time = means.min(longest) as f64 * SHORT + 1e-3;
+        let count = (time / PERIOD).round() as usize;
+        let mut rows = self
+            .beam
+            .follow(&Impact::rigid(mass, velocity), factors, count)?;
+        let mut sums = vec![0.0; self.channels.len()];
+        for row in &mut rows {
+            for ((sum, value), Channel { sensor, .. }) in
+                sums.iter_mut().zip(row.iter_mut()).zip(&self.channels)
+            {
+                *sum += sensor.clipped(if sensor.reversed { -*value } else { *value });
+                *value = *sum;
+            }
+        }
+        Some(rows.into())
+    }
+
+    /// What the beam predicts for each mean of a channel that was read, over the error of the mean, and the mean likewise.
+    fn pairs<'a>(
+        &'a self,
+        (index, channel): (usize, &'a Channel),
+        shift: f64,
+        means: usize,
+        rows: &'a [Vec<f64>],
+    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+        // The sum until a time after contact, between two rows.
+        let until = move |time: f64| {
+            let place = ((time - shift) / PERIOD).clamp(0.0, rows.len() as f64);
+            let whole = place as usize;
+            let sum =
+                |rows_before: usize| rows_before.checked_sub(1).map_or(0.0, |it| rows[it][index]);
+            let next = sum((whole + 1).min(rows.len()));
+            sum(whole) + (place - whole as f64) * (next - sum(whole))
+        };
+        let each = channel.means.iter().take(means).enumerate();
+        each.filter_map(move |(k, mean)| {
+            let (read, precision) = (*mean)?;
+            let (from, to) = (k as f64 * SHORT, (k + 1) as f64 * SHORT);
+            let predicted = (until(to) - until(from)) * PERIOD / SHORT;
+            Some((predicted * precision, read))
+        })
+    }
+
+    /// Sums over all sensors but accelerometers: of what was read times what is predicted, and the squares of both, of the latter first.
+    fn scale(&self, unknowns: &[f64; UNKNOWNS], rows: &[Vec<f64>]) -> [f64; 3] {
+        let mut sums = [0.0; 3];
+        let levels = self.channels.iter().enumerate();
+        let levels = levels.filter(|(_, it)| it.sensor.quantity != Quantity::Acceleration);
+        for channel in levels {
+            for (predicted, read) in self.pairs(channel, unknowns[UNKNOWNS - 1], HORIZONS[0], rows)
+            {
+                let products = [predicted * read, predicted * predicted, read * read];
+                for (sum, product) in sums.iter_mut().zip(products) {
+                    *sum += product;
+                }
+            }
+        }
+        sums[1] = sums[1].max(f64::MIN_POSITIVE);
+        sums
+    }
+
+    fn point_of(&self, unknowns: [f64; UNKNOWNS], means: usize, rows: Arc<[Vec<f64>]>) -> Point {
+        let mut residuals = Vec::new();
+        let mut off_scale = 0.0_f64;
+        for channel in self.channels.iter().enumerate() {
+            let pairs = || self.pairs(channel, unknowns[UNKNOWNS - 1], means, &rows);
+            // A factor of all readings of a sensor is integrated out: the inverse root of the matrix 1 + scale read read'.
+            let (mut along, mut squares) = (0.0, 0.0);
+            for (predicted, read) in pairs() {
+                along += (read - predicted) * read;
+                squares += read * read;
+            }
+            let share = match squares > 0.0 {
+                true => (1.0 - 1.0 / (1.0 + channel.1.scale * squares).sqrt()) / squares,
+                false => 0.0,
+            };
+            let z = along * channel.1.scale.sqrt() / (1.0 + channel.1.scale * squares);
+            off_scale = off_scale.max(z.abs());
+            residuals
+                .extend(pairs().map(|(predicted, read)| read - predicted - share * along * read));
+        }
+        let of_priors = (0..UNKNOWNS).fold(0.0, |sum, k| {
+            let [mean, deviation] = self.prior_of(k, means);
+            let z = (unknowns[k] - mean) / deviation;
+            sum + z * z
+        });
+        Point {
+            cost: residuals.iter().fold(of_priors, |sum, it| sum + it * it),
+            unknowns,
+            rows,
+            residuals,
+            off_scale,
+        }
+    }
+}
