@@ -339,7 +339,7 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "standard deviations within which the scales of sensors that confirm each other agree",
             ),
             (
-                "src/estimation/inference/blocks.rs",
+                "src/estimation/inference/extremes.rs",
                 "LIMIT_OVER_NEXT",
                 "times that the largest reading comes as often as the next one if the sensor is cut off there",
             ),

@@ -257,8 +257,8 @@ impl ImpactEstimate {
     #[must_use]
     pub fn model_in_words(&self) -> Option<&'static str> {
         self.vehicle_by_beam.then_some(
-            "Mass, speed and momentum are those of a rigid vehicle that explains all readings by the fibre beam; peak, residual displacement and \
-             capacity are those of the two bars.",
+            "Mass, speed and momentum belong to a rigid vehicle that explains all readings by the fibre beam. Peak, residual displacement and \
+             capacity follow from the two bars.",
         )
     }
 

@@ -2,6 +2,11 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - beam_error.rs: How far the fibre beam may be from the column, beside the noise of the sensors, where a hard front strikes
+//   it
+// - beam_readings.rs: What the sensors would read of a rigid vehicle by the fibre beam, which has the mass of the column along
+//   its length: the waves and the modes that the two bars do not have
+// - beam_request.rs: When the fibre beam is asked for a rigid vehicle that explains the readings
 // - before_impact.rs: What is known of a vehicle of any kind before anything is measured, and once only its momentum is
 // - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
@@ -13,6 +18,8 @@
 // - estimator.rs: From readings to estimates
 // - event_evidence.rs: What an event says about an impact that the sensors have detected: another witness, such as a camera or
 //   a person
+// - extremes.rs: The two largest of the readings of a sensor, and how often each has come: at the end of a range, many are the
+//   same
 // - hypothesis.rs: What may have struck the column, before anything is measured
 // - lanes.rs: Numbers of several sensors side by side, with which the processor calculates at once
 // - library.rs: The responses to conceivable impacts that are prepared for one column at rest, and for all columns that are
@@ -23,6 +30,9 @@
 // - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
 // - recomputation.rs: Estimates computed again from recorded measurements
 // - recorded.rs: Estimates from recorded readings: the same detection and the same updates as with live ones
+// - rigid_fit.rs: The rigid vehicle that explains the readings by the fibre beam, if one does
+// - rigid_vehicle.rs: The rigid vehicle that explains the readings by the fibre beam, and what an estimate takes from it
+// - short_means.rs: Readings averaged over short times, with which the vibrations that a vehicle has left can be compared
 // - statement.rs: What an estimate states: the weighted responses as quantities with their intervals
 // - undamaged_capacities.rs: Residual capacity of the undamaged column, for any yield strength near the given one
 // - update.rs: The work on an estimate in slices of a few milliseconds, so that a thread can take new data between them
@@ -31,6 +41,7 @@
 
 pub(super) mod beam_error;
 pub(super) mod beam_readings;
+mod beam_request;
 mod before_impact;
 pub(super) mod blocks;
 pub(super) mod comparison;
