@@ -1,5 +1,5 @@
 //! How often the intervals of the estimates hold the truth, over made impacts of the fibre beam, which is not the model of the
-//! estimator. Kinds of vehicles, their numbers, the column and the errors of the sensors are drawn from a seed.
+//! estimator. Kinds of vehicles, their numbers, the column and the errors of the sensors, scales included, are drawn from a seed.
 //!
 //! Arguments: kinds by parts of their names; `impacts=N` of each kind (6); `seed=N` of the first impact (1); `each` prints every
 //! estimate. The seeds from 9000 on were kept aside while the estimator was changed.
@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 use beam_signals::{AFTER, BEFORE, BeamSignal, column, deformable, parameters, plateau, spring};
 use column_beam::BeamColumn;
 use column_twin::column::Impact;
-use column_twin::estimation::{Estimator, ImpactEstimate, estimate_prepared, hypotheses};
+use column_twin::estimation::{Estimator, ImpactEstimate, Readings, estimate_prepared, hypotheses};
+use column_twin::sensors::{Quantity, Sensor};
 use column_twin::standing::StandingColumn;
 use signals::Normal;
 
@@ -52,6 +53,14 @@ const CONFIDENT: f64 = 2.0;
 /// Standard deviations of what the column differs by from its parameters, relative to these: yield strength, Young's modulus, mass,
 /// load.
 const DEVIATIONS: [f64; 4] = [0.03, 0.02, 0.05, 0.05];
+
+/// Standard deviation of the scale of a sensor, relative to it, beside its gain error: it is some centimetres off its declared height.
+fn scale_deviation(quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::BendingStrain => 0.04,
+        _ => 0.05,
+    }
+}
 
 /// What is counted of a kind of impacts at one time.
 #[derive(Default)]
@@ -185,6 +194,20 @@ fn real_column(normal: &mut Normal) -> BeamColumn {
     }
 }
 
+/// The readings of sensors that are not quite where they are declared.
+fn misplaced(mut readings: Readings, sensors: &[Sensor], normal: &mut Normal) -> Readings {
+    let scales: Vec<f64> = sensors
+        .iter()
+        .map(|it| 1.0 + scale_deviation(it.quantity) * normal.next().clamp(-2.5, 2.5))
+        .collect();
+    for row in readings.values.chunks_mut(sensors.len()) {
+        for ((value, scale), sensor) in row.iter_mut().zip(&scales).zip(sensors) {
+            *value = sensor.clipped(scale * *value);
+        }
+    }
+    readings
+}
+
 /// The number of an argument `name=N`.
 fn number(arguments: &[String], name: &str) -> Option<u64> {
     arguments
@@ -224,6 +247,7 @@ fn main() {
                 }
             };
             let readings = signal.readings(&sensors, BEFORE, seed);
+            let readings = misplaced(readings, &sensors, &mut normal);
             let found = estimate_prepared(&mut estimator, &readings).expect("sensors");
             let Some(found) = found else {
                 undetected += 1;

@@ -35,7 +35,7 @@ impl Estimator {
             while !fit.is_over() {
                 fit.step();
             }
-            self.rigid_vehicle = fit.found();
+            self.by_beam = fit.found();
         }
     }
 

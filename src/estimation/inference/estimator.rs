@@ -16,7 +16,7 @@ use crate::estimation::inference::hypothesis::{Front, Hypothesis};
 use crate::estimation::inference::member::Member;
 use crate::estimation::inference::population::{EXPLORATION, Population, Round};
 use crate::estimation::inference::prediction::HORIZON;
-use crate::estimation::inference::rigid_vehicle::RigidVehicle;
+use crate::estimation::inference::rigid_vehicle::ByBeam;
 use crate::estimation::inference::undamaged_capacities::UndamagedCapacities;
 use crate::parameters::Parameters;
 use crate::sensors::Sensor;
@@ -151,8 +151,7 @@ pub struct Estimator {
     pub(super) beam: Option<BeamReadings>,
     /// For each sensor its means over short times by the instant until which data were used last.
     pub(super) short_means: Vec<Vec<Option<(f64, u32)>>>,
-    /// The rigid vehicle that explains all readings by the beam, if it was looked for and found.
-    pub(super) rigid_vehicle: Option<RigidVehicle>,
+    pub(super) by_beam: ByBeam,
 }
 
 impl Estimator {
@@ -201,7 +200,7 @@ impl Estimator {
             assessed: 0,
             beam,
             short_means: Vec::new(),
-            rigid_vehicle: None,
+            by_beam: ByBeam::Nothing,
         })
     }
 
@@ -312,7 +311,7 @@ impl Estimator {
         self.highest.clear();
         self.failed.clear();
         self.short_means.clear();
-        self.rigid_vehicle = None;
+        self.by_beam = ByBeam::Nothing;
         self.observed = 0;
     }
 
@@ -360,7 +359,7 @@ impl Estimator {
         self.highest = sensors.map(|it| blocks.records(it, until)).collect();
         self.failed = blocks.failed(until);
         self.short_means = blocks.short_means(until);
-        self.rigid_vehicle = None;
+        self.by_beam = ByBeam::Nothing;
     }
 
     /// Time after contact until which data are used \[s\].

@@ -12,7 +12,7 @@ use crate::estimation::inference::beam_error::{Channel, Read, channel};
 use crate::estimation::inference::beam_readings::{BeamReadings, Factors, PERIOD};
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::Hypothesis;
-use crate::estimation::inference::rigid_vehicle::RigidVehicle;
+use crate::estimation::inference::rigid_vehicle::{ByBeam, RigidVehicle};
 use crate::estimation::inference::short_means::SHORT;
 use crate::numerics::{cholesky, solved};
 use crate::sensors::Quantity;
@@ -186,13 +186,14 @@ impl RigidFit {
         self.over |= self.tried == MASSES && self.descents.is_empty();
     }
 
-    /// The vehicle, if one explains the readings, and all that events say that do not contradict it.
-    pub fn found(&self) -> Option<RigidVehicle> {
-        let Descent { point, normal, .. } = self.descents.first()?;
-        let explains = point.is_within(EXPLAINED) && point.off_scale <= MOST_OFF_SCALE;
-        if !self.over || !explains {
-            return None;
-        }
+    /// The vehicle, if one explains the readings, with what events say that do not contradict it.
+    pub fn found(&self) -> ByBeam {
+        let best = self.descents.first().filter(|_| self.over);
+        let explains =
+            |it: &&Descent| it.point.is_within(EXPLAINED) && it.point.off_scale <= MOST_OFF_SCALE;
+        let Some(Descent { point, normal, .. }) = best.filter(explains) else {
+            return ByBeam::NotRigid;
+        };
         let factor = cholesky(normal);
         let mut covariance = [[0.0; 2]; 2];
         for (k, row) in covariance.iter_mut().enumerate() {
@@ -205,7 +206,7 @@ impl RigidFit {
             mean: [mass, velocity],
             covariance,
         };
-        Some(self.events.iter().fold(found, RigidVehicle::with_event))
+        ByBeam::Rigid(self.events.iter().fold(found, RigidVehicle::with_event))
     }
 
     /// The speed and the time of contact that suit the next mass.

@@ -11,7 +11,7 @@ use crate::estimation::inference::estimate::{
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front};
 use crate::estimation::inference::member::Member;
-use crate::estimation::inference::rigid_vehicle::RIGID_BY_BEAM;
+use crate::estimation::inference::rigid_vehicle::{ByBeam, RIGID_BY_BEAM};
 use crate::sensors::Quantity;
 
 /// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
@@ -43,9 +43,6 @@ const LIGHT_ERROR: [[f64; 2]; 2] = [[4.5, 1.0], [1.6, 0.35]];
 
 /// Mass that the model has at the impact point over that of a hard front, from which on the front begins to be light, and is \[A\].
 const LIGHT_RATIO: [f64; 2] = [0.1, 0.2];
-
-/// Probability that there is more behind a light, hard front \[A\].
-const HIDDEN: f64 = 0.5;
 
 /// Share of its kinetic energy that a vehicle has to lose in its front for the front to count as crushed.
 const CRUSHED: f64 = 0.05;
@@ -109,7 +106,7 @@ impl Estimator {
         let hypothesis = &self.population.hypotheses[member.hypothesis];
         let hard = hypothesis.hard_mass(&member.unknowns);
         let share = hard.map_or(1.0, |it| it / libm::exp(member.unknowns[0]));
-        (HIDDEN * self.lightness(member), share)
+        (self.by_beam.hidden() * self.lightness(member), share)
     }
 
     /// How far the hard front of a member is light beside the column: 0, not at all and for a soft front, to 1, wholly.
@@ -141,16 +138,19 @@ impl Estimator {
         let place = |front: &Front| hypotheses.iter().position(|it| it.front == *front);
         let kinds = [place(&Front::Rigid), place(&Front::TwoMasses)];
         for (member, weight) in self.population.members.iter().zip(weights) {
-            let other = match kinds {
-                [Some(rigid), Some(two)] if member.hypothesis == rigid => two,
-                [Some(rigid), Some(two)] if member.hypothesis == two => rigid,
-                _ => member.hypothesis,
+            let own = member.hypothesis;
+            let light = match kinds {
+                [Some(rigid), Some(two)] if own == rigid || own == two => {
+                    let light = self.lightness(member) * weight;
+                    shares[two] += self.by_beam.hidden() * light;
+                    shares[rigid] += (1.0 - self.by_beam.hidden()) * light;
+                    light
+                }
+                _ => 0.0,
             };
-            let (hidden, _) = self.hidden(member);
-            shares[member.hypothesis] += (1.0 - hidden) * weight;
-            shares[other] += hidden * weight;
+            shares[own] += weight - light;
         }
-        if let Some(rigid) = kinds[0].filter(|_| self.rigid_vehicle.is_some()) {
+        if let (Some(rigid), ByBeam::Rigid(_)) = (kinds[0], self.by_beam) {
             shares.iter_mut().for_each(|it| *it *= 1.0 - RIGID_BY_BEAM);
             shares[rigid] += RIGID_BY_BEAM;
         }
@@ -423,7 +423,10 @@ impl Estimator {
     /// See [`Estimator::spread_of_vehicle`] and [`Estimator::explained`]. A vehicle of an unknown kind has the mass and the speed that are
     /// probable before anything is measured. A rigid vehicle that explains the readings by the beam takes the place of most of them.
     fn spread_of_vehicles(&self, weights: &[f64], explained: f64, powers: [f64; 2]) -> Vec<Spread> {
-        let by_beam = self.rigid_vehicle.map(|it| it.spread(powers));
+        let by_beam = match self.by_beam {
+            ByBeam::Rigid(vehicle) => Some(vehicle.spread(powers)),
+            ByBeam::Nothing | ByBeam::NotRigid => None,
+        };
         let others = 1.0 - by_beam.as_ref().map_or(0.0, |it| it.weight);
         let before = self.before_impact();
         let members = self.weighted(weights).flat_map(|(member, weight)| {
@@ -615,7 +618,7 @@ impl Estimator {
             vehicle_probabilities: vehicles,
             effective_sample_size: effective,
             scale_not_confirmed: self.unconfirmed_scales(&weights, &doubtful_sensors),
-            vehicle_by_beam: self.rigid_vehicle.is_some(),
+            vehicle_by_beam: matches!(self.by_beam, ByBeam::Rigid(_)),
             doubtful_sensors,
         }
     }
