@@ -202,7 +202,9 @@ fn misplaced(mut readings: Readings, sensors: &[Sensor], normal: &mut Normal) ->
         .collect();
     for row in readings.values.chunks_mut(sensors.len()) {
         for ((value, scale), sensor) in row.iter_mut().zip(&scales).zip(sensors) {
-            *value = sensor.clipped(scale * *value);
+            if !sensor.is_clipped(*value) {
+                *value = sensor.clipped(scale * *value);
+            }
         }
     }
     readings

@@ -7,7 +7,7 @@ mod program;
 use std::fs::{self, File};
 use std::sync::OnceLock;
 
-use column_beam::{BeamColumn, BowAxes, Instrument, Shape, Steel, Torsion, history};
+use column_beam::{BeamColumn, BowAxes, Instrument, Sampling, Shape, Steel, Torsion, history};
 use column_twin::column::{CrushCurve, CrushSpring, Impact, RolledSection, Support, Vehicle};
 use column_twin::commissioning::{
     CheckError, CheckedSensor, Explanation, SensorCheck, SensorFault, check_sensors,
@@ -124,7 +124,12 @@ fn tapped(column: BeamColumn, fibre: f64) -> Tapped {
             _ => Instrument::BendingStrain(it.height),
         })
         .collect();
-    let truth = history(&column, &tap(), &instruments, PERIOD, AFTER).expect("a tap");
+    let sampling = Sampling {
+        period: PERIOD,
+        steps: 5,
+        samples: AFTER,
+    };
+    let truth = history(&column, &tap(), &instruments, &sampling).expect("a tap");
     assert!(!truth.yielded);
     let mut exact = Readings {
         sensors: sensors.len(),

@@ -7,7 +7,7 @@ use crate::sensors::{Quantity, Sensor};
 /// how many means it is the same; relative to the largest reading so far.
 const MOTION: [f64; 5] = [0.025, 0.05, 0.1, 1e-3, 4.0];
 const STRAIN: [f64; 5] = [0.04, 0.05, 0.3, 1e-3, 4.0];
-const ACCELERATION: [f64; 5] = [0.4, 0.0, 0.5, 1e-3, 1.0];
+const ACCELERATION: [f64; 5] = [1.0, 0.0, 1.0, 1e-3, 1.0];
 
 /// See [`MOTION`] \[s\].
 const GROWTH: f64 = 30e-3;
@@ -41,6 +41,8 @@ pub(crate) struct Read<'a> {
     pub sensors: &'a [Sensor],
     /// Of each its means over [`SHORT`], with their numbers of readings.
     pub means: &'a [Vec<Option<(f64, u32)>>],
+    /// Of each whether it has failed.
+    pub failed: &'a [bool],
     pub yield_strain: f64,
     /// Standard deviation of the instant of contact \[s\].
     pub contact_deviation: f64,
@@ -49,7 +51,7 @@ pub(crate) struct Read<'a> {
 /// What a sensor has read, with the errors of model and sensor.
 pub(crate) fn channel(read: &Read, index: usize) -> Channel {
     let sensor = read.sensors[index].clone();
-    let lost = first_lost(read);
+    let lost = first_lost(read).unwrap_or(usize::MAX);
     let [shape, grown, waves, fading, alike] = match sensor.quantity {
         Quantity::Acceleration => ACCELERATION,
         Quantity::BendingStrain => STRAIN,
@@ -57,7 +59,7 @@ pub(crate) fn channel(read: &Read, index: usize) -> Channel {
     };
     let limit = ELASTIC_LIMIT * read.yield_strain;
     let (mut largest, mut is_lost) = (0.0_f64, false);
-    let counts = sensor.rate >= LEAST_RATE;
+    let counts = sensor.rate >= LEAST_RATE && read.failed.get(index) != Some(&true);
     let means = read.means[index].iter().enumerate().map(|(k, mean)| {
         let (mean, count) = (*mean)?;
         largest = largest.max(mean.abs());
@@ -85,7 +87,7 @@ pub(crate) fn channel(read: &Read, index: usize) -> Channel {
 }
 
 /// The first mean from which on a gauge no longer reads the elastic column.
-fn first_lost(read: &Read) -> usize {
+pub(crate) fn first_lost(read: &Read) -> Option<usize> {
     let limit = ELASTIC_LIMIT * read.yield_strain;
     let gauges = read.sensors.iter().zip(read.means);
     let gauges = gauges.filter(|(sensor, _)| sensor.quantity.is_strain());
@@ -95,5 +97,5 @@ fn first_lost(read: &Read) -> usize {
             _ => false,
         })
     });
-    lost.min().unwrap_or(usize::MAX)
+    lost.min()
 }

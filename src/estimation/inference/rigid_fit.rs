@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use crate::column::Impact;
-use crate::estimation::inference::beam_error::{Channel, Read, channel};
+use crate::estimation::inference::beam_error::{Channel, Read, channel, first_lost};
 use crate::estimation::inference::beam_readings::{BeamReadings, Factors, PERIOD};
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::Hypothesis;
@@ -75,6 +75,10 @@ const MOST_OFF_SCALE: f64 = 3.0;
 /// alike in four means and counts once.
 const EXPLAINED: f64 = 0.5;
 
+/// The same once a gauge is lost, and the standard deviations of a scale: fewer readings are left that could contradict \[A\].
+const EXPLAINED_WITH_FEWER: f64 = 0.25;
+const MOST_OFF_SCALE_WITH_FEWER: f64 = 2.5;
+
 /// The same beyond which an adjustment is given up.
 const HOPELESS: f64 = 2.0;
 
@@ -128,6 +132,8 @@ pub(crate) struct RigidFit {
     channels: Vec<Channel>,
     prior: [[f64; 2]; UNKNOWNS],
     events: Vec<EventEvidence>,
+    /// Whether a gauge has left the elastic range.
+    has_lost_gauge: bool,
     /// Masses that were tried.
     tried: u32,
     started: Vec<Point>,
@@ -160,6 +166,7 @@ impl RigidFit {
             channels,
             prior,
             events: events.to_vec(),
+            has_lost_gauge: first_lost(read).is_some(),
             tried: 0,
             started: Vec::new(),
             descents: Vec::new(),
@@ -189,8 +196,12 @@ impl RigidFit {
     /// The vehicle, if one explains the readings, with what events say that do not contradict it.
     pub fn found(&self) -> ByBeam {
         let best = self.descents.first().filter(|_| self.over);
+        let (mean_square, off_scale) = match self.has_lost_gauge {
+            true => (EXPLAINED_WITH_FEWER, MOST_OFF_SCALE_WITH_FEWER),
+            false => (EXPLAINED, MOST_OFF_SCALE),
+        };
         let explains =
-            |it: &&Descent| it.point.is_within(EXPLAINED) && it.point.off_scale <= MOST_OFF_SCALE;
+            |it: &&Descent| it.point.is_within(mean_square) && it.point.off_scale <= off_scale;
         let Some(Descent { point, normal, .. }) = best.filter(explains) else {
             return ByBeam::NotRigid;
         };
@@ -205,6 +216,7 @@ impl RigidFit {
         let found = RigidVehicle {
             mean: [mass, velocity],
             covariance,
+            has_yielded_gauge: self.has_lost_gauge,
         };
         ByBeam::Rigid(self.events.iter().fold(found, RigidVehicle::with_event))
     }

@@ -17,6 +17,9 @@ const HIDDEN_BY_BEAM: f64 = 0.9;
 /// Masses of made impacts are found 4 % too large, because the steps of the beam are long.
 const ERROR_BY_BEAM: [f64; 2] = [0.07, 0.05];
 
+/// The same once a gauge has left the elastic range: how the column yields where it is struck decides on how much it takes.
+const ERROR_BY_YIELDING_BEAM: [f64; 2] = [0.2, 0.1];
+
 /// Deviations by which an event may miss what the readings say; beyond, it is wrong.
 const WRONG_EVENT: f64 = 3.7;
 
@@ -25,6 +28,8 @@ const WRONG_EVENT: f64 = 3.7;
 pub(crate) struct RigidVehicle {
     pub mean: [f64; 2],
     pub covariance: [[f64; 2]; 2],
+    /// Whether a gauge has left the elastic range.
+    pub has_yielded_gauge: bool,
 }
 
 /// What the fibre beam says of the vehicle.
@@ -58,7 +63,10 @@ impl RigidVehicle {
     /// What an estimate takes from it of these powers of mass and speed, multiplied: the logarithm, with the probability that it is right.
     pub fn spread(&self, powers: [f64; 2]) -> Spread {
         let (mean, variance) = self.logarithm(powers);
-        let [of_share, of_momentum] = ERROR_BY_BEAM;
+        let [of_share, of_momentum] = match self.has_yielded_gauge {
+            true => ERROR_BY_YIELDING_BEAM,
+            false => ERROR_BY_BEAM,
+        };
         let is_share = powers.contains(&0.0);
         let error = if is_share { of_share } else { of_momentum };
         Spread {

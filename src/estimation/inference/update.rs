@@ -239,7 +239,7 @@ impl Update {
                 Task::AskBeam(fit)
             }
             Task::AskBeam(fit) => {
-                estimator.by_beam = fit.found();
+                estimator.take(fit.found());
                 self.assessing(estimator)
             }
             Task::Assess(mut left) => match left.pop() {
