@@ -31,7 +31,7 @@
 // - recomputation.rs: Estimates computed again from recorded measurements
 // - recorded.rs: Estimates from recorded readings: the same detection and the same updates as with live ones
 // - rigid_fit.rs: The rigid vehicle that explains the readings by the fibre beam, if one does
-// - rigid_vehicle.rs: The rigid vehicle that explains the readings by the fibre beam, and what an estimate takes from it
+// - rigid_vehicle.rs: What the fibre beam says of the vehicle: a rigid one explains the readings, or none does
 // - short_means.rs: Readings averaged over short times, with which the vibrations that a vehicle has left can be compared
 // - statement.rs: What an estimate states: the weighted responses as quantities with their intervals
 // - undamaged_capacities.rs: Residual capacity of the undamaged column, for any yield strength near the given one

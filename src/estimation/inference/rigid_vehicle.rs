@@ -101,3 +101,40 @@ impl RigidVehicle {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(mass: f64) -> EventEvidence {
+        EventEvidence {
+            event_id: "camera".into(),
+            mass,
+            mass_deviation: 0.1,
+            velocity: f64::NAN,
+            velocity_deviation: 0.1,
+        }
+    }
+
+    #[test]
+    fn an_event_narrows_the_vehicle_unless_it_contradicts_it() {
+        let found = RigidVehicle {
+            mean: [300.0, 5.0].map(libm::log),
+            covariance: [[0.04, -0.03], [-0.03, 0.04]],
+            has_yielded_gauge: false,
+        };
+        let (_, of_momentum) = found.logarithm([1.0, 1.0]);
+        assert!((of_momentum - 0.02).abs() < 1e-12, "{of_momentum}");
+        let agreed = found.with_event(&said(300.0));
+        // The precisions 1/0.04 and 1/0.01 add up.
+        assert!(
+            (agreed.covariance[0][0] - 0.008).abs() < 1e-12,
+            "{agreed:?}"
+        );
+        assert!((agreed.mean[0] - found.mean[0]).abs() < 1e-12);
+        // What is heavier is slower.
+        let heavier = found.with_event(&said(330.0));
+        assert!(heavier.mean[0] > found.mean[0] && heavier.mean[1] < found.mean[1]);
+        assert_eq!(found.with_event(&said(3000.0)), found);
+    }
+}
