@@ -371,11 +371,7 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
     if let Some(doubt) = last.doubt_in_words() {
         let _ = writeln!(text, "\nWarning: {doubt}");
     }
-    let notes = [
-        last.scale_reservation(),
-        last.model_in_words().map(str::to_owned),
-    ];
-    for note in notes.into_iter().flatten() {
+    for note in last.notes() {
         let _ = writeln!(text, "\nNote: {note}");
     }
     text += "\nThe estimate includes the model's own error (docs/estimation.md), and is for the undamaged column.\n";

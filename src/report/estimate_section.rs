@@ -92,11 +92,8 @@ fn reservations(estimate: &ImpactEstimate) -> Markup {
         @if let Some(doubt) = estimate.doubt_in_words() {
             p.fault { (doubt) }
         }
-        @if let Some(reservation) = estimate.scale_reservation() {
-            p.note { (reservation) }
-        }
-        @if let Some(model) = estimate.model_in_words() {
-            p.note { (model) }
+        @for note in estimate.notes() {
+            p.note { (note) }
         }
         p.note {
             "The intervals contain the noise of the sensors and the model's own error as docs/estimation.md describes it."

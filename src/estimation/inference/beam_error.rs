@@ -1,5 +1,7 @@
 //! How far the fibre beam may be from the column, beside the noise of the sensors, where a hard front strikes it.
 
+use crate::estimation::inference::blocks::ELASTIC_LIMIT;
+use crate::estimation::inference::model_error::YIELDED_STRAIN;
 use crate::estimation::inference::short_means::SHORT;
 use crate::sensors::{Quantity, Sensor};
 
@@ -16,10 +18,6 @@ const GROWTH: f64 = 30e-3;
 /// which are shorter than its means.
 const SCALE: f64 = 0.04;
 const SCALE_IN_WAVES: f64 = 0.2;
-
-/// Strain over the yield strain beyond which a gauge is lost, and error of strains once one is.
-const ELASTIC_LIMIT: f64 = 0.9;
-const YIELDED_STRAIN: f64 = 0.25;
 
 /// A sensor has at least one reading in each mean.
 const LEAST_RATE: f64 = 1.0 / SHORT;
@@ -48,10 +46,11 @@ pub(crate) struct Read<'a> {
     pub contact_deviation: f64,
 }
 
-/// What a sensor has read, with the errors of model and sensor.
-pub(crate) fn channel(read: &Read, index: usize) -> Channel {
+/// What a sensor has read, with the errors of model and sensor. `lost` is the first mean from which on a gauge no longer reads the elastic
+/// column, if there is one.
+pub(crate) fn channel(read: &Read, lost: Option<usize>, index: usize) -> Channel {
     let sensor = read.sensors[index].clone();
-    let lost = first_lost(read).unwrap_or(usize::MAX);
+    let lost = lost.unwrap_or(usize::MAX);
     let [shape, grown, waves, fading, alike] = match sensor.quantity {
         Quantity::Acceleration => ACCELERATION,
         Quantity::BendingStrain => STRAIN,

@@ -17,7 +17,7 @@ const LEAST: f64 = 1e-3;
 const SHARE: f64 = 0.2;
 
 /// Strain, relative to the yield strain, beyond which a gauge no longer reads the elastic bar.
-const ELASTIC_LIMIT: f64 = 0.9;
+pub(crate) const ELASTIC_LIMIT: f64 = 0.9;
 
 /// Strain, relative to the yield strain, beyond which hinges nearby have probably yielded.
 const NEAR_YIELD: f64 = 0.5;

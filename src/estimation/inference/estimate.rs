@@ -253,9 +253,14 @@ impl ImpactEstimate {
         })
     }
 
+    /// What a reader of the estimate has to know beside its numbers, each as sentences.
+    pub fn notes(&self) -> impl Iterator<Item = String> {
+        let of_model = self.model_in_words().map(str::to_owned);
+        self.scale_reservation().into_iter().chain(of_model)
+    }
+
     /// Which model the vehicle is by, where it is not the two bars, as a sentence.
-    #[must_use]
-    pub fn model_in_words(&self) -> Option<&'static str> {
+    fn model_in_words(&self) -> Option<&'static str> {
         self.vehicle_by_beam.then_some(
             "Mass, speed and momentum belong to a rigid vehicle that explains all readings by the fibre beam. Peak, residual displacement and \
              capacity follow from the two bars.",

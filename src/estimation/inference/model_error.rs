@@ -145,7 +145,7 @@ fn middle(block: &Block) -> f64 {
 }
 
 /// Error of the shape of strains after a hinge has yielded, relative to the largest reading so far.
-const YIELDED_STRAIN: f64 = 0.25;
+pub(crate) const YIELDED_STRAIN: f64 = 0.25;
 
 #[cfg(test)]
 mod tests {

@@ -150,7 +150,9 @@ impl RigidFit {
         events: &[EventEvidence],
     ) -> Option<Self> {
         let longest = read.means.iter().map(Vec::len).max()?;
-        let channels: Vec<Channel> = beam.sensors().map(|it| channel(read, it)).collect();
+        let lost = first_lost(read);
+        let channels = beam.sensors().map(|it| channel(read, lost, it));
+        let channels: Vec<Channel> = channels.collect();
         let has_level = channels.iter().any(|it| {
             it.sensor.quantity != Quantity::Acceleration && it.means.iter().any(Option::is_some)
         });
@@ -166,7 +168,7 @@ impl RigidFit {
             channels,
             prior,
             events: events.to_vec(),
-            has_lost_gauge: first_lost(read).is_some(),
+            has_lost_gauge: lost.is_some(),
             tried: 0,
             started: Vec::new(),
             descents: Vec::new(),
@@ -309,7 +311,7 @@ impl RigidFit {
             }
             Some(_) => {}
         }
-        // Once all of them have used the second horizon, the best one goes on.
+        // When all of them have finished the second horizon, only the best one continues.
         if self.descents.iter().all(|it| it.horizon == 2) && self.descents.len() > 1 {
             self.descents
                 .sort_by(|a, b| a.point.cost.total_cmp(&b.point.cost));

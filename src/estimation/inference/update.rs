@@ -190,11 +190,7 @@ impl Update {
 
     /// What follows when all responses are weighed.
     fn weighed(&self, estimator: &Estimator) -> Task {
-        let fit = if self.asks_beam {
-            estimator.rigid_fit()
-        } else {
-            None
-        };
+        let fit = self.asks_beam.then(|| estimator.rigid_fit()).flatten();
         match fit {
             Some(fit) => Task::AskBeam(Box::new(fit)),
             None => self.assessing(estimator),

@@ -17,7 +17,7 @@ use super::reach::LEAST_SPEED;
 use super::scenario::Scenario;
 use super::tally::{CONTROL_SHARES, LEVELS, Prediction};
 use crate::assessment::Action;
-use crate::numerics::cholesky;
+use crate::numerics::{cholesky, solved};
 use crate::study::{ACTIONS, Batch, BatchEnd};
 
 /// Inputs on which a critical speed depends: mass, force factor, yield strength, load.
@@ -511,25 +511,12 @@ impl<const SIZE: usize> NormalEquations<SIZE> {
 
     /// The unknowns for the values that belong to the same rows.
     fn solve(&self, rows: impl Iterator<Item = ((f64, [f64; SIZE]), f64)>) -> [f64; SIZE] {
-        let mut solution = [0.0; SIZE];
+        let mut right = [0.0; SIZE];
         for ((w, row), value) in rows {
             for i in 0..SIZE {
-                solution[i] += w * row[i] * value;
+                right[i] += w * row[i] * value;
             }
         }
-        let factor = &self.factor;
-        for i in 0..SIZE {
-            for k in 0..i {
-                solution[i] -= factor[i][k] * solution[k];
-            }
-            solution[i] /= factor[i][i];
-        }
-        for i in (0..SIZE).rev() {
-            for k in i + 1..SIZE {
-                solution[i] -= factor[k][i] * solution[k];
-            }
-            solution[i] /= factor[i][i];
-        }
-        solution
+        solved(&self.factor, &right)
     }
 }
