@@ -296,6 +296,12 @@ fn the_beam_knows_the_mass_and_the_momentum_of_a_light_rigid_vehicle() {
         let (signal, found) = estimated(name, 1);
         let last = last(&found);
         assert!(last.vehicle_by_beam, "{name}: {last:#?}");
+        let (kind, share) = &last.vehicle_probabilities[0];
+        assert!(kind == "rigid" && *share >= 0.99, "{name}: {last:#?}");
+        let all = last.vehicle_probabilities.iter().map(|it| it.1);
+        assert!((all.sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {last:#?}");
+        // The momentum is known better than mass and speed.
+        assert!(last.mass_velocity_correlation < 0.0, "{name}: {last:#?}");
         for (interval, truth, within) in [
             (last.momentum, signal.momentum(), 0.1),
             (last.mass, signal.impact.mass, 0.25),

@@ -76,7 +76,14 @@ impl RigidVehicle {
         }
     }
 
-    /// The same with what an event says, unless it contradicts it.
+    /// Correlation of the logarithms of mass and speed, which makes the deviation of the momentum of theirs.
+    pub fn correlation(&self) -> f64 {
+        let of = |powers| self.spread(powers).deviation;
+        let [mass, velocity, momentum] = [of([1.0, 0.0]), of([0.0, 1.0]), of([1.0, 1.0])];
+        (momentum * momentum - mass * mass - velocity * velocity) / (2.0 * mass * velocity)
+    }
+
+    /// This vehicle with what an event says, unless it contradicts it.
     pub fn with_event(self, event: &EventEvidence) -> Self {
         let said = [
             (event.mass, event.mass_deviation),
@@ -125,6 +132,8 @@ mod tests {
         };
         let (_, of_momentum) = found.logarithm([1.0, 1.0]);
         assert!((of_momentum - 0.02).abs() < 1e-12, "{of_momentum}");
+        // (0.02 + 0.05^2 - 2 (0.04 + 0.07^2)) / (2 (0.04 + 0.07^2))
+        assert!((found.correlation() + 0.749_443_207).abs() < 1e-8);
         let agreed = found.with_event(&said(300.0));
         // The precisions 1/0.04 and 1/0.01 add up.
         assert!(

@@ -131,8 +131,9 @@ impl Estimator {
         (1.0 - (self.seen() - member.delay) / left).clamp(0.0, 1.0)
     }
 
-    /// The hypotheses with their probabilities. A vehicle with a light, hard front may be either of the two kinds that have one.
-    fn vehicles(&self, weights: &[f64]) -> Vec<(String, f64)> {
+    /// The hypotheses with their probabilities, and an unknown one where they do not explain everything. A vehicle with a light, hard front
+    /// may be either of the two kinds that have one.
+    fn vehicles(&self, weights: &[f64], explained: f64) -> Vec<(String, f64)> {
         let hypotheses = &self.population.hypotheses;
         let mut shares = vec![0.0; hypotheses.len()];
         let place = |front: &Front| hypotheses.iter().position(|it| it.front == *front);
@@ -150,12 +151,20 @@ impl Estimator {
             };
             shares[own] += weight - light;
         }
-        if let (Some(rigid), ByBeam::Rigid(_)) = (kinds[0], self.by_beam) {
-            shares.iter_mut().for_each(|it| *it *= 1.0 - RIGID_BY_BEAM);
-            shares[rigid] += RIGID_BY_BEAM;
-        }
         let names = hypotheses.iter().map(|it| it.name.clone());
-        names.zip(shares).collect()
+        let mut vehicles: Vec<(String, f64)> = names.zip(shares).collect();
+        // The share of the evidence for the hypotheses that is left where none of them explains the data.
+        if explained < 1.0 {
+            vehicles.iter_mut().for_each(|it| it.1 *= explained);
+            vehicles.push((UNKNOWN_VEHICLE.to_owned(), 1.0 - explained));
+        }
+        if let (Some(rigid), ByBeam::Rigid(_)) = (kinds[0], self.by_beam) {
+            vehicles
+                .iter_mut()
+                .for_each(|it| it.1 *= 1.0 - RIGID_BY_BEAM);
+            vehicles[rigid].1 += RIGID_BY_BEAM;
+        }
+        vehicles
     }
 
     /// An interval, or where it leaves the quantity open one that holds what is probable before anything is measured, too.
@@ -580,12 +589,7 @@ impl Estimator {
                 .filter(|(member, _)| is(member))
                 .fold(0.0, |sum, (_, weight)| sum + weight)
         };
-        let mut vehicles = self.vehicles(&weights);
-        // The share of the evidence for the hypotheses that is left where none of them explains the data.
-        if explained < 1.0 {
-            vehicles.iter_mut().for_each(|it| it.1 *= explained);
-            vehicles.push((UNKNOWN_VEHICLE.to_owned(), 1.0 - explained));
-        }
+        let mut vehicles = self.vehicles(&weights, explained);
         vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
         let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
         let [contact, deviation] = self.contact;
@@ -601,10 +605,13 @@ impl Estimator {
             mass: self.unless_open(positive([1.0, 0.0]), MASS_OPEN_BEYOND, [1.0, 0.0]),
             velocity: self.unless_open(positive([0.0, 1.0]), VELOCITY_OPEN_BEYOND, [0.0, 1.0]),
             momentum: positive([1.0, 1.0]),
-            mass_velocity_correlation: correlation(
-                members()
-                    .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
-            ),
+            mass_velocity_correlation: match self.by_beam {
+                ByBeam::Rigid(vehicle) => vehicle.correlation(),
+                ByBeam::Nothing | ByBeam::NotRigid => correlation(
+                    members()
+                        .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
+                ),
+            },
             peak_v1: CredibleInterval::of_spread(
                 self.spread_of_peaks(&weights, &compared),
                 effective,
