@@ -45,6 +45,7 @@ fn estimate(update: u32, contact: Nanos, velocity: f64) -> EstimateRecord {
         prepared: 3,
         drawn_before: 0,
         drawn: 20,
+        counts_beam: false,
         events: Vec::new(),
         estimate: ImpactEstimate {
             data_until: 0.02,

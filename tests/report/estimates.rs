@@ -52,6 +52,7 @@ fn detected(impact: &RecordedImpact, accept: &str) -> Finished {
             prepared: 3,
             drawn_before: 0,
             drawn: 20,
+            counts_beam: false,
             events: Vec::new(),
             estimate: estimate.clone(),
             best: Impact::rigid(1500.0, 6.0),

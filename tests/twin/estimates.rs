@@ -50,6 +50,7 @@ fn estimate(id: &str, update: u32, contact: Nanos, best: Impact, is_sure: bool) 
         prepared: 3,
         drawn_before: 0,
         drawn: 20,
+        counts_beam: false,
         events: Vec::new(),
         estimate: ImpactEstimate {
             data_until: 3.02,

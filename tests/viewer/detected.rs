@@ -77,6 +77,7 @@ fn outputs(parameters: &Parameters, impact: &RecordedImpact) -> Vec<EstimateOutp
             prepared: 3,
             drawn_before: 0,
             drawn: 20,
+            counts_beam: false,
             events: Vec::new(),
             estimate: estimate.clone(),
             best: Impact::rigid(1500.0, IMPACT),

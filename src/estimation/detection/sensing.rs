@@ -537,6 +537,8 @@ impl Sensing {
             }
             Task::Between(refinement) => {
                 refinement.step(estimator);
+                // The final estimate waits for its answer.
+                estimator.follow_beam();
                 Work::More { is_urgent: false }
             }
             Task::Assess(_) if is_due => {
@@ -548,7 +550,10 @@ impl Sensing {
                     estimator.assess_one(index);
                     Work::More { is_urgent: false }
                 }
-                None => Work::Idle,
+                None => match estimator.follow_beam() {
+                    true => Work::More { is_urgent: false },
+                    false => Work::Idle,
+                },
             },
             Task::Update(underway) => {
                 if self::is_due(underway.until, impact.expects_collapse, available) {
@@ -646,6 +651,7 @@ impl CurrentImpact {
             prepared: self.prepared,
             drawn_before: self.drawn_before,
             drawn: underway.update.drawn(),
+            counts_beam: underway.update.counts_beam(),
             events: underway.events.clone(),
             estimate: underway.update.estimate(estimator),
             best: estimator.best()?,

@@ -43,6 +43,9 @@ pub struct EstimateRecord {
     pub drawn_before: u32,
     /// Responses that were drawn with the data of this estimate.
     pub drawn: u32,
+    /// Whether the answer of the fibre beam, which was asked for an earlier estimate, counts for this one.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub counts_beam: bool,
     /// What events say about the impact, which counted beside the data.
     pub events: Vec<EventEvidence>,
     /// What the data say.
@@ -71,6 +74,11 @@ struct ExactImpact {
     // Absent in recordings of programs that know no such force, and 0 in every estimate.
     #[serde(default, with = "exact_number", skip_serializing_if = "is_zero")]
     transverse_force: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_false(it: &bool) -> bool {
+    !it
 }
 
 fn is_zero(number: &f64) -> bool {

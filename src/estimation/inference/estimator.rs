@@ -16,6 +16,7 @@ use crate::estimation::inference::hypothesis::{Front, Hypothesis};
 use crate::estimation::inference::member::Member;
 use crate::estimation::inference::population::{EXPLORATION, Population, Round};
 use crate::estimation::inference::prediction::HORIZON;
+use crate::estimation::inference::rigid_fit::RigidFit;
 use crate::estimation::inference::rigid_vehicle::ByBeam;
 use crate::estimation::inference::undamaged_capacities::UndamagedCapacities;
 use crate::parameters::Parameters;
@@ -151,6 +152,9 @@ pub struct Estimator {
     pub(super) beam: Option<BeamReadings>,
     /// For each sensor its means over short times by the instant until which data were used last.
     pub(super) short_means: Vec<Vec<Option<(f64, u32)>>>,
+    /// The search for a vehicle by the beam, once it was asked.
+    pub(super) rigid_fit: Option<Box<RigidFit>>,
+    /// What counts of its answer for the present estimate.
     pub(super) by_beam: ByBeam,
 }
 
@@ -200,6 +204,7 @@ impl Estimator {
             assessed: 0,
             beam,
             short_means: Vec::new(),
+            rigid_fit: None,
             by_beam: ByBeam::Nothing,
         })
     }
@@ -311,6 +316,7 @@ impl Estimator {
         self.highest.clear();
         self.failed.clear();
         self.short_means.clear();
+        self.rigid_fit = None;
         self.by_beam = ByBeam::Nothing;
         self.observed = 0;
     }
@@ -545,10 +551,16 @@ impl Estimator {
         weights
     }
 
+    /// Whether a sensor contradicts the others wholly. Where a rigid vehicle explains all readings by the fibre beam, those that the bars do
+    /// not explain contradict nothing.
+    pub(super) fn contradicts(&self, sensor: usize) -> bool {
+        self.doubtful[sensor] && !matches!(self.by_beam, ByBeam::Rigid(_))
+    }
+
     /// The sensors that contradict the others, wholly or by their scale: they confirm no other.
     pub(super) fn in_doubt(&self) -> Vec<bool> {
-        let each = self.doubtful.iter().zip(&self.off_scale);
-        each.map(|(wholly, by_scale)| *wholly || *by_scale)
+        let each = self.off_scale.iter().enumerate();
+        each.map(|(sensor, by_scale)| self.contradicts(sensor) || *by_scale)
             .collect()
     }
 

@@ -247,6 +247,7 @@ impl Recomputation {
             })?;
             feed(estimator, begun.origin, known);
         }
+        while record.counts_beam && estimator.follow_beam() {}
         let until = record.estimate.data_until;
         estimator.set_events(&record.events);
         let refine = Refinement::again(record.drawn);
@@ -269,6 +270,7 @@ impl Recomputation {
             prepared: estimator.prepared() as u32,
             drawn_before: refinement.drawn(),
             drawn: work.drawn(),
+            counts_beam: work.counts_beam(),
             events: record.events.clone(),
             last_batch: last.unwrap_or(record.last_batch),
             estimate: work.estimate(estimator),

@@ -121,9 +121,9 @@ fn follow(
         until = next_instant(until, is_possible, last);
         estimator.observe(contact + until);
         estimator.settle(ROUNDS);
-        if until >= last {
-            estimator.fit_rigid_vehicle();
-        }
+        estimator.ask_beam(until >= last);
+        while estimator.follow_beam() {}
+        estimator.take_answer_of_beam();
         let estimate = estimator.estimate(contact + until);
         is_possible = estimate.expects_collapse();
         estimates.push(estimate);

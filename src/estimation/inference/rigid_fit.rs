@@ -131,7 +131,6 @@ pub(crate) struct RigidFit {
     beam: BeamReadings,
     channels: Vec<Channel>,
     prior: [[f64; 2]; UNKNOWNS],
-    events: Vec<EventEvidence>,
     /// Whether a gauge has left the elastic range.
     has_lost_gauge: bool,
     /// Masses that were tried.
@@ -143,12 +142,7 @@ pub(crate) struct RigidFit {
 
 impl RigidFit {
     /// `None` where the readings do not suffice. `rigid` is the hypothesis of a rigid vehicle.
-    pub fn begin(
-        beam: &BeamReadings,
-        rigid: &Hypothesis,
-        read: &Read,
-        events: &[EventEvidence],
-    ) -> Option<Self> {
+    pub fn begin(beam: &BeamReadings, rigid: &Hypothesis, read: &Read) -> Option<Self> {
         let longest = read.means.iter().map(Vec::len).max()?;
         let lost = first_lost(read);
         let channels = beam.sensors().map(|it| channel(read, lost, it));
@@ -167,13 +161,17 @@ impl RigidFit {
             beam: beam.clone(),
             channels,
             prior,
-            events: events.to_vec(),
             has_lost_gauge: lost.is_some(),
             tried: 0,
             started: Vec::new(),
             descents: Vec::new(),
             over: false,
         })
+    }
+
+    /// Whether there are as many means of a sensor as are used.
+    pub fn has_all(means: &[Option<(f64, u32)>]) -> bool {
+        means.len() >= HORIZONS[HORIZONS.len() - 1]
     }
 
     pub fn is_over(&self) -> bool {
@@ -196,7 +194,7 @@ impl RigidFit {
     }
 
     /// The vehicle, if one explains the readings, with what events say that do not contradict it.
-    pub fn found(&self) -> ByBeam {
+    pub fn found(&self, events: &[EventEvidence]) -> ByBeam {
         let best = self.descents.first().filter(|_| self.over);
         let (mean_square, off_scale) = match self.has_lost_gauge {
             true => (EXPLAINED_WITH_FEWER, MOST_OFF_SCALE_WITH_FEWER),
@@ -220,7 +218,7 @@ impl RigidFit {
             covariance,
             has_yielded_gauge: self.has_lost_gauge,
         };
-        ByBeam::Rigid(self.events.iter().fold(found, RigidVehicle::with_event))
+        ByBeam::Rigid(events.iter().fold(found, RigidVehicle::with_event))
     }
 
     /// The speed and the time of contact that suit the next mass.

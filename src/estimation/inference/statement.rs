@@ -194,8 +194,8 @@ impl Estimator {
     /// The same by the sensors that contradict the others, or by those that do not.
     fn peak_by_sensors(&self, contradicting: bool) -> Option<(usize, &Records)> {
         let properties = self.population.properties();
-        let each = self.sensors.iter().zip(&self.doubtful).enumerate();
-        let at_impact = each.filter(|(_, (sensor, doubtful))| {
+        let each = self.sensors.iter().enumerate();
+        let at_impact = each.filter(|(index, sensor)| {
             let away = sensor.height - properties.length_below;
             let part = match away <= 0.0 {
                 true => properties.length_below,
@@ -203,9 +203,9 @@ impl Estimator {
             };
             sensor.quantity == Quantity::Displacement
                 && away.abs() <= AT_IMPACT * part
-                && **doubtful == contradicting
+                && self.contradicts(*index) == contradicting
         });
-        let measured = at_impact.filter_map(|(index, (sensor, _))| {
+        let measured = at_impact.filter_map(|(index, sensor)| {
             let records = self.highest.get(index)?.as_ref()?;
             // A sensor at the end of its range has not seen the peak.
             let is_whole = sensor.range == 0.0 || records.last().value < CLIPPED * sensor.range;
@@ -273,7 +273,7 @@ impl Estimator {
         let rises_on = self.rises_on(weights);
         let in_doubt = compared.iter().filter(|it| {
             let index = it.sensor;
-            self.doubtful[index]
+            self.contradicts(index)
                 || self.off_scale[index]
                 || self.failed.get(index) == Some(&true)
                 || rises_on == Some(index)

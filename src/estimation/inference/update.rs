@@ -5,7 +5,6 @@
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::estimator::{ASSESSED, Estimator};
 use crate::estimation::inference::population::Round;
-use crate::estimation::inference::rigid_fit::RigidFit;
 
 /// Responses weighed in one slice.
 const WEIGHED: usize = 64;
@@ -117,8 +116,10 @@ pub(crate) struct Update {
     refinement: Refinement,
     /// Whether sensors are looked for that contradict the others.
     judges: bool,
-    /// Whether the fibre beam is asked for a rigid vehicle that explains the readings: once, behind everything else.
-    asks_beam: bool,
+    /// Whether it is the final estimate, which waits for the answer of the fibre beam.
+    is_final: bool,
+    /// Whether the fibre beam has answered before: what it says later does not count for this estimate.
+    counts_beam: bool,
     until: f64,
     /// Responses that are assessed.
     assessed: usize,
@@ -134,7 +135,7 @@ enum Task {
     WeighAll(usize),
     JudgeSensors,
     WeighAgain(usize),
-    AskBeam(Box<RigidFit>),
+    AwaitBeam,
     Assess(Vec<usize>),
     Over,
 }
@@ -162,7 +163,8 @@ impl Update {
         Self {
             refinement,
             judges: number > 0,
-            asks_beam: is_final,
+            is_final,
+            counts_beam: estimator.beam_has_answered(),
             until,
             assessed: assessed(estimator, number, is_final),
             task: Task::Prefilter(0),
@@ -188,16 +190,24 @@ impl Update {
         matches!(self.task, Task::Over)
     }
 
-    /// What follows when all responses are weighed.
-    fn weighed(&self, estimator: &Estimator) -> Task {
-        let fit = self.asks_beam.then(|| estimator.rigid_fit()).flatten();
-        match fit {
-            Some(fit) => Task::AskBeam(Box::new(fit)),
-            None => self.assessing(estimator),
-        }
+    /// Whether the answer of the fibre beam to an earlier question counts for the estimate.
+    pub fn counts_beam(&self) -> bool {
+        self.counts_beam
     }
 
-    fn assessing(&self, estimator: &Estimator) -> Task {
+    /// What follows when all responses are weighed.
+    fn weighed(&self, estimator: &mut Estimator) -> Task {
+        estimator.ask_beam(self.is_final);
+        if self.is_final && estimator.beam_may_help() {
+            return Task::AwaitBeam;
+        }
+        self.assessing(estimator)
+    }
+
+    fn assessing(&self, estimator: &mut Estimator) -> Task {
+        if self.is_final || self.counts_beam {
+            estimator.take_answer_of_beam();
+        }
         Task::Assess(estimator.unassessed(self.assessed))
     }
 
@@ -230,14 +240,10 @@ impl Update {
                 true => Task::WeighAgain(first + WEIGHED),
                 false => self.weighed(estimator),
             },
-            Task::AskBeam(mut fit) if !fit.is_over() => {
-                fit.step();
-                Task::AskBeam(fit)
-            }
-            Task::AskBeam(fit) => {
-                estimator.take(fit.found());
-                self.assessing(estimator)
-            }
+            Task::AwaitBeam => match estimator.follow_beam() {
+                true => Task::AwaitBeam,
+                false => self.assessing(estimator),
+            },
             Task::Assess(mut left) => match left.pop() {
                 Some(index) => {
                     estimator.assess_one(index);
