@@ -264,13 +264,15 @@ fn main() {
             if prints_each {
                 println!(
                     "{kind}, seed {seed}: {mass:.0} kg at {velocity:.2} m/s, peak {:.2} mm at {:.0} ms, J/(m v) {:.2}, yielded {}, released {}, \
-                     collapsed {}",
+                     collapsed {}, contact detected {:+.1} ms off, with a deviation of {:.1} ms",
                     1e3 * signal.truth.peak[0],
                     1e3 * signal.truth.peak[1],
                     signal.truth.impulse / momentum,
                     signal.truth.yielded,
                     signal.truth.released,
                     signal.truth.collapsed,
+                    1e3 * (found.detection.contact.time - BEFORE),
+                    1e3 * found.detection.contact.deviation,
                 );
             }
             for (at, (instant, name)) in INSTANTS.into_iter().enumerate() {

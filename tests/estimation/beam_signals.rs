@@ -67,6 +67,10 @@ pub fn impact(name: &str) -> Impact {
             let front = spring(&[[0.2, 40e3], [0.5, 100e3], [0.8, 400e3]]);
             deformable(&[2500.0], &[front], 9.0)
         }
+        "folding_lorry_9" => {
+            let front = spring(&[[0.1, 300e3], [0.25, 60e3], [0.4, 700e3]]);
+            deformable(&[9000.0], &[front], 9.0)
+        }
         "strong_lorry_16" => deformable(&[18e3], &[plateau(3e6, 900e3)], 16.0),
         "held_light_rigid_9" => Impact::rigid(400.0, 9.0),
         "held_light_rigid_1" => Impact::rigid(500.0, 1.2),

@@ -129,12 +129,11 @@ const LIES: [Lie; 50] = [
 /// Lies that move the peak and that nothing tells but the note that the scale of the sensor is not confirmed, with the impact. Where a rigid
 /// hit makes the column yield, this note is there without a lie as well, because nothing tells the scale of the displacement: the gauges are
 /// lost within milliseconds, the waves keep the accelerometer at the end of its range, and a lighter, faster vehicle explains a larger
-/// displacement as well. In the same way a softer vehicle explains a displacement that a filter smooths.
-const TOLD_BY_THE_NOTE: [(&str, &str, &str); 5] = [
+/// displacement as well.
+const TOLD_BY_THE_NOTE: [(&str, &str, &str); 4] = [
     ("rigid", V1, "gain 30 % too high"),
     ("rigid", V1, "gain of one half"),
     ("rigid", V1, "0.2 m too high"),
-    ("rigid", V1, "filtered at 30 Hz"),
     ("elastic", V1, "gain 30 % too high"),
 ];
 

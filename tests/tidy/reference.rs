@@ -456,9 +456,19 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "elastic front of an unknown vehicle: median stiffness [N/m], and standard deviation of its logarithm",
             ),
             (
+                "src/estimation/inference/hypothesis.rs",
+                "ANY_MASS",
+                "mass of an unknown vehicle with a deformable front: median [kg], and standard deviation of its logarithm",
+            ),
+            (
                 "src/estimation/inference/estimator.rs",
                 "WIDE_BANK",
-                "responses prepared for each of the kinds `rigid`, `elastic` and `en1991_elastic`",
+                "responses prepared for each of the kinds `rigid` and `elastic`",
+            ),
+            (
+                "src/estimation/inference/estimator.rs",
+                "MIDDLE_BANK",
+                "responses prepared for each of the kinds `plateau`, `two_slopes`, `two_masses` and `en1991_elastic`",
             ),
             (
                 "src/estimation/inference/estimator.rs",
@@ -481,8 +491,8 @@ An input beyond a limit is rejected, with the limit in the error; a longer outpu
 
 const PRIOR: &str = "
 The estimation assumes these distributions before it has read anything; they are assumptions [A], except for the stiffness of the JCSS Probabilistic Model Code [T].
-The median of the mass is 1500 kg for `rigid`, 3000 kg for `elastic` (both with a standard deviation of 1 of its logarithm), and 1700 kg for `en1991_elastic` (0.5); a vehicle of the catalogue has its own mass (0.3), and a user-defined vehicle the mass of its parameters (0.5).
-The kinds have the weights 2 (`rigid`), 1 (`elastic`), 1.5 (`en1991_elastic`) and 0.6 (each vehicle of the catalogue); the vehicle of the parameters has the weight 5.
+The median of the mass is 1500 kg for `rigid` (with a standard deviation of 1 of its logarithm), 4000 kg for `elastic`, `plateau`, `two_slopes` and `two_masses` (1.2), and 1700 kg for `en1991_elastic` (0.5); a vehicle of the catalogue has its own mass (0.3), and a user-defined vehicle the mass of its parameters (0.5).
+The kinds have the weights 2 (`rigid`), 1 (`elastic`, `plateau`, `two_slopes`), 0.3 (`two_masses`), 1.5 (`en1991_elastic`) and 0.6 (each vehicle of the catalogue); the vehicle of the parameters has the weight 5.
 ";
 
 /// The value of a constant as it is written, in digits that a reader knows.
@@ -543,7 +553,7 @@ fn the_prior_in_words_is_that_of_the_code() {
     let code = read("src/estimation/inference/hypothesis.rs");
     for written in [
         "2.0, [1500.0, 1.0]",
-        "1.0, [3000.0, 1.0]",
+        "Front::Elastic, 1.0, ANY_MASS",
         "5.0 } else { 0.6 }",
         "5.0 } else { 1.5 }",
         "[1700.0, 0.5]",

@@ -159,6 +159,12 @@ impl Model {
         (step as f64 * self.properties.step_nanos as f64) / NANOS_PER_SECOND
     }
 
+    /// Elastic stiffness of the undamaged column against a transverse displacement of the impact point \[N/m\].
+    #[must_use]
+    pub fn transverse_stiffness(&self) -> f64 {
+        modes::transverse_stiffness(&self.frame, &self.rest.displacement())
+    }
+
     /// The column without the bumper, of which both bars have their whole lengths again. What follows from its motion (period,
     /// damping, length of a step) remains.
     #[must_use]

@@ -58,6 +58,13 @@ pub(crate) struct Block {
     pub length: f64,
 }
 
+/// Range of the readings in the first block, in terms of the declared noise, beyond which a sensor is noisier than declared: of ten samples
+/// of that noise, it is larger once in 10 million times.
+const NOISY: f64 = 9.0;
+
+/// Mean range of ten samples of normal noise, over its standard deviation.
+const RANGE_OF_NOISE: f64 = 3.08;
+
 /// What a sensor has read over a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BlockMean {
@@ -276,7 +283,7 @@ impl Blocks {
         let until = until - self.contact + 5e-10;
         let known = channel.highest.iter().take_while(|it| end(it) <= until);
         let records = known.map(|cell| {
-            let noise = channel.noise * channel.noise / f64::from(cell.count);
+            let noise = channel.shown_noise().powi(2) / f64::from(cell.count);
             let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * cell.value;
             let variance = noise + channel.zero_variance + relative * relative;
             Highest {
@@ -346,6 +353,12 @@ impl Blocks {
         .collect()
     }
 
+    /// For each sensor whether it has shown much more noise before the impact than is declared.
+    pub fn noisy(&self) -> Vec<bool> {
+        let each = self.channels.iter();
+        each.map(|it| it.shown_noise() > it.noise).collect()
+    }
+
     /// How many blocks are complete with data until `until` \[s\].
     pub fn complete(&self, until: f64) -> usize {
         let until = until - self.contact;
@@ -374,7 +387,7 @@ impl Blocks {
         });
         Some(BlockMean {
             mean,
-            variance: channel.noise * channel.noise / count + channel.zero_variance,
+            variance: channel.shown_noise().powi(2) / count + channel.zero_variance,
             largest,
             swing: self.swing(channel, index),
             in_waves: match channel.quantity.is_motion() && self.layout[index].start < self.period {
@@ -409,7 +422,7 @@ impl Blocks {
             if mean.abs() > largest {
                 (largest, peak_at) = (mean.abs(), at);
             }
-            let noise = channel.noise / f64::from(channel.counts[at]).sqrt();
+            let noise = channel.shown_noise() / f64::from(channel.counts[at]).sqrt();
             has_turned |= largest - mean.abs() > (TURNED * largest).max(TURNED_NOISE * noise);
         }
         if !has_turned {
@@ -497,6 +510,18 @@ impl Channel {
             let limit = all.largest();
             limit >= least && all.are_cut_off() && !self.is_clipped(sign * limit + self.zero)
         })
+    }
+
+    /// The noise that the readings show before the impact, if it is much larger than the declared one, which holds otherwise. Accelerometers
+    /// read ambient vibrations, too.
+    fn shown_noise(&self) -> f64 {
+        let [largest, smallest] = &self.extremes[0];
+        let range = largest.largest() + smallest.largest();
+        let is_level = self.quantity != Quantity::Acceleration;
+        match is_level && self.counts[0] > 1 && range > NOISY * self.noise {
+            true => range / RANGE_OF_NOISE,
+            false => self.noise,
+        }
     }
 
     /// Whether a reading is at the end of the range.

@@ -9,7 +9,7 @@ use crate::estimation::inference::drawn::{Drawn, independent};
 use crate::estimation::inference::estimator::Estimator;
 use crate::estimation::inference::hypothesis::Hypothesis;
 use crate::estimation::inference::member::Member;
-use crate::estimation::inference::model_error::ModelError;
+use crate::estimation::inference::model_error::{FrontError, ModelError};
 use crate::estimation::inference::population::with_yield_factor;
 use crate::estimation::inference::prediction::{HORIZON, Prediction, TimeGrid};
 use crate::estimation::inference::statement::RESIDUAL_ERROR;
@@ -68,16 +68,14 @@ impl Estimator {
         };
         let properties = with_yield_factor(population.properties(), libm::exp(unknowns[3]));
         let grid = TimeGrid::new();
-        let column = population.column();
-        let prediction = Prediction::compute(column, &properties, &impact, self.sensors(), &grid)?;
-        let light = hypothesis.light_front(&unknowns, population.impact_point_mass);
-        let member = Member::new(index, unknowns, prediction, 0.0, light, 0);
+        let (prediction, front) = population.predicted(index, &unknowns, &impact)?;
+        let member = Member::new(index, unknowns, prediction, 0.0, front, 0);
         let factors: Vec<f64> = self
             .sensors()
             .iter()
             .map(|it| 1.0 + ModelError::of(it.quantity).scale * random.normal())
             .collect();
-        let errors = (factors.as_slice(), light);
+        let errors = (factors.as_slice(), front);
         let [exact, readings] = self.readings_of(&member.prediction, &grid, errors, &mut random);
         let report = &member.prediction.report;
         let at_impact = self.sensors().iter().position(|it| {
@@ -120,12 +118,12 @@ impl Estimator {
     }
 
     /// The readings of all sensors without and with their noise; the errors are the factors between column and model, and that of motions
-    /// under a light front.
+    /// by the front.
     fn readings_of(
         &self,
         prediction: &Prediction,
         grid: &TimeGrid,
-        (factors, light): (&[f64], f64),
+        (factors, front): (&[f64], FrontError),
         random: &mut Random,
     ) -> [Readings; 2] {
         let samples = ((LEAD + HORIZON) / PERIOD).round() as usize;
@@ -137,14 +135,14 @@ impl Estimator {
             .iter()
             .zip(factors)
             .enumerate()
-            .map(|(index, (sensor, factor))| {
+            .map(|(index, (_, factor))| {
                 let at = |time: f64| prediction.integral(index, grid.place(time));
                 let half = 0.5 * PERIOD;
                 let exact: Vec<f64> = times
                     .iter()
                     .map(|time| factor * (at(time + half) - at(time - half)) / PERIOD)
                     .collect();
-                self.with_model_error((sensor, light), &times, exact, random)
+                self.with_model_error((index, front), &times, exact, random)
             })
             .collect();
         let table = |value: &mut dyn FnMut(&Sensor, f64) -> f64| {
@@ -169,11 +167,12 @@ impl Estimator {
     /// Readings with an error of the model that is one number in each block.
     fn with_model_error(
         &self,
-        (sensor, light): (&Sensor, f64),
+        (sensor, front): (usize, FrontError),
         times: &[f64],
         mut exact: Vec<f64>,
         random: &mut Random,
     ) -> Vec<f64> {
+        let (index_of_sensor, sensor) = (sensor, &self.sensors()[sensor]);
         let mut blocks = self.blocks_of(sensor);
         for (row, (&time, &value)) in times.iter().zip(&exact).enumerate() {
             // Without any noise it would be stuck at rest.
@@ -195,8 +194,10 @@ impl Estimator {
                 },
             );
             let (carried, variance) = error.given(before.as_ref().map(|it| &it.0), &now);
-            let waves = light * mean.in_waves;
-            let variance = variance + waves * waves;
+            let by_front = self
+                .population
+                .variance_by_front(front, index_of_sensor, &now);
+            let variance = variance + by_front;
             let last = before.map_or(0.0, |(_, last)| last);
             let own = carried * last + variance.max(0.0).sqrt() * random.normal();
             let inside = block.start..block.start + block.length;

@@ -40,6 +40,12 @@ pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
 /// misfit. Of two, which are all that there is, neither confirms the model, and [`CONTRADICTION`] is enough.
 const EXCLUSION: f64 = 25.0;
 
+/// The same where a response explains all other sensors within their errors, each with a mean square of at most [`WELL_EXPLAINED`], and at
+/// least [`WITNESSES`] of them have read as long and tell a scale: a wrong model would not explain them so well.
+const EXCLUSION_BY_OTHERS: f64 = 8.0;
+const WELL_EXPLAINED: f64 = 1.0;
+const WITNESSES: usize = 2;
+
 /// Leaving out sensors has to divide the misfit of the others by this number, unless they are explained then.
 const RELIEF: f64 = 4.0;
 
@@ -113,11 +119,12 @@ pub(crate) fn contradictions(
             .iter()
             .filter_map(|&sensor| {
                 let others = active.iter().copied().filter(|other| *other != sensor);
+                let others: Vec<usize> = others.collect();
                 let likelihoods: Vec<f64> = members
                     .iter()
                     .zip(&fits)
                     .map(|(member, fits)| {
-                        let each = others.clone().map(|other| fits[other].log_likelihood);
+                        let each = others.iter().map(|&other| fits[other].log_likelihood);
                         member.log_prior + member.log_events + each.sum::<f64>()
                     })
                     .collect();
@@ -127,11 +134,18 @@ pub(crate) fn contradictions(
                     .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
                     .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
                     .fold(f64::INFINITY, f64::min);
-                let most = match all.len() {
-                    2 => CONTRADICTION,
-                    _ => EXCLUSION,
+                let is_noticed = || {
+                    let witnesses = others.iter().filter(|&&other| {
+                        tells_scale(&sensors[other]) && blocks[other] >= blocks[sensor]
+                    });
+                    let of_others = self::misfit(members, &fits, &blocks, &others);
+                    witnesses.count() >= WITNESSES && of_others <= WELL_EXPLAINED
                 };
-                (misfit > most).then_some((sensor, best))
+                let is_excluded = match all.len() {
+                    2 => misfit > CONTRADICTION,
+                    _ => misfit > EXCLUSION || (misfit > EXCLUSION_BY_OTHERS && is_noticed()),
+                };
+                is_excluded.then_some((sensor, best))
             })
             .collect();
         let best = largest(excluded.iter().map(|(_, best)| *best));

@@ -12,12 +12,13 @@ use crate::estimation::inference::blocks::{Blocks, Records};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
-use crate::estimation::inference::hypothesis::{Front, Hypothesis};
+use crate::estimation::inference::hypothesis::{Front, Hypothesis, ImpactPoint};
 use crate::estimation::inference::member::Member;
-use crate::estimation::inference::population::{EXPLORATION, Population, Round};
+use crate::estimation::inference::population::{EXPLORATION, Population};
 use crate::estimation::inference::prediction::HORIZON;
 use crate::estimation::inference::rigid_fit::RigidFit;
 use crate::estimation::inference::rigid_vehicle::ByBeam;
+use crate::estimation::inference::round::Round;
 use crate::estimation::inference::undamaged_capacities::UndamagedCapacities;
 use crate::parameters::Parameters;
 use crate::sensors::Sensor;
@@ -136,6 +137,8 @@ pub struct Estimator {
     pub(super) highest: Vec<Option<Records>>,
     /// Sensors that had failed by then.
     pub(super) failed: Vec<bool>,
+    /// Sensors that have shown much more noise before the impact than is declared.
+    pub(super) noisy: Vec<bool>,
     /// Instant of contact and its standard deviation \[s\].
     pub(super) contact: [f64; 2],
     observed: usize,
@@ -148,7 +151,7 @@ pub struct Estimator {
     pub(super) doubtful: Vec<bool>,
     /// Sensors whose scale the others contradict.
     pub(super) off_scale: Vec<bool>,
-    /// The fibre beam, if there is one for the column.
+    /// The fibre beam, if there is one for the column and it is undamaged.
     pub(super) beam: Option<BeamReadings>,
     /// For each sensor its means over short times by the instant until which data were used last.
     pub(super) short_means: Vec<Vec<Option<(f64, u32)>>>,
@@ -176,18 +179,23 @@ impl Estimator {
         let properties = column.properties(parameters);
         let model = Model::new(&properties)?;
         let steel = parameters.steel();
-        let beam = BeamReadings::new(parameters, column, &sensors);
-        let (column, of_population) = (column.clone(), sensors.clone());
+        let beam = BeamReadings::new(parameters, &sensors);
+        let mut population = Population::new(
+            column.clone(),
+            (properties, ImpactPoint::of(&model)),
+            sensors.clone(),
+            hypotheses,
+            seed,
+        );
+        if let Some(beam) = &beam {
+            population.learn(beam, parameters);
+        }
+        // It is that of the undamaged column.
+        let beam = beam.filter(|_| column.damage.is_none());
         Ok(Self {
             undamaged: UndamagedCapacities::new(parameters, &properties),
             rest_v1: column.state(&model).displacement.v1,
-            population: Population::new(
-                column,
-                (properties, model.impact_point_mass),
-                of_population,
-                hypotheses,
-                seed,
-            ),
+            population,
             doubtful: vec![false; sensors.len()],
             off_scale: vec![false; sensors.len()],
             sensors,
@@ -197,6 +205,7 @@ impl Estimator {
             blocks: None,
             highest: Vec::new(),
             failed: Vec::new(),
+            noisy: Vec::new(),
             contact: [f64::NAN; 2],
             observed: 0,
             prepared: 0,
@@ -315,6 +324,7 @@ impl Estimator {
         ));
         self.highest.clear();
         self.failed.clear();
+        self.noisy.clear();
         self.short_means.clear();
         self.rigid_fit = None;
         self.by_beam = ByBeam::Nothing;
@@ -364,6 +374,7 @@ impl Estimator {
         let sensors = 0..self.sensors.len();
         self.highest = sensors.map(|it| blocks.records(it, until)).collect();
         self.failed = blocks.failed(until);
+        self.noisy = blocks.noisy();
         self.short_means = blocks.short_means(until);
         self.by_beam = ByBeam::Nothing;
     }
@@ -604,7 +615,7 @@ fn prepared_responses(hypothesis: &Hypothesis) -> usize {
     match hypothesis.front {
         Front::Elastic if hypothesis.deviation[2] < 0.5 => MIDDLE_BANK,
         Front::Rigid | Front::Elastic => WIDE_BANK,
-        Front::Plateau | Front::TwoMasses => MIDDLE_BANK,
+        Front::Plateau | Front::TwoSlopes | Front::TwoMasses => MIDDLE_BANK,
         Front::Vehicle(_) => NARROW_BANK,
     }
 }

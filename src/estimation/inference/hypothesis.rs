@@ -1,7 +1,7 @@
 //! What may have struck the column, before anything is measured.
 
-use crate::column::{CrushCurve, CrushSpring, Impact, Vehicle};
-use crate::estimation::inference::model_error::light_front;
+use crate::column::{CrushCurve, CrushSpring, Impact, Model, Vehicle};
+use crate::estimation::inference::model_error::{FrontError, light_front, soft_front};
 use crate::parameters::{Parameters, vehicle_catalogue};
 
 /// Most unknowns of a hypothesis: the logarithms of mass, velocity, factor of the front, factor of the yield strength, and those
@@ -39,6 +39,12 @@ const CRUSH_FORCE: [f64; 2] = [300e3, 0.7];
 /// The same of the crush at which it reaches this force \[m\].
 const CRUSH_BEFORE_PLATEAU: [f64; 2] = [0.2, 0.8];
 
+/// Median crush up to which a front has its first stiffness \[m\] and standard deviation of its logarithm \[A\].
+const CRUSH_BEFORE_BEND: [f64; 2] = [0.3, 0.8];
+
+/// The same of the stiffness beyond, over the first one \[A\]: mostly a front becomes stiffer when the engine is reached.
+const SLOPE_BEYOND: [f64; 2] = [1.5, 1.2];
+
 /// Crush up to which it keeps this force \[m\]: further than any vehicle is crushed.
 const LONGEST_PLATEAU: f64 = 20.0;
 
@@ -51,8 +57,32 @@ const MOST_FRONT_SHARE: f64 = 0.8;
 /// Stiffness between the column and a front mass that is hard, such as an engine \[N/m\] \[A\].
 const HARD_FRONT: f64 = 5e8;
 
-/// Median mass of a vehicle whose front is crushed \[kg\] and standard deviation of its logarithm \[A\].
-const CRUSHED_MASS: [f64; 2] = [2500.0, 1.0];
+/// Median mass of a vehicle of which nothing is known \[kg\] and standard deviation of its logarithm \[A\]: 90 % are between a small car and
+/// an articulated lorry.
+const ANY_MASS: [f64; 2] = [4000.0, 1.2];
+
+/// The column where it is struck.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ImpactPoint {
+    /// Mass that the model has there \[kg\].
+    pub mass: f64,
+    /// Elastic stiffness of the column against a transverse force there \[N/m\].
+    pub stiffness: f64,
+}
+
+impl ImpactPoint {
+    pub fn of(model: &Model) -> Self {
+        Self {
+            mass: model.impact_point_mass,
+            stiffness: model.transverse_stiffness(),
+        }
+    }
+
+    /// Circular frequency with which it swings in the model \[rad/s\].
+    pub fn frequency(&self) -> f64 {
+        (self.stiffness / self.mass).sqrt()
+    }
+}
 
 /// What the front of a vehicle does.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +93,8 @@ pub enum Front {
     Elastic,
     /// Its force rises to a plateau, which is the factor of the front \[N\], over a crush that is unknown, too.
     Plateau,
+    /// Its stiffness is the factor of the front \[N/m\] up to an unknown crush, and another one beyond.
+    TwoSlopes,
     /// A hard mass, an unknown share of the vehicle, is ahead of such a plateau.
     TwoMasses,
     /// It is that of a given vehicle, with its forces times the factor of the front.
@@ -73,7 +105,7 @@ pub enum Front {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
     /// Its name: of the catalogue, or `rigid`, `elastic` for any elastic front, `plateau` for any front that is crushed,
-    /// `two_masses` for one with a hard mass ahead of it, `configured` for the vehicle of the parameters.
+    /// `two_slopes` for one that becomes stiffer or softer, `two_masses` for one with a hard mass ahead of it, `configured` for the vehicle of the parameters.
     pub name: String,
     /// What its front does.
     pub front: Front,
@@ -111,19 +143,18 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
     };
     let mut all = vec![
         make("rigid", Front::Rigid, 2.0, [1500.0, 1.0], [1.0, NO_SCATTER]),
-        make("elastic", Front::Elastic, 1.0, [3000.0, 1.0], ANY_STIFFNESS),
+        make("elastic", Front::Elastic, 1.0, ANY_MASS, ANY_STIFFNESS),
     ];
     let crushed = |name: &str, front, weight: f64, more: &[[f64; 2]]| {
-        let mut it = make(name, front, weight, CRUSHED_MASS, CRUSH_FORCE);
-        for [median, deviation] in more {
-            it.mean[it.unknowns] = libm::log(*median);
-            it.deviation[it.unknowns] = *deviation;
-            it.unknowns += 1;
-        }
+        let mut it = make(name, front, weight, ANY_MASS, CRUSH_FORCE);
+        it.add(more);
         it
     };
     let before = CRUSH_BEFORE_PLATEAU;
     all.push(crushed("plateau", Front::Plateau, 1.0, &[before]));
+    let mut bent = make("two_slopes", Front::TwoSlopes, 1.0, ANY_MASS, ANY_STIFFNESS);
+    bent.add(&[CRUSH_BEFORE_BEND, SLOPE_BEYOND]);
+    all.push(bent);
     let both = [before, FRONT_SHARE];
     all.push(crushed("two_masses", Front::TwoMasses, 0.3, &both));
     let name = &parameters.settings().vehicle.name;
@@ -174,6 +205,15 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
 }
 
 impl Hypothesis {
+    /// Adds unknowns with these medians and standard deviations of their logarithms.
+    fn add(&mut self, more: &[[f64; 2]]) {
+        for [median, deviation] in more {
+            self.mean[self.unknowns] = libm::log(*median);
+            self.deviation[self.unknowns] = *deviation;
+            self.unknowns += 1;
+        }
+    }
+
     /// Logarithm of the density of these unknowns, the probability of the hypothesis included; minus infinity outside of what
     /// is considered.
     pub(crate) fn log_density(&self, unknowns: &[f64; UNKNOWNS]) -> f64 {
@@ -195,16 +235,21 @@ impl Hypothesis {
         match self.front {
             Front::Rigid => Some(libm::exp(unknowns[0])),
             Front::TwoMasses => Some(libm::exp(unknowns[0] + unknowns[UNKNOWNS - 1])),
-            Front::Elastic | Front::Plateau | Front::Vehicle(_) => None,
+            Front::Elastic | Front::Plateau | Front::TwoSlopes | Front::Vehicle(_) => None,
         }
     }
 
-    /// Error of motions under a rigid vehicle that is light beside this mass of the model at the impact point \[kg\], relative to the largest
-    /// reading; 0 for others. A hard front with something behind it does not have it: what follows it would explain any hit then.
-    pub(crate) fn light_front(&self, unknowns: &[f64; UNKNOWNS], impact_point_mass: f64) -> f64 {
-        match self.front {
-            Front::Rigid => light_front(impact_point_mass / libm::exp(unknowns[0])),
-            _ => 0.0,
+    /// Error of motions under a rigid vehicle that is light beside the mass of the model at the impact point, and under a soft front. A hard
+    /// front with something behind it does not have it: what follows it would explain any hit then.
+    pub(crate) fn front_error(&self, impact: &Impact, column: &ImpactPoint) -> FrontError {
+        let springs = impact.vehicle.iter().flat_map(Vehicle::springs);
+        let mut points = springs.map(|it| it.envelope.points()[0]);
+        match (&self.front, points.next()) {
+            (Front::Rigid, _) => FrontError::Light(light_front(column.mass / impact.mass)),
+            (Front::TwoMasses, _) | (_, None) => FrontError::NONE,
+            (_, Some([crush, force])) => {
+                FrontError::Soft(soft_front(force / crush / column.stiffness))
+            }
         }
     }
 
@@ -218,25 +263,21 @@ impl Hypothesis {
                     ..Impact::rigid(mass, velocity)
                 });
             }
-            Front::Elastic => {
-                let envelope = CrushCurve::new(&[[1.0, factor]]).ok()?;
-                let spring = CrushSpring {
-                    envelope,
-                    unloading_stiffness: factor,
-                    slack: 0.0,
-                };
-                Vehicle::new(&[mass], &[spring]).ok()?
-            }
+            Front::Elastic => Vehicle::new(&[mass], &[loaded_along(&[[1.0, factor]])?]).ok()?,
             Front::Plateau => Vehicle::new(&[mass], &[plateau(factor, crush)?]).ok()?,
+            Front::TwoSlopes => {
+                let force = factor * crush;
+                let end = [
+                    crush + LONGEST_PLATEAU,
+                    force + share * factor * LONGEST_PLATEAU,
+                ];
+                Vehicle::new(&[mass], &[loaded_along(&[[crush, force], end])?]).ok()?
+            }
             Front::TwoMasses => {
                 if share > MOST_FRONT_SHARE {
                     return None;
                 }
-                let hard = CrushSpring {
-                    envelope: CrushCurve::new(&[[1.0, HARD_FRONT]]).ok()?,
-                    unloading_stiffness: HARD_FRONT,
-                    slack: 0.0,
-                };
+                let hard = loaded_along(&[[1.0, HARD_FRONT]])?;
                 let masses = [share * mass, (1.0 - share) * mass];
                 Vehicle::new(&masses, &[hard, plateau(factor, crush)?]).ok()?
             }
@@ -268,7 +309,12 @@ impl Hypothesis {
 
 /// A spring whose force rises to `force` \[N\] over this crush \[m\], and then stays.
 fn plateau(force: f64, crush: f64) -> Option<CrushSpring> {
-    let envelope = CrushCurve::new(&[[crush, force], [crush + LONGEST_PLATEAU, force]]).ok()?;
+    loaded_along(&[[crush, force], [crush + LONGEST_PLATEAU, force]])
+}
+
+/// A spring that is loaded along this curve and unloaded by its steepest slope.
+fn loaded_along(points: &[[f64; 2]]) -> Option<CrushSpring> {
+    let envelope = CrushCurve::new(points).ok()?;
     Some(CrushSpring {
         unloading_stiffness: envelope.steepest_slope(),
         envelope,

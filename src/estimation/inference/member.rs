@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::assessment::Action;
 use crate::estimation::inference::hypothesis::UNKNOWNS;
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
-use crate::estimation::inference::model_error::ModelError;
+use crate::estimation::inference::model_error::{FrontError, ModelError};
 use crate::estimation::inference::prediction::{Place, Prediction};
 use crate::estimation::inference::weighing::{SHIFTS, WeighedBlock, Weighing};
 use crate::sensors::{Quantity, Sensor};
@@ -36,11 +36,11 @@ pub(crate) struct Member {
     pub known_drawn: usize,
     /// Blocks whose data are in the sums.
     pub seen: usize,
-    /// Error of motions by a light front, see [`light_front`](super::model_error::light_front).
-    pub light: f64,
+    /// Error of motions by what strikes the column.
+    pub front: FrontError,
     /// For each instant of contact and group of sensors.
     sums: Vec<Sums>,
-    /// For each group of sensors the logarithm of how much less likely any reading is by the error of a light front.
+    /// For each group of sensors the logarithm of how much less likely any reading is by the error by the front.
     costs: Vec<Lanes>,
     /// Action and capacity ratio, once they were computed; `None` in it if they cannot be.
     pub assessed: Option<Option<(Action, f64)>>,
@@ -94,7 +94,7 @@ impl Sums {
         shift: usize,
         group: usize,
         prediction: &Prediction,
-        wavy: f64,
+        front: FrontError,
     ) {
         // The errors of the block before are what those of the first one follow.
         let from = first.saturating_sub(1);
@@ -105,16 +105,18 @@ impl Sums {
         // The integral up to the end of a block is that up to the beginning of the next one.
         let mut start = integrals(&begin.start);
         let (mut last_error, mut last_predicted) = (ZERO, ZERO);
+        let more = front.squared();
         for (index, block) in blocks.iter().enumerate().skip(from) {
             let end = integrals(&block.end);
             let terms = &block.terms[group];
+            let by_front = terms.by_front(front);
             let counts = if index < first { 0.0 } else { 1.0 };
             for k in 0..WIDTH {
                 let predicted = (end[k] - start[k]) / block.length;
                 let error = terms.means[k] - predicted;
                 let new_error = error - terms.carried[k] * last_error[k];
                 let new_predicted = predicted - terms.carried[k] * last_predicted[k];
-                let precision = counts * terms.precisions[k] / (1.0 + wavy * terms.in_waves[k]);
+                let precision = counts * terms.precisions[k] / (1.0 + more * by_front[k]);
                 let weighed = precision * new_error;
                 self.squares[k] += weighed * new_error;
                 self.cross[k] += weighed * new_predicted;
@@ -131,13 +133,13 @@ impl Sums {
 }
 
 impl Member {
-    /// Before any data. `light` is the error of motions by a light front.
+    /// Before any data. `front` is the error of motions by what strikes the column.
     pub fn new(
         hypothesis: usize,
         unknowns: [f64; UNKNOWNS],
         prediction: Prediction,
         log_prior: f64,
-        light: f64,
+        front: FrontError,
         groups: usize,
     ) -> Self {
         Self {
@@ -150,7 +152,7 @@ impl Member {
             log_drawn: f64::NEG_INFINITY,
             known_drawn: 0,
             seen: 0,
-            light,
+            front,
             sums: vec![NO_SUMS; SHIFTS * groups],
             costs: vec![ZERO; groups],
             assessed: None,
@@ -205,16 +207,23 @@ impl Member {
     pub fn weigh(&mut self, weighing: &Weighing) {
         let blocks = &weighing.blocks;
         let groups = self.sums.len() / SHIFTS;
-        let wavy = self.light * self.light;
         for (shift, sums) in self.sums.chunks_exact_mut(groups).enumerate() {
             for (group, sums) in sums.iter_mut().enumerate() {
-                sums.take(blocks, self.seen, shift, group, &self.prediction, wavy);
+                sums.take(
+                    blocks,
+                    self.seen,
+                    shift,
+                    group,
+                    &self.prediction,
+                    self.front,
+                );
             }
         }
         for (group, costs) in self.costs.iter_mut().enumerate() {
             for block in &blocks[self.seen..] {
-                for (cost, in_waves) in costs.iter_mut().zip(block.terms[group].in_waves) {
-                    *cost += 0.5 * libm::log1p(wavy * in_waves);
+                let by_front = block.terms[group].by_front(self.front);
+                for (cost, by_front) in costs.iter_mut().zip(by_front) {
+                    *cost += 0.5 * libm::log1p(self.front.squared() * by_front);
                 }
             }
         }
@@ -229,12 +238,11 @@ impl Member {
         let blocks = &weighing.blocks;
         let first = blocks.len().saturating_sub(count);
         let groups = self.sums.len() / SHIFTS;
-        let wavy = self.light * self.light;
         let mut logs = weighing.log_delays;
         for (shift, log) in logs.iter_mut().enumerate() {
             for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
                 let mut sums = NO_SUMS;
-                sums.take(blocks, first, shift, group, &self.prediction, wavy);
+                sums.take(blocks, first, shift, group, &self.prediction, self.front);
                 for (lane, sensor) in sensors.iter().enumerate() {
                     if !sensor.is_ignored {
                         let [squares, cross, predicted] = sums.of(lane);

@@ -6,7 +6,7 @@
 //   it
 // - beam_readings.rs: What the sensors would read of a rigid vehicle by the fibre beam, which has the mass of the column along
 //   its length: the waves and the modes that the two bars do not have
-// - beam_request.rs: When the fibre beam is asked for a rigid vehicle that explains the readings
+// - beam_request.rs: When the fibre beam is asked for a rigid vehicle that explains the readings, and what counts of its answer
 // - before_impact.rs: What is known of a vehicle of any kind before anything is measured, and once only its momentum is
 // - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
@@ -32,6 +32,8 @@
 // - recorded.rs: Estimates from recorded readings: the same detection and the same updates as with live ones
 // - rigid_fit.rs: The rigid vehicle that explains the readings by the fibre beam, if one does
 // - rigid_vehicle.rs: What the fibre beam says of the vehicle: a rigid one explains the readings, or none does
+// - rising_force.rs: How the readings of the bars differ from those of the fibre beam under a soft front
+// - round.rs: New members of a population that are to be computed, one after another
 // - short_means.rs: Readings averaged over short times, with which the vibrations that a vehicle has left can be compared
 // - statement.rs: What an estimate states: the weighted responses as quantities with their intervals
 // - undamaged_capacities.rs: Residual capacity of the undamaged column, for any yield strength near the given one
@@ -64,6 +66,8 @@ pub(super) mod recomputation;
 pub(super) mod recorded;
 pub(super) mod rigid_fit;
 pub(super) mod rigid_vehicle;
+pub(super) mod rising_force;
+pub(super) mod round;
 pub(super) mod short_means;
 pub(super) mod statement;
 pub(super) mod undamaged_capacities;

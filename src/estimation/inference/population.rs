@@ -4,9 +4,12 @@
 //! over the density with which members of its hypothesis were drawn, the mixture of all distributions used so far (the
 //! balance heuristic, Cornuet et al. 2012). New members are drawn where the weights are.
 
+use std::sync::Arc;
+
 use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::column::{ColumnProperties, Impact, ShearProperties};
+use crate::estimation::inference::beam_readings::BeamReadings;
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
@@ -15,13 +18,19 @@ use crate::estimation::inference::contradiction::{
 };
 use crate::estimation::inference::drawn::{Drawn, independent};
 use crate::estimation::inference::event_evidence::{EventEvidence, log_events};
-use crate::estimation::inference::hypothesis::{Front, Hypothesis, OF_ONE_FACTOR, UNKNOWNS};
+use crate::estimation::inference::hypothesis::{
+    Front, Hypothesis, ImpactPoint, OF_ONE_FACTOR, UNKNOWNS,
+};
 use crate::estimation::inference::lanes::lanes;
 use crate::estimation::inference::member::{Member, log_sum};
+use crate::estimation::inference::model_error::FrontError;
 use crate::estimation::inference::prediction::{Prediction, TimeGrid};
+use crate::estimation::inference::rising_force::RisingForce;
+use crate::estimation::inference::round::Round;
 use crate::estimation::inference::weighing::{Observed, Weighing};
 use crate::numerics::Random;
 use crate::numerics::cholesky;
+use crate::parameters::Parameters;
 use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
 
@@ -74,62 +83,14 @@ const PREFILTERED_BLOCKS: usize = 4;
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
 
-/// New members that are to be computed, one after another.
-#[derive(Debug, Clone)]
-pub(crate) struct Round {
-    drawn: Vec<Drawn>,
-    /// The distribution of each candidate, and its unknowns.
-    candidates: Vec<(usize, [f64; UNKNOWNS])>,
-    computed: Vec<Member>,
-    /// Candidates that were computed, whether they led to members or not.
-    done: usize,
-    /// The random numbers before the candidates were drawn.
-    before: Random,
-}
-
-impl Round {
-    fn new(random: &Random) -> Self {
-        Self {
-            drawn: Vec::new(),
-            candidates: Vec::new(),
-            computed: Vec::new(),
-            done: 0,
-            before: random.clone(),
-        }
-    }
-
-    fn draw(&mut self, drawn: Drawn, random: &mut Random) {
-        let index = self.drawn.len();
-        for _ in 0..drawn.count as usize {
-            self.candidates.push((index, drawn.sample(random)));
-        }
-        self.drawn.push(drawn);
-    }
-
-    /// Mixes the order of the candidates, so that the first ones are of all distributions.
-    pub fn mix(&mut self) {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
-        let mut order: Vec<(f64, (usize, [f64; UNKNOWNS]))> = (1..)
-            .zip(&self.candidates)
-            .map(|(k, candidate)| ((GOLDEN * f64::from(k)).fract(), *candidate))
-            .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.candidates = order.into_iter().map(|(_, candidate)| candidate).collect();
-    }
-
-    /// Whether all candidates were computed.
-    pub fn is_complete(&self) -> bool {
-        self.done == self.candidates.len()
-    }
-}
-
 /// All members.
 #[derive(Debug, Clone)]
 pub(crate) struct Population {
     column: StandingColumn,
     properties: ColumnProperties,
-    /// Mass that the model has at the impact point \[kg\].
-    pub impact_point_mass: f64,
+    pub impact_point: ImpactPoint,
+    /// How the bars differ from the beam under a soft front, if it is known.
+    rising_force: Option<Arc<RisingForce>>,
     sensors: Vec<Sensor>,
     grid: TimeGrid,
     pub hypotheses: Vec<Hypothesis>,
@@ -152,10 +113,10 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// For a column with these properties, and with this mass that the model has at the impact point \[kg\].
+    /// For a column with these properties and this impact point.
     pub fn new(
         column: StandingColumn,
-        (properties, impact_point_mass): (ColumnProperties, f64),
+        (properties, impact_point): (ColumnProperties, ImpactPoint),
         sensors: Vec<Sensor>,
         hypotheses: Vec<Hypothesis>,
         seed: u64,
@@ -163,7 +124,8 @@ impl Population {
         Self {
             column,
             properties,
-            impact_point_mass,
+            impact_point,
+            rising_force: None,
             ignored: vec![false; sensors.len()],
             temperature: 1.0,
             sensors,
@@ -180,9 +142,23 @@ impl Population {
         }
     }
 
-    /// The column at rest.
-    pub fn column(&self) -> &StandingColumn {
-        &self.column
+    /// Learns from the beam how the bars differ from it.
+    pub fn learn(&mut self, beam: &BeamReadings, parameters: &Parameters) {
+        let learnt = RisingForce::new(beam, parameters, &self.sensors, &self.grid);
+        self.rising_force = learnt.map(Arc::new);
+    }
+
+    /// Variance of what a sensor has read over a block, by the error that depends on what strikes the column.
+    pub fn variance_by_front(
+        &self,
+        front: FrontError,
+        sensor: usize,
+        read: &(Block, BlockMean),
+    ) -> f64 {
+        let rising = self.rising_force.as_ref();
+        let is_corrected = rising.is_some_and(|it| it.corrects(sensor));
+        let frequency = self.impact_point.frequency();
+        front.variance(self.sensors[sensor].quantity, read, frequency, is_corrected)
     }
 
     /// The properties of the column.
@@ -365,15 +341,29 @@ impl Population {
         if log_prior == f64::NEG_INFINITY {
             return None;
         }
-        let properties = with_yield_factor(&self.properties, libm::exp(unknowns[3]));
         let impact = self.hypotheses[hypothesis].impact(&unknowns)?;
-        let (column, sensors) = (&self.column, &self.sensors);
-        let prediction = Prediction::compute(column, &properties, &impact, sensors, &self.grid)?;
-        let groups = lanes(sensors.len()).len();
-        let light = self.hypotheses[hypothesis].light_front(&unknowns, self.impact_point_mass);
-        let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, light, groups);
+        let (prediction, front) = self.predicted(hypothesis, &unknowns, &impact)?;
+        let groups = lanes(self.sensors.len()).len();
+        let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, front, groups);
         member.log_events = log_events(&self.events, &unknowns);
         Some(member)
+    }
+
+    /// What an impact of a hypothesis lets the sensors read, and what the error of their motions depends on.
+    pub fn predicted(
+        &self,
+        hypothesis: usize,
+        unknowns: &[f64; UNKNOWNS],
+        impact: &Impact,
+    ) -> Option<(Prediction, FrontError)> {
+        let properties = with_yield_factor(&self.properties, libm::exp(unknowns[3]));
+        let (column, sensors) = (&self.column, &self.sensors);
+        let mut prediction = Prediction::compute(column, &properties, impact, sensors, &self.grid)?;
+        let front = self.hypotheses[hypothesis].front_error(impact, &self.impact_point);
+        if let (FrontError::Soft(_), Some(rising)) = (front, &self.rising_force) {
+            rising.correct(&mut prediction, &self.grid, impact, &self.impact_point);
+        }
+        Some((prediction, front))
     }
 
     /// Adds the members of a round. If it is not complete, it has only the candidates that were computed.
@@ -662,6 +652,7 @@ impl Population {
 
     fn take_weighing(&mut self) -> Weighing {
         let (observed, sensors, grid) = (&self.observed, &self.sensors, &self.grid);
+        let known = self.weighing.take();
         let made = || {
             Weighing::new(
                 observed,
@@ -669,9 +660,10 @@ impl Population {
                 &self.ignored,
                 grid,
                 self.contact_deviation,
+                |front, sensor, mean| self.variance_by_front(front, sensor, mean),
             )
         };
-        self.weighing.take().unwrap_or_else(made)
+        known.unwrap_or_else(made)
     }
 }
 

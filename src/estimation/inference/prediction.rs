@@ -50,6 +50,11 @@ impl TimeGrid {
         Self { edges, nanos }
     }
 
+    /// The instants \[s\].
+    pub fn edges(&self) -> &[f64] {
+        &self.edges
+    }
+
     /// The place of an instant \[s\]; those before contact are at contact.
     pub fn place(&self, time: f64) -> Place {
         let last = self.edges.len() - 1;
@@ -67,6 +72,13 @@ impl TimeGrid {
             share: (time - self.edges[index]) / (self.edges[index + 1] - self.edges[index]),
             beyond: 0.0,
         }
+    }
+}
+
+impl Place {
+    /// The edge before it, and which share of the way to the next one it is.
+    pub fn between(&self) -> (usize, f64) {
+        (self.index, self.share)
     }
 }
 
@@ -164,6 +176,23 @@ impl Prediction {
             rest: rest.map(|rest| Box::new(rest.after)),
             report,
         })
+    }
+
+    /// Adds to the integrals of the readings, at each instant and for each group of sensors, so many times what `more` says.
+    pub fn add(&mut self, grid: &TimeGrid, more: impl Fn(f64, usize) -> Lanes, times: f64) {
+        let groups = self.at_end.len();
+        for (edge, integrals) in grid
+            .edges
+            .iter()
+            .zip(self.integrals.chunks_exact_mut(groups))
+        {
+            for (group, integrals) in integrals.iter_mut().enumerate() {
+                let more = more(*edge, group);
+                for (integral, more) in integrals.iter_mut().zip(more) {
+                    *integral += times * more;
+                }
+            }
+        }
     }
 
     /// Bytes that a prediction takes, about.

@@ -80,7 +80,7 @@ impl Estimator {
         let Some(striking) = hypothesis.hard_mass(&member.unknowns) else {
             return IMPACT_ERROR;
         };
-        let ratio = self.population.impact_point_mass / striking;
+        let ratio = self.population.impact_point.mass / striking;
         let [size, most] = LIGHT_ERROR[usize::from(of_momentum)];
         libm::hypot(IMPACT_ERROR, (size * ratio * ratio.sqrt()).min(most))
     }
@@ -93,7 +93,7 @@ impl Estimator {
         }
         let properties = self.population.properties();
         let length = properties.length_below + properties.length_above;
-        let beside = properties.mass_per_length * length - self.population.impact_point_mass;
+        let beside = properties.mass_per_length * length - self.population.impact_point.mass;
         beside.max(0.0) / libm::exp(member.unknowns[0])
     }
 
@@ -114,7 +114,7 @@ impl Estimator {
         let hypothesis = &self.population.hypotheses[member.hypothesis];
         let [from, to] = LIGHT_RATIO;
         hypothesis.hard_mass(&member.unknowns).map_or(0.0, |hard| {
-            let ratio = self.population.impact_point_mass / hard;
+            let ratio = self.population.impact_point.mass / hard;
             ((ratio - from) / (to - from)).clamp(0.0, 1.0)
         })
     }
@@ -219,7 +219,7 @@ impl Estimator {
     fn past_peak(&self, member: &Member) -> f64 {
         let report = &member.prediction.report;
         let left = report.release_time.unwrap_or(report.max_v1_time);
-        let vibrations = match member.light > 0.0 {
+        let vibrations = match member.front.by_light_front() > 0.0 {
             true => VIBRATIONS_OF_LIGHT_FRONTS,
             false => 1.0,
         };
@@ -268,7 +268,8 @@ impl Estimator {
         unconfirmed.map(|(_, sensor)| sensor.name.clone()).collect()
     }
 
-    /// Names of the sensors that contradict the others, wholly or by their scale, that have failed, or whose readings stray or rise on.
+    /// Names of the sensors that contradict the others, wholly or by their scale, that have failed or are noisier than declared, or whose
+    /// readings stray or rise on.
     fn sensors_in_doubt(&self, weights: &[f64], compared: &[SensorComparison]) -> Vec<String> {
         let rises_on = self.rises_on(weights);
         let in_doubt = compared.iter().filter(|it| {
@@ -276,6 +277,7 @@ impl Estimator {
             self.contradicts(index)
                 || self.off_scale[index]
                 || self.failed.get(index) == Some(&true)
+                || self.noisy.get(index) == Some(&true)
                 || rises_on == Some(index)
                 || Self::strays(it)
         });
@@ -292,7 +294,7 @@ impl Estimator {
         let added = report.max_v1 - self.rest_v1;
         let mut peak = (scale * added).max(LEAST_PEAK);
         let error = libm::hypot(PEAK_ERROR, self.impact_error(member, true));
-        let error = libm::hypot(error, member.light);
+        let error = libm::hypot(error, member.front.by_light_front());
         let mut deviation = libm::hypot(scatter * added, error * added);
         if let Some(records) = measured {
             let past_peak = self.past_peak(member);
@@ -302,7 +304,7 @@ impl Estimator {
                 ..
             } = records.by(past_peak);
             // What several vibrations add up to is the peak only when they are over.
-            let settled = match member.light > 0.0 {
+            let settled = match member.front.by_light_front() > 0.0 {
                 true => past_peak,
                 false => self.contact[0] + member.delay + report.max_v1_time,
             };

@@ -4,7 +4,7 @@
 
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::estimator::{ASSESSED, Estimator};
-use crate::estimation::inference::population::Round;
+use crate::estimation::inference::round::Round;
 
 /// Responses weighed in one slice.
 const WEIGHED: usize = 64;

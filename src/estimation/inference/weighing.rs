@@ -3,7 +3,7 @@
 
 use crate::estimation::inference::blocks::{Block, BlockMean};
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
-use crate::estimation::inference::model_error::ModelError;
+use crate::estimation::inference::model_error::{FrontError, ModelError};
 use crate::estimation::inference::prediction::{Place, TimeGrid};
 use crate::sensors::{Quantity, Sensor};
 
@@ -46,15 +46,27 @@ pub(crate) struct Terms {
     pub precisions: Lanes,
     /// The error that is expected, relative to that in the block before.
     pub carried: Lanes,
-    /// Square of [`BlockMean::in_waves`] times the precision.
-    pub in_waves: Lanes,
+    /// Variances by errors of size 1 by a light and by a soft front, times the precision.
+    light: Lanes,
+    soft: Lanes,
+}
+
+impl Terms {
+    /// What the square of the error by the front is multiplied with.
+    pub fn by_front(&self, front: FrontError) -> &Lanes {
+        match front {
+            FrontError::Light(_) => &self.light,
+            FrontError::Soft(_) => &self.soft,
+        }
+    }
 }
 
 const NO_TERMS: Terms = Terms {
     means: ZERO,
     precisions: ZERO,
     carried: ZERO,
-    in_waves: ZERO,
+    light: ZERO,
+    soft: ZERO,
 };
 
 #[derive(Debug, Clone, Copy)]
@@ -67,13 +79,15 @@ pub(crate) struct WeighedSensor {
 }
 
 impl Weighing {
-    /// For these data.
+    /// For these data and the standard deviation of the instant of contact \[s\]; `by_front` gives the variance of a mean of a sensor by
+    /// the error of a front.
     pub fn new(
         observed: &[Observed],
         sensors: &[Sensor],
         ignored: &[bool],
         grid: &TimeGrid,
         deviation: f64,
+        by_front: impl Fn(FrontError, usize, &(Block, BlockMean)) -> f64,
     ) -> Self {
         let delays: [f64; SHIFTS] = std::array::from_fn(|shift| {
             (shift as f64 - (SHIFTS / 2) as f64) * SHIFT_SPACING * deviation
@@ -96,7 +110,11 @@ impl Weighing {
                     terms.means[lane] = it.mean;
                     terms.precisions[lane] = 1.0 / variance.max(f64::MIN_POSITIVE);
                     terms.carried[lane] = carried;
-                    terms.in_waves[lane] = it.in_waves * it.in_waves * terms.precisions[lane];
+                    let relative = |front| {
+                        by_front(front, sensor, &(*block, *it)) / variance.max(f64::MIN_POSITIVE)
+                    };
+                    terms.light[lane] = relative(FrontError::Light(1.0));
+                    terms.soft[lane] = relative(FrontError::Soft(1.0));
                 }
             }
             WeighedBlock {
