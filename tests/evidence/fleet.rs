@@ -319,8 +319,8 @@ fn an_idle_column_costs_nothing() {
 /// Every recording can be verified by itself: it begins where no column is in the middle of anything.
 #[test]
 fn every_recording_of_a_fleet_is_verified_by_itself() {
-    // On a busy machine, the opinion of the fibre beam comes after the column has come to rest and has been reset. The next round then
-    // finds a column that is in the middle of something, and the recording goes on up to its hard limit.
+    // On a busy machine, the opinion of the fibre beam arrives only after the column has come to rest and has been reset. A column is then
+    // still active when the next round begins, and no new recording starts before the present one reaches its hard limit.
     let small = [
         ("record.max_file_size", Value::Integer(1_000_000)),
         ("beam.mode", Value::from("off")),

@@ -42,6 +42,13 @@ const STOPPED_SAMPLES: f64 = 2.0;
 /// Means over this time tell the peak of a displacement \[s\].
 const PEAK_CELL: f64 = 0.5e-3;
 
+/// Range of the readings in the first block, in terms of the declared noise, beyond which a sensor is noisier than declared: of ten samples
+/// of that noise, it is larger once in 10 million times.
+const NOISY: f64 = 9.0;
+
+/// Mean range of ten samples of normal noise, over its standard deviation.
+const RANGE_OF_NOISE: f64 = 3.08;
+
 /// Standard deviation of a measured peak, relative to it, beside noise and gain \[A\].
 const PEAK_DEVIATION: f64 = 0.02;
 
@@ -57,13 +64,6 @@ pub(crate) struct Block {
     /// \[s\]
     pub length: f64,
 }
-
-/// Range of the readings in the first block, in terms of the declared noise, beyond which a sensor is noisier than declared: of ten samples
-/// of that noise, it is larger once in 10 million times.
-const NOISY: f64 = 9.0;
-
-/// Mean range of ten samples of normal noise, over its standard deviation.
-const RANGE_OF_NOISE: f64 = 3.08;
 
 /// What a sensor has read over a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -283,7 +283,8 @@ impl Blocks {
         let until = until - self.contact + 5e-10;
         let known = channel.highest.iter().take_while(|it| end(it) <= until);
         let records = known.map(|cell| {
-            let noise = channel.shown_noise().powi(2) / f64::from(cell.count);
+            let noise = channel.shown_noise();
+            let noise = noise * noise / f64::from(cell.count);
             let relative = libm::hypot(PEAK_DEVIATION, channel.gain_error) * cell.value;
             let variance = noise + channel.zero_variance + relative * relative;
             Highest {
@@ -378,6 +379,7 @@ impl Blocks {
             largest.max(channel.largest(index))
         });
         let count = f64::from(channel.counts[index]);
+        let noise = channel.shown_noise();
         let yielded = self.channels.iter().any(|other| {
             other.quantity.is_strain()
                 && (self.is_lost(other, index)
@@ -387,7 +389,7 @@ impl Blocks {
         });
         Some(BlockMean {
             mean,
-            variance: channel.shown_noise().powi(2) / count + channel.zero_variance,
+            variance: noise * noise / count + channel.zero_variance,
             largest,
             swing: self.swing(channel, index),
             in_waves: match channel.quantity.is_motion() && self.layout[index].start < self.period {

@@ -167,12 +167,12 @@ impl Estimator {
     /// Readings with an error of the model that is one number in each block.
     fn with_model_error(
         &self,
-        (sensor, front): (usize, FrontError),
+        (index, front): (usize, FrontError),
         times: &[f64],
         mut exact: Vec<f64>,
         random: &mut Random,
     ) -> Vec<f64> {
-        let (index_of_sensor, sensor) = (sensor, &self.sensors()[sensor]);
+        let sensor = &self.sensors()[index];
         let mut blocks = self.blocks_of(sensor);
         for (row, (&time, &value)) in times.iter().zip(&exact).enumerate() {
             // Without any noise it would be stuck at rest.
@@ -181,8 +181,8 @@ impl Estimator {
         }
         let error = ModelError::of(sensor.quantity);
         let mut before: Option<((Block, BlockMean), f64)> = None;
-        for (index, block) in blocks.layout().iter().enumerate() {
-            let Some(mean) = blocks.mean(0, index) else {
+        for (number, block) in blocks.layout().iter().enumerate() {
+            let Some(mean) = blocks.mean(0, number) else {
                 before = None;
                 continue;
             };
@@ -194,9 +194,7 @@ impl Estimator {
                 },
             );
             let (carried, variance) = error.given(before.as_ref().map(|it| &it.0), &now);
-            let by_front = self
-                .population
-                .variance_by_front(front, index_of_sensor, &now);
+            let by_front = self.population.variance_by_front(front, index, &now);
             let variance = variance + by_front;
             let last = before.map_or(0.0, |(_, last)| last);
             let own = carried * last + variance.max(0.0).sqrt() * random.normal();

@@ -138,8 +138,8 @@ pub(crate) fn contradictions(
                     let witnesses = others.iter().filter(|&&other| {
                         tells_scale(&sensors[other]) && blocks[other] >= blocks[sensor]
                     });
-                    let of_others = self::misfit(members, &fits, &blocks, &others);
-                    witnesses.count() >= WITNESSES && of_others <= WELL_EXPLAINED
+                    witnesses.count() >= WITNESSES
+                        && self::misfit(members, &fits, &blocks, &others) <= WELL_EXPLAINED
                 };
                 let is_excluded = match all.len() {
                     2 => misfit > CONTRADICTION,

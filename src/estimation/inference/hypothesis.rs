@@ -58,7 +58,7 @@ const MOST_FRONT_SHARE: f64 = 0.8;
 const HARD_FRONT: f64 = 5e8;
 
 /// Median mass of a vehicle of which nothing is known \[kg\] and standard deviation of its logarithm \[A\]: 90 % are between a small car and
-/// an articulated lorry.
+/// a loaded lorry.
 const ANY_MASS: [f64; 2] = [4000.0, 1.2];
 
 /// The column where it is struck.
@@ -105,7 +105,8 @@ pub enum Front {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
     /// Its name: of the catalogue, or `rigid`, `elastic` for any elastic front, `plateau` for any front that is crushed,
-    /// `two_slopes` for one that becomes stiffer or softer, `two_masses` for one with a hard mass ahead of it, `configured` for the vehicle of the parameters.
+    /// `two_slopes` for one that becomes stiffer or softer, `two_masses` for one with a hard mass ahead of it, `configured` for the vehicle of
+    /// the parameters.
     pub name: String,
     /// What its front does.
     pub front: Front,
@@ -145,18 +146,23 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
         make("rigid", Front::Rigid, 2.0, [1500.0, 1.0], [1.0, NO_SCATTER]),
         make("elastic", Front::Elastic, 1.0, ANY_MASS, ANY_STIFFNESS),
     ];
-    let crushed = |name: &str, front, weight: f64, more: &[[f64; 2]]| {
-        let mut it = make(name, front, weight, ANY_MASS, CRUSH_FORCE);
-        it.add(more);
+    let of_more = |name: &str, front, weight: f64, factor, more: &[[f64; 2]]| {
+        let mut it = make(name, front, weight, ANY_MASS, factor);
+        for [median, deviation] in more {
+            it.mean[it.unknowns] = libm::log(*median);
+            it.deviation[it.unknowns] = *deviation;
+            it.unknowns += 1;
+        }
         it
     };
-    let before = CRUSH_BEFORE_PLATEAU;
-    all.push(crushed("plateau", Front::Plateau, 1.0, &[before]));
-    let mut bent = make("two_slopes", Front::TwoSlopes, 1.0, ANY_MASS, ANY_STIFFNESS);
-    bent.add(&[CRUSH_BEFORE_BEND, SLOPE_BEYOND]);
-    all.push(bent);
-    let both = [before, FRONT_SHARE];
-    all.push(crushed("two_masses", Front::TwoMasses, 0.3, &both));
+    let plateau = [CRUSH_BEFORE_PLATEAU];
+    let slopes = [CRUSH_BEFORE_BEND, SLOPE_BEYOND];
+    let masses = [CRUSH_BEFORE_PLATEAU, FRONT_SHARE];
+    all.extend([
+        of_more("plateau", Front::Plateau, 1.0, CRUSH_FORCE, &plateau),
+        of_more("two_slopes", Front::TwoSlopes, 1.0, ANY_STIFFNESS, &slopes),
+        of_more("two_masses", Front::TwoMasses, 0.3, CRUSH_FORCE, &masses),
+    ]);
     let name = &parameters.settings().vehicle.name;
     for entry in vehicle_catalogue() {
         let is_configured = entry.name == *name;
@@ -205,15 +211,6 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
 }
 
 impl Hypothesis {
-    /// Adds unknowns with these medians and standard deviations of their logarithms.
-    fn add(&mut self, more: &[[f64; 2]]) {
-        for [median, deviation] in more {
-            self.mean[self.unknowns] = libm::log(*median);
-            self.deviation[self.unknowns] = *deviation;
-            self.unknowns += 1;
-        }
-    }
-
     /// Logarithm of the density of these unknowns, the probability of the hypothesis included; minus infinity outside of what
     /// is considered.
     pub(crate) fn log_density(&self, unknowns: &[f64; UNKNOWNS]) -> f64 {
@@ -313,7 +310,7 @@ fn plateau(force: f64, crush: f64) -> Option<CrushSpring> {
 }
 
 /// A spring that is loaded along this curve and unloaded by its steepest slope.
-fn loaded_along(points: &[[f64; 2]]) -> Option<CrushSpring> {
+pub(crate) fn loaded_along(points: &[[f64; 2]]) -> Option<CrushSpring> {
     let envelope = CrushCurve::new(points).ok()?;
     Some(CrushSpring {
         unloading_stiffness: envelope.steepest_slope(),

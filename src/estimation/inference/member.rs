@@ -40,7 +40,7 @@ pub(crate) struct Member {
     pub front: FrontError,
     /// For each instant of contact and group of sensors.
     sums: Vec<Sums>,
-    /// For each group of sensors the logarithm of how much less likely any reading is by the error by the front.
+    /// For each group of sensors the logarithm of how much less likely the error of this front makes any reading.
     costs: Vec<Lanes>,
     /// Action and capacity ratio, once they were computed; `None` in it if they cannot be.
     pub assessed: Option<Option<(Action, f64)>>,

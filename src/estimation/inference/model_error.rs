@@ -143,7 +143,8 @@ pub(crate) fn light_front(ratio: f64) -> f64 {
 /// \[A\]: under a force that rises steadily, a column swings about the displacement by that force, and the swing is the smaller beside it
 /// the longer the force has risen. Bars and beam do so with different frequencies.
 ///
-/// Under soft fronts of all kinds the displacement of the beam differs from that of the bars by at most 0.53 of the largest reading at 2.5 ms, 0.21 at 5.5 ms, 0.12 at 12 ms and 0.08 at 21 ms.
+/// Under soft fronts of all kinds the displacement of the beam differs from that of the bars by at most 0.53 of the largest reading at
+/// 2.5 ms, 0.21 at 5.5 ms, 0.12 at 12 ms and 0.08 at 21 ms.
 const SOFT_FRONT: f64 = 1.4;
 
 /// See [`SOFT_FRONT`], by the stiffness of the front over that of the column at the impact point: a stiff front prescribes a motion.

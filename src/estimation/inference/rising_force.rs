@@ -4,9 +4,9 @@
 //! force that rises at a steady rate tells the difference under any curve of force over crush: a bend of the curve is another such force,
 //! which begins later, because the vehicle is hardly slowed down at first.
 
-use crate::column::{CrushCurve, CrushSpring, Impact, Model, Vehicle};
+use crate::column::{Impact, Model, Vehicle};
 use crate::estimation::inference::beam_readings::{BeamReadings, Factors, PERIOD};
-use crate::estimation::inference::hypothesis::ImpactPoint;
+use crate::estimation::inference::hypothesis::{ImpactPoint, loaded_along};
 use crate::estimation::inference::lanes::{Lanes, WIDTH, lanes};
 use crate::estimation::inference::prediction::{Prediction, TimeGrid};
 use crate::parameters::Parameters;
@@ -51,12 +51,7 @@ impl RisingForce {
         let column = StandingColumn::undamaged(parameters);
         let properties = column.properties(parameters);
         let stiffness = STIFFNESS * Model::new(&properties).ok()?.transverse_stiffness();
-        let spring = CrushSpring {
-            envelope: CrushCurve::new(&[[1.0, stiffness]]).ok()?,
-            unloading_stiffness: stiffness,
-            slack: 0.0,
-        };
-        let vehicle = Vehicle::new(&[MASS], &[spring]).ok()?;
+        let vehicle = Vehicle::new(&[MASS], &[loaded_along(&[[1.0, stiffness]])?]).ok()?;
         let impact = Impact {
             vehicle: Some(vehicle),
             ..Impact::rigid(MASS, SPEED)
