@@ -322,6 +322,7 @@ pub const PARAMETERS: &[Parameter] = parameters! {
          `vehicle.force_factor`";
     "beam.mode", "", Text("second_opinion"), Choice(&["off", "second_opinion", "governing"]), AtOnce,
         "whether the fibre beam computes impacts, too: in `simulate` and nodes, and in maps and risk studies with `--model`. \
+         off: it does not, and estimates from sensors do without it, too; \
          second_opinion: its verdict counts where the two models differ (docs/second_opinion.md lists when); governing: it always counts. \
          The more severe action of the two models then applies";
     "beam.elements", "", Integer(0), integer(0, 200), AtOnce,

@@ -42,6 +42,8 @@ pub fn parameters([below, above]: [f64; 2]) -> Parameters {
     let overrides = [
         format!("geometry.length_below:={below:?}"),
         format!("geometry.length_above:={above:?}"),
+        // The bars make the impacts, and the readings are not corrected by what a beam does otherwise.
+        "beam.mode:=off".to_owned(),
     ];
     let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");

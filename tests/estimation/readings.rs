@@ -1,6 +1,8 @@
 //! What the sensors of a simulated impact read, and tables of readings.
 
-use column_twin::column::{BarForces, ColumnProperties, Impact, Model, Response, State, simulate};
+use column_twin::column::{
+    BarForces, ColumnProperties, Impact, Model, Outcome, Response, State, simulate,
+};
 use column_twin::estimation::{Probe, Readings, predicted_means, simulate_sensors};
 use column_twin::parameters::Parameters;
 use column_twin::sensors::{Quantity, Sensor};
@@ -202,6 +204,43 @@ fn readings_after_the_end_of_a_response_are_those_of_the_column_at_rest() {
         let error = (last - residual).abs();
         assert!(error < 1e-4 * report.max_v1, "{last} {residual}");
     }
+}
+
+/// They used to stay where the hinge fractured, as if the column had come to rest there.
+#[test]
+fn a_column_with_a_fractured_hinge_does_not_read_as_one_at_rest() {
+    let parameters = Parameters::default();
+    let properties = parameters.column_properties();
+    let below = properties.length_below;
+    let sensors = [
+        sensor("v", Quantity::Displacement, below),
+        sensor("r", Quantity::Rotation, below + 0.5),
+        sensor("a", Quantity::Acceleration, below),
+    ];
+    let impact = Impact::rigid(1500.0, 15.0);
+    let mut history = Vec::new();
+    let report = simulate(&properties, &impact, 1.0, &mut |sample| {
+        history.push((sample.time, sample.v1))
+    })
+    .expect("a response");
+    assert_eq!(report.outcome, Outcome::Fractured);
+    let [.., before, last] = history[..] else {
+        panic!("a response");
+    };
+    let speed = (last.1 - before.1) / (last.0 - before.0);
+    let readings = simulate_sensors(&properties, &impact, 1.0, &sensors, 1).expect("readings");
+    let rows: Vec<_> = readings.rows().collect();
+    let [before, last] = [&rows[rows.len() - 101], &rows[rows.len() - 1]];
+    assert!(before.0 > report.end_time);
+    let rates: [f64; 3] = std::array::from_fn(|k| (last.1[k] - before.1[k]) / (last.0 - before.0));
+    assert!((rates[0] / speed - 1.0).abs() < 0.02, "{rates:?} {speed}");
+    // The bar above turns back.
+    let above = properties.length_above;
+    assert!(
+        (-rates[1] * above / speed - 1.0).abs() < 0.02,
+        "{rates:?} {speed}"
+    );
+    assert!(last.1[2].abs() < 1e-3, "{:?}", last.1);
 }
 
 #[test]

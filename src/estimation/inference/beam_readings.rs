@@ -4,7 +4,7 @@
 use column_beam::{BeamColumn, Instrument, Sampling, Steel, history};
 
 use crate::column::Impact;
-use crate::parameters::{Parameters, ShearModel};
+use crate::parameters::{BeamMode, Parameters, ShearModel};
 use crate::second_opinion::beam_column;
 use crate::sensors::{Quantity, Sensor};
 
@@ -27,7 +27,7 @@ pub(crate) struct Factors {
 }
 
 /// The undamaged column as a beam, with instruments in the places of its sensors.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BeamReadings {
     column: BeamColumn,
     /// With the index of the sensor.
@@ -35,9 +35,12 @@ pub(crate) struct BeamReadings {
 }
 
 impl BeamReadings {
-    /// `None` for a column without a second opinion, and without a sensor of displacement or bending strain. The beam says nothing of
+    /// `None` for a column without a second opinion, where the beam is switched off, and without a sensor of displacement or bending strain. The beam says nothing of
     /// rotations, axial strains and forces.
     pub fn new(parameters: &Parameters, sensors: &[Sensor]) -> Option<Self> {
+        if parameters.settings().beam.mode == BeamMode::Off {
+            return None;
+        }
         let as_beam = beam_column(parameters).ok()?;
         let is_shear_known = parameters.settings().shear.model != ShearModel::None;
         let each = sensors.iter().enumerate();

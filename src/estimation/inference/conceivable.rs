@@ -81,7 +81,10 @@ impl Estimator {
         let at_impact = self.sensors().iter().position(|it| {
             it.quantity == Quantity::Displacement && it.height == properties.length_below
         })?;
-        let v1: Vec<f64> = exact.rows().map(|(_, values)| values[at_impact]).collect();
+        // What the readings rise to later is not of the impact.
+        let past_peak = self.past_peak_after_contact(&member);
+        let until = exact.rows().take_while(|(time, _)| *time < past_peak);
+        let v1: Vec<f64> = until.map(|(_, values)| values[at_impact]).collect();
         let cell = (PEAK_CELL / PERIOD).round() as usize;
         let means = v1
             .chunks_exact(cell)

@@ -130,8 +130,10 @@ pub(crate) fn contradictions(
                     .collect();
                 let best = largest(likelihoods.iter().copied());
                 let plausible = likelihoods.iter().zip(&fits);
+                // No error of a model reverses what a sensor reads.
                 let misfit = plausible
                     .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
+                    .filter(|(_, fits)| !fits[sensor].is_reversed)
                     .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
                     .fold(f64::INFINITY, f64::min);
                 let is_noticed = || {

@@ -221,8 +221,10 @@ impl Estimator {
     /// Whether what was computed holds with these parameters and hypotheses, too.
     pub(crate) fn suits(&self, parameters: &Parameters, hypotheses: &[Hypothesis]) -> bool {
         let (own, other) = (&self.parameters, parameters);
+        let beam = |parameters| BeamReadings::new(parameters, &self.sensors);
         own.column_properties() == other.column_properties()
             && own.steel() == other.steel()
+            && beam(own) == beam(other)
             && self.population.hypotheses == hypotheses
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::assessment::Action;
+use crate::column::Outcome;
 use crate::estimation::inference::hypothesis::UNKNOWNS;
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
 use crate::estimation::inference::model_error::{FrontError, ModelError};
@@ -71,15 +72,23 @@ pub(crate) struct Fit {
     /// Sum of the squared errors, each relative to its standard deviation, with the factor that fits best.
     pub squares: f64,
     pub log_likelihood: f64,
+    /// Whether the factor that fits best is below 0 beyond doubt: the sensor reads the opposite.
+    pub is_reversed: bool,
 }
+
+/// Standard deviations by which a factor has to be below 0 for a sensor that reads the opposite of a response \[A\].
+const REVERSED: f64 = 5.0;
 
 impl Fit {
     fn new([squares, cross, predicted]: [f64; 3], error: ModelError) -> Self {
         let prior = 1.0 / (error.scale * error.scale);
         let information = predicted + prior;
         let squares = squares - cross * cross / information;
+        // By the data alone the factor is 1 + cross / predicted, with the variance 1 / predicted.
+        let is_reversed = predicted + cross < -REVERSED * predicted.sqrt();
         Self {
             squares,
+            is_reversed,
             log_likelihood: -(0.5 * squares + 0.5 * libm::log(information / prior)),
         }
     }
@@ -201,6 +210,12 @@ impl Member {
             log_likelihood: fit.log_likelihood - self.costs[sensor / WIDTH][sensor % WIDTH],
             ..fit
         }
+    }
+
+    /// Whether the column does not stand afterwards.
+    pub fn gives_way(&self) -> bool {
+        let outcome = self.prediction.report.outcome;
+        matches!(outcome, Outcome::Collapsed | Outcome::Fractured)
     }
 
     /// Takes all blocks that are not in the sums yet.

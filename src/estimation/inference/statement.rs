@@ -41,6 +41,9 @@ const LEAST_PEAK: f64 = 1e-7;
 /// point: a rigid hit of 250 kg is taken for one of 1.7 to 2 times the mass and 1.2 times the momentum. With their largest values.
 const LIGHT_ERROR: [[f64; 2]; 2] = [[4.5, 1.0], [1.6, 0.35]];
 
+/// Logarithm of the impulse of a light vehicle by bars that move as far as a beam, over the one by the beam, at most \[A\].
+const OVERSTATED: f64 = 0.3;
+
 /// Mass that the model has at the impact point over that of a hard front, from which on the front begins to be light, and is \[A\].
 const LIGHT_RATIO: [f64; 2] = [0.1, 0.2];
 
@@ -214,17 +217,21 @@ impl Estimator {
         measured.min_by(|(_, a), (_, b)| a.last().deviation.total_cmp(&b.last().deviation))
     }
 
-    /// When the column has its peak behind it by one response \[s\]: it does not move further once the vehicle has left it, but for a
-    /// vibration, and for the sum of several under a light front.
+    /// When the column has its peak behind it by one response \[s\].
     fn past_peak(&self, member: &Member) -> f64 {
+        self.contact[0] + member.delay + self.past_peak_after_contact(member)
+    }
+
+    /// The same from contact on: it does not move further once the vehicle has left it, but for a vibration, and for the sum of several
+    /// under a light front.
+    pub(super) fn past_peak_after_contact(&self, member: &Member) -> f64 {
         let report = &member.prediction.report;
         let left = report.release_time.unwrap_or(report.max_v1_time);
         let vibrations = match member.front.by_light_front() > 0.0 {
             true => VIBRATIONS_OF_LIGHT_FRONTS,
             false => 1.0,
         };
-        let later = left.max(report.max_v1_time) + vibrations * self.period;
-        self.contact[0] + member.delay + later
+        left.max(report.max_v1_time) + vibrations * self.period
     }
 
     /// The sensor that tells the peak, if its readings rise on when by most of the weighted responses the column has its peak behind it.
@@ -233,7 +240,7 @@ impl Estimator {
         let last = records.last();
         let rises = self.weighted(weights).filter(|(member, _)| {
             let peak = records.by(self.past_peak(member));
-            last.value - peak.value > RISE * peak.deviation
+            !member.gives_way() && last.value - peak.value > RISE * peak.deviation
         });
         let share = rises.fold(0.0, |sum, (_, weight)| sum + weight);
         (share > 0.5).then_some(sensor)
@@ -352,7 +359,7 @@ impl Estimator {
         // the lighter the vehicle is. The square, because the model is right about a front that is hardly light.
         let lightness = self.lightness(member);
         let lightness = lightness * lightness;
-        let returned = lightness * least;
+        let returned = lightness * (least - OVERSTATED);
         open[0] = open[0].min(returned);
         if of_mass > 0.0 {
             low = low.min(returned);
@@ -400,8 +407,7 @@ impl Estimator {
             }
         });
         // As long as it presses, it may press on otherwise.
-        let most = to_come * (largest - momentum);
-        let ends = [least, most.max(0.0)];
+        let ends = [least, (to_come * (largest - momentum)).max(0.0)];
         let later = range(ends, RANGE_PARTS).map(move |(_, place, scatter)| Spread {
             mean: momentum + place,
             deviation: libm::hypot(model, scatter),
@@ -470,8 +476,8 @@ impl Estimator {
     /// this scale, and 0 without such a sensor.
     #[must_use]
     pub fn peak_scale_deviation(&self) -> f64 {
-        let measured = self.measured_peak();
-        measured.map_or(0.0, |(sensor, _)| self.scale_deviation(sensor))
+        self.measured_peak()
+            .map_or(0.0, |(sensor, _)| self.scale_deviation(sensor))
     }
 
     /// What a sensor at the impact point that contradicts the others says of the logarithm of the peak; `None` without such a sensor, and where
@@ -487,9 +493,9 @@ impl Estimator {
 
     /// Probability that the members explain what has struck.
     fn explained(&self, weights: &[f64]) -> f64 {
-        let contradicting = self.contradicting_peak(&self.peaks_by_members(weights));
         let tempered = 1.0 / self.population.temperature();
-        contradicting.map_or(tempered, |_| CONTRADICTED * tempered)
+        self.contradicting_peak(&self.peaks_by_members(weights))
+            .map_or(tempered, |_| CONTRADICTED * tempered)
     }
 
     /// What the sensor that tells the peak says of its logarithm, if its readings stray from what the members predict for it: `None`
@@ -584,8 +590,7 @@ impl Estimator {
             CredibleInterval::of_spread(each, effective).map(libm::exp)
         };
         let before = self.rest_v1;
-        let residual_v1 =
-            CredibleInterval::of_spread(self.spread_of_residuals(&weights), effective);
+        let residuals = self.spread_of_residuals(&weights);
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
             members()
                 .filter(|(member, _)| is(member))
@@ -593,7 +598,6 @@ impl Estimator {
         };
         let mut vehicles = self.vehicles(&weights, explained);
         vehicles.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let collapses = |outcome| matches!(outcome, Outcome::Collapsed | Outcome::Fractured);
         let [contact, deviation] = self.contact;
         let compared = self.population.compare(&weights);
         let doubtful_sensors = self.sensors_in_doubt(&weights, &compared);
@@ -619,9 +623,9 @@ impl Estimator {
                 effective,
             )
             .map(|log| libm::exp(log) + before),
-            residual_v1,
+            residual_v1: CredibleInterval::of_spread(residuals, effective),
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
-            collapsed: share(&|member| collapses(member.prediction.report.outcome)),
+            collapsed: share(&Member::gives_way),
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
             action: Action::ALL.map(with_action).to_vec(),
             vehicle_probabilities: vehicles,

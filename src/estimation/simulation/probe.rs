@@ -97,6 +97,25 @@ impl Probe {
         };
         self.sign * reading
     }
+
+    /// By how much the turning of its bar changes the reading in a second: a mechanism does not bend further.
+    fn turning(&self, state: &State) -> f64 {
+        let v1 = state.velocity.v1;
+        let rate = match self.quantity {
+            Quantity::Displacement | Quantity::Acceleration => v1 * self.position,
+            Quantity::Rotation if self.below => v1 / self.length,
+            Quantity::Rotation => -v1 / self.length,
+            Quantity::BendingStrain | Quantity::AxialStrain | Quantity::ContactForce => 0.0,
+        };
+        self.sign * rate
+    }
+}
+
+/// Readings after the end of a response: the last one, and by how much it changes in a second.
+#[derive(Debug, Clone, Copy)]
+struct Settled {
+    reading: f64,
+    rate: f64,
 }
 
 /// Reads one sensor step by step, relative to the column at rest.
@@ -107,8 +126,8 @@ pub(crate) struct SteppedProbe {
     is_acceleration: bool,
     displacement: f64,
     velocity: f64,
-    /// What it reads for good, once the response is over.
-    settled: Option<f64>,
+    /// What it reads once the response is over.
+    settled: Option<Settled>,
 }
 
 impl SteppedProbe {
@@ -127,8 +146,9 @@ impl SteppedProbe {
 
     /// The reading after a step of `secs` seconds.
     pub fn read(&mut self, state: &State, secs: f64) -> f64 {
-        if let Some(settled) = self.settled {
-            return settled;
+        if let Some(settled) = &mut self.settled {
+            settled.reading += settled.rate * secs;
+            return settled.reading;
         }
         let reading = self.probe.read(state) - self.at_rest;
         if !self.is_acceleration {
@@ -142,14 +162,21 @@ impl SteppedProbe {
 
     /// The response is over: from now on it reads the column at rest, if it comes to rest. The last state of the response is
     /// somewhere in a vibration, and the column would stay there for ever if that were read.
+    ///
+    /// A column that gives way goes on as fast as it is: if it stayed where its response ends, a column with a fractured hinge would read
+    /// as one that has come to rest there.
     pub fn settle(&mut self, last: &State, sensor: &Sensor, rest: Option<&Rest>) {
+        let still = |reading| Settled { reading, rate: 0.0 };
         self.settled = Some(match rest {
-            _ if self.is_acceleration => 0.0,
+            _ if self.is_acceleration => still(0.0),
             Some(rest) => {
                 let probe = Probe::new(&rest.model, sensor);
-                probe.read(&rest.after) - probe.read(&rest.before)
+                still(probe.read(&rest.after) - probe.read(&rest.before))
             }
-            None => self.probe.read(last) - self.at_rest,
+            None => Settled {
+                reading: self.probe.read(last) - self.at_rest,
+                rate: self.probe.turning(last),
+            },
         });
     }
 }

@@ -252,7 +252,7 @@ class ParameterKeywords(TypedDict, total=False):
     assessment__range_front: Number
     """relative range of the force of the vehicle's front, to both sides, for the same. 0.2: the standard deviation of `vehicle.force_factor`"""
     beam__mode: Literal["off", "second_opinion", "governing"]
-    """whether the fibre beam computes impacts, too: in `simulate` and nodes, and in maps and risk studies with `--model`. second_opinion: its verdict counts where the two models differ (docs/second_opinion.md lists when); governing: it always counts. The more severe action of the two models then applies"""
+    """whether the fibre beam computes impacts, too: in `simulate` and nodes, and in maps and risk studies with `--model`. off: it does not, and estimates from sensors do without it, too; second_opinion: its verdict counts where the two models differ (docs/second_opinion.md lists when); governing: it always counts. The more severe action of the two models then applies"""
     beam__elements: Whole
     """elements of the fibre beam along the column; 0: automatic"""
     beam__fibres: Whole
