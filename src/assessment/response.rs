@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{AssessmentInput, BaseDemand, ResidualCapacity};
 use crate::column::{
-    CapacityError, ColumnProperties, Impact, Model, Outcome, Report, ShearProperties,
-    SimulationError, State, follow_from, residual_without_bumper,
+    CapacityError, ColumnProperties, Impact, Model, Report, ShearProperties, SimulationError,
+    State, follow_from, residual_without_bumper,
 };
 use crate::parameters::{POISSON_RATIO, Parameters};
 use crate::standing::StandingColumn;
@@ -133,7 +133,7 @@ pub fn observe_from(
     observe: impl FnMut(&Model, &State),
 ) -> Result<(Report, Option<State>), SimulationError> {
     let (report, state) = follow_from(model, before, impact, max_duration, observe)?;
-    let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
+    let stands = report.outcome.stands();
     let residual = || residual_without_bumper(model, &state, &model.without_bumper());
     Ok((report, stands.then(residual).flatten()))
 }

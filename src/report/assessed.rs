@@ -6,7 +6,7 @@ use crate::assessment::{
     ActionRange, Assessment, AssessmentInput, ConnectedBase, Criterion, EarlierImpacts,
     ResidualCapacity, assess, imperfection,
 };
-use crate::column::{Outcome, PushDownPoint, State, push_down};
+use crate::column::{PushDownPoint, State, push_down};
 use crate::parameters::BeamMode;
 use crate::second_opinion::{NoSecondOpinion, ObliqueHit, SecondOpinion, is_out_of_plane};
 use crate::standing::StandingColumn;
@@ -46,7 +46,7 @@ impl Assessed {
     /// # Errors
     /// Why there is no assessment, in words.
     pub fn of(impact: &ReportedImpact) -> Result<Self, String> {
-        let stands = matches!(impact.report.outcome, Outcome::Elastic | Outcome::Plastic);
+        let stands = impact.report.outcome.stands();
         let state = match (stands, &impact.settled) {
             (false, _) => None,
             (true, Some(state)) => Some(state),

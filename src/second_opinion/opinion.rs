@@ -177,7 +177,7 @@ impl SecondOpinion {
 
     fn why(&self, mode: BeamMode, report: &Report) -> Vec<WhyItCounts> {
         let gives_way = [
-            matches!(report.outcome, Outcome::Collapsed | Outcome::Fractured),
+            !report.outcome.stands(),
             self.beam.outcome == BeamEnd::Collapse,
         ];
         let yields = [report.outcome != Outcome::Elastic, self.has_yielded()];

@@ -359,7 +359,7 @@ impl StudyColumn {
         let before = self.before(impact)?;
         let struck = before.as_deref().unwrap_or(self);
         let response = struck.respond_with(&struck.stepwise_model, impact)?;
-        let stands = matches!(response.outcome, Outcome::Elastic | Outcome::Plastic);
+        let stands = response.outcome.stands();
         let Some(mut rest) = response.rest.filter(|_| stands) else {
             return Ok(None);
         };

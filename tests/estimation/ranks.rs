@@ -1,7 +1,6 @@
 //! Rank histograms: impacts that the estimator itself conceives, with the errors that it assumes of model and sensors, and where the truth
 //! lies in what it says of them (simulation-based calibration, Talts et al. 2018, arXiv:1804.06788).
 
-use column_twin::column::Outcome;
 use column_twin::estimation::{Estimator, hypotheses};
 use column_twin::standing::StandingColumn;
 
@@ -64,7 +63,7 @@ fn truths_are_uniformly_distributed_within_the_estimates_of_impacts_that_the_est
             estimator.observe(contact + instant);
             estimator.settle(ROUNDS);
         }
-        let stands = matches!(conceived.outcome, Outcome::Elastic | Outcome::Plastic);
+        let stands = conceived.outcome.stands();
         // What the readings leave open of the scale of the sensor that tells the peak.
         let scale = (estimator.peak_scale_deviation() * normal.next()).exp();
         let peak = scale * conceived.peak_v1;

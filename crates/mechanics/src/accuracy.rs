@@ -39,8 +39,7 @@ pub fn error_estimate(report: &Report, with_half_the_step: &Report) -> Option<f6
 
 /// Whether the column stands after both responses, or has failed in the same way.
 fn alike(one: Outcome, other: Outcome) -> bool {
-    let stands = |it| matches!(it, Outcome::Elastic | Outcome::Plastic);
-    one == other || (stands(one) && stands(other))
+    one == other || (one.stands() && other.stands())
 }
 
 fn relative_difference(max_v1: f64, max_v1_half: f64) -> f64 {

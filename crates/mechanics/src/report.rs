@@ -23,6 +23,14 @@ pub enum Outcome {
     Fractured,
 }
 
+impl Outcome {
+    /// Whether the column stands afterwards.
+    #[must_use]
+    pub fn stands(self) -> bool {
+        matches!(self, Self::Elastic | Self::Plastic)
+    }
+}
+
 /// Why a response ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -35,8 +35,8 @@ pub(crate) struct BeamReadings {
 }
 
 impl BeamReadings {
-    /// `None` for a column without a second opinion, where the beam is switched off, and without a sensor of displacement or bending strain. The beam says nothing of
-    /// rotations, axial strains and forces.
+    /// `None` for a column without a second opinion, where the beam is switched off, and without a sensor of displacement or bending
+    /// strain. The beam says nothing of rotations, axial strains and forces.
     pub fn new(parameters: &Parameters, sensors: &[Sensor]) -> Option<Self> {
         if parameters.settings().beam.mode == BeamMode::Off {
             return None;

@@ -626,3 +626,32 @@ fn prepared_responses(hypothesis: &Hypothesis) -> usize {
 pub(super) fn effective(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Estimator;
+    use crate::estimation::inference::hypothesis::hypotheses;
+    use crate::parameters::Parameters;
+    use crate::standing::StandingColumn;
+
+    /// The beam of an estimator used to stay as it was at its beginning.
+    #[test]
+    fn what_was_computed_does_not_suit_another_beam() {
+        let config = concat!(env!("CARGO_MANIFEST_DIR"), "/config/");
+        let files = ["heb220_s355.yaml", "sensors_industrial.yaml"];
+        let files = files.map(|it| format!("{config}{it}").into());
+        let parameters = Parameters::load(&files, &[]).expect("parameters");
+        let column = StandingColumn::undamaged(&parameters);
+        let all = hypotheses(&parameters);
+        let sensors = parameters.sensors();
+        let estimator =
+            Estimator::new(&parameters, &column, sensors, all.clone(), 1).expect("sensors");
+        let suits = |name: &str, value| {
+            let changed = parameters.with_changes([(name, value)]);
+            estimator.suits(&changed.expect("admissible"), &all)
+        };
+        assert!(!suits("beam.mode", "off".into()));
+        assert!(!suits("beam.shear", false.into()));
+        assert!(suits("beam.mode", "governing".into()));
+    }
+}

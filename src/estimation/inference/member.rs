@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::assessment::Action;
-use crate::column::Outcome;
 use crate::estimation::inference::hypothesis::UNKNOWNS;
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
 use crate::estimation::inference::model_error::{FrontError, ModelError};
@@ -210,12 +209,6 @@ impl Member {
             log_likelihood: fit.log_likelihood - self.costs[sensor / WIDTH][sensor % WIDTH],
             ..fit
         }
-    }
-
-    /// Whether the column does not stand afterwards.
-    pub fn gives_way(&self) -> bool {
-        let outcome = self.prediction.report.outcome;
-        matches!(outcome, Outcome::Collapsed | Outcome::Fractured)
     }
 
     /// Takes all blocks that are not in the sums yet.

@@ -240,7 +240,8 @@ impl Estimator {
         let last = records.last();
         let rises = self.weighted(weights).filter(|(member, _)| {
             let peak = records.by(self.past_peak(member));
-            !member.gives_way() && last.value - peak.value > RISE * peak.deviation
+            let stands = member.prediction.report.outcome.stands();
+            stands && last.value - peak.value > RISE * peak.deviation
         });
         let share = rises.fold(0.0, |sum, (_, weight)| sum + weight);
         (share > 0.5).then_some(sensor)
@@ -625,7 +626,7 @@ impl Estimator {
             .map(|log| libm::exp(log) + before),
             residual_v1: CredibleInterval::of_spread(residuals, effective),
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
-            collapsed: share(&Member::gives_way),
+            collapsed: share(&|member| !member.prediction.report.outcome.stands()),
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
             action: Action::ALL.map(with_action).to_vec(),
             vehicle_probabilities: vehicles,

@@ -163,8 +163,8 @@ impl SteppedProbe {
     /// The response is over: from now on it reads the column at rest, if it comes to rest. The last state of the response is
     /// somewhere in a vibration, and the column would stay there for ever if that were read.
     ///
-    /// A column that gives way goes on as fast as it is: if it stayed where its response ends, a column with a fractured hinge would read
-    /// as one that has come to rest there.
+    /// A column that gives way keeps its last velocity. If its readings stayed where its response ends, a column with a fractured hinge
+    /// would read like one that has come to rest there.
     pub fn settle(&mut self, last: &State, sensor: &Sensor, rest: Option<&Rest>) {
         let still = |reading| Settled { reading, rate: 0.0 };
         self.settled = Some(match rest {
