@@ -25,7 +25,7 @@ mod signals;
 mod beam_signals;
 
 /// Kinds of impacts that are drawn.
-const KINDS: [&str; 8] = [
+const KINDS: [&str; 9] = [
     "rigid",
     "light_rigid",
     "slow",
@@ -34,6 +34,7 @@ const KINDS: [&str; 8] = [
     "two_masses",
     "any_curve",
     "strong",
+    "at_the_limit",
 ];
 
 /// Times after contact at which estimates are compared \[s\]; the last one is all data.
@@ -172,6 +173,11 @@ fn drawn(kind: &str, normal: &mut Normal) -> Impact {
         "strong" => {
             let front = plateau(about(3e6, 0.5), about(900e3, 0.3));
             deformable(&[about(12e3, 0.5)], &[front], about(13.0, 0.3))
+        }
+        // The force is about what the column resists.
+        "at_the_limit" => {
+            let front = plateau(about(3e6, 0.3), about(860e3, 0.02));
+            deformable(&[about(10e3, 0.4)], &[front], about(14.0, 0.2))
         }
         _ => unreachable!("{kind}"),
     }

@@ -10,6 +10,9 @@ use super::signals::Normal;
 /// Impacts; the environment variable `COLUMN_TWIN_RANKS` gives another number.
 const IMPACTS: u64 = 100;
 
+/// Added to the seed of an impact for the errors that are drawn here: both generators are the same, and would give equal numbers.
+const OTHER_NUMBERS: u64 = 1 << 32;
+
 const BINS: usize = 10;
 
 /// Value that chi-square of 9 degrees of freedom exceeds with a probability of 1 % (NIST/SEMATECH e-Handbook, 1.3.6.7.4).
@@ -51,7 +54,7 @@ fn truths_are_uniformly_distributed_within_the_estimates_of_impacts_that_the_est
             println!("{seed}: no response");
             continue;
         };
-        let mut normal = Normal::new(seed);
+        let mut normal = Normal::new(seed + OTHER_NUMBERS);
         let contact = CONTACT_DEVIATION * normal.next();
         estimator.begin(contact, CONTACT_DEVIATION, &zeros);
         for (time, values) in conceived.readings.rows() {

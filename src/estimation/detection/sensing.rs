@@ -505,7 +505,7 @@ impl Sensing {
             drawn_before: 0,
             events: Vec::new(),
             sway,
-            task: Task::Between(Refinement::again(0)),
+            task: Task::Between(Refinement::at_most(0)),
         }));
         kept.iter().for_each(|(_, batch)| self.watch(batch));
         URGENT
@@ -563,7 +563,7 @@ impl Sensing {
                 if !underway.update.is_over() {
                     return URGENT;
                 }
-                let nothing = Task::Between(Refinement::again(0));
+                let nothing = Task::Between(Refinement::at_most(0));
                 let Task::Update(underway) = std::mem::replace(&mut impact.task, nothing) else {
                     return Work::Idle;
                 };
@@ -580,7 +580,7 @@ impl Sensing {
                     impact.is_complete = impact.has_ended || impact.until >= HORIZON;
                     impact.task = Task::Between(match impact.is_complete {
                         true => Refinement::at_last(DRAWN_AT_LAST),
-                        false => Refinement::at_most(DRAWN_BETWEEN),
+                        false => Refinement::between(DRAWN_BETWEEN),
                     });
                 }
                 Work::Estimate(Box::new(record))

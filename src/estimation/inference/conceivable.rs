@@ -5,7 +5,7 @@
 
 use crate::column::{Impact, Outcome};
 use crate::estimation::inference::blocks::{Block, BlockMean, Blocks};
-use crate::estimation::inference::drawn::{Drawn, independent};
+use crate::estimation::inference::drawn::Drawn;
 use crate::estimation::inference::estimator::Estimator;
 use crate::estimation::inference::hypothesis::Hypothesis;
 use crate::estimation::inference::member::Member;
@@ -52,13 +52,7 @@ impl Estimator {
         let mut random = Random::new(seed);
         let population = &self.population;
         let (index, hypothesis) = drawn_hypothesis(&population.hypotheses, &mut random);
-        let Hypothesis {
-            mean,
-            deviation,
-            unknowns,
-            ..
-        } = *hypothesis;
-        let prior = Drawn::new((index, unknowns), 1, mean, independent(&deviation));
+        let prior = Drawn::prior((index, hypothesis), 1);
         let (unknowns, impact) = loop {
             let unknowns = prior.sample(&mut random);
             let is_possible = hypothesis.log_density(&unknowns) > f64::NEG_INFINITY;

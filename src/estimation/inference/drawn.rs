@@ -1,11 +1,11 @@
 //! A normal distribution from which members of one hypothesis were drawn.
 
-use crate::estimation::inference::hypothesis::UNKNOWNS;
+use crate::estimation::inference::hypothesis::{Hypothesis, UNKNOWNS};
 use crate::numerics::Random;
 
 /// A normal distribution from which members of one hypothesis were drawn.
 #[derive(Debug, Clone)]
-pub(super) struct Drawn {
+pub(crate) struct Drawn {
     pub hypothesis: usize,
     pub count: f64,
     /// Unknowns of the hypothesis, from the first on.
@@ -34,6 +34,17 @@ impl Drawn {
         }
     }
 
+    /// What is known of a hypothesis with this index before an impact.
+    pub fn prior((index, hypothesis): (usize, &Hypothesis), count: usize) -> Self {
+        let Hypothesis {
+            mean,
+            deviation,
+            unknowns,
+            ..
+        } = hypothesis;
+        Self::new((index, *unknowns), count, *mean, independent(deviation))
+    }
+
     pub fn sample(&self, random: &mut Random) -> [f64; UNKNOWNS] {
         let mut z = [0.0; UNKNOWNS];
         z[..self.unknowns].fill_with(|| random.normal());
@@ -57,7 +68,7 @@ impl Drawn {
 }
 
 /// The factor of the covariance of independent unknowns with these standard deviations.
-pub(super) fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
+pub(crate) fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
     let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
     for (k, row) in factor.iter_mut().enumerate() {
         row[k] = deviation[k];

@@ -10,6 +10,7 @@ use crate::estimation::detection::sway::Sway;
 use crate::estimation::inference::beam_readings::BeamReadings;
 use crate::estimation::inference::blocks::{Blocks, Records};
 use crate::estimation::inference::comparison::SensorComparison;
+use crate::estimation::inference::crushed_fronts::CrushedFronts;
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::{Front, Hypothesis, ImpactPoint};
@@ -142,6 +143,10 @@ pub struct Estimator {
     /// Instant of contact and its standard deviation \[s\].
     pub(super) contact: [f64; 2],
     observed: usize,
+    /// The search for crushed fronts that is under way, and the time after contact until which there were data when the last one began
+    /// \[s\].
+    pub(super) search: Option<Box<CrushedFronts>>,
+    pub(super) searched: f64,
     prepared: usize,
     /// The responses to the next hypothesis, as far as they are prepared.
     preparing: Option<Round>,
@@ -208,6 +213,8 @@ impl Estimator {
             noisy: Vec::new(),
             contact: [f64::NAN; 2],
             observed: 0,
+            search: None,
+            searched: 0.0,
             prepared: 0,
             preparing: None,
             assessed: 0,
@@ -331,6 +338,8 @@ impl Estimator {
         self.rigid_fit = None;
         self.by_beam = ByBeam::Nothing;
         self.observed = 0;
+        self.search = None;
+        self.searched = 0.0;
     }
 
     /// Looks for a sway of the column that was taken for this impact.
@@ -423,7 +432,11 @@ impl Estimator {
 
     /// Computes about `count` more responses where the data are best met.
     pub fn refine(&mut self, count: usize) {
-        let mut round = self.population.plan(count, EXPLORATION);
+        let round = self.population.plan(count, EXPLORATION);
+        self.take_all(round);
+    }
+
+    fn take_all(&mut self, mut round: Round) {
         self.population.compute_all(&mut round);
         self.population.add(round);
         self.population.weigh();
@@ -470,6 +483,9 @@ impl Estimator {
     /// Refines until the estimate rests on enough responses, in at most `rounds` rounds, and leaves out sensors that
     /// contradict the others.
     pub fn settle(&mut self, rounds: usize) {
+        if let Some(round) = self.search() {
+            self.take_all(round);
+        }
         self.refine_until_settled(rounds);
         if self.has_doubts() && self.judge_sensors() {
             self.population.weigh();

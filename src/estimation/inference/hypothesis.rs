@@ -101,6 +101,12 @@ pub enum Front {
     Vehicle(Box<Vehicle>),
 }
 
+impl Front {
+    /// Places of force and crush of a plateau among the unknowns.
+    pub(crate) const FORCE: usize = 2;
+    pub(crate) const CRUSH: usize = 4;
+}
+
 /// A kind of vehicle that may have struck.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {

@@ -93,6 +93,45 @@ impl Fit {
     }
 }
 
+/// Goes through the blocks from `first` on, for one instant of contact and group of sensors: the precision of each error that does not
+/// follow from the block before, the error, and what is predicted likewise.
+#[inline]
+fn follow_blocks(
+    blocks: &[WeighedBlock],
+    first: usize,
+    (shift, group): (usize, usize),
+    prediction: &Prediction,
+    front: FrontError,
+    mut each: impl FnMut(usize, f64, f64, f64),
+) {
+    // The errors of the block before are what those of the first one follow.
+    let from = first.saturating_sub(1);
+    let Some(begin) = blocks.get(from) else {
+        return;
+    };
+    let integrals = |place: &[Place; SHIFTS]| prediction.integrals(group, place[shift]);
+    // The integral up to the end of a block is that up to the beginning of the next one.
+    let mut start = integrals(&begin.start);
+    let (mut last_error, mut last_predicted) = (ZERO, ZERO);
+    let more = front.squared();
+    for (index, block) in blocks.iter().enumerate().skip(from) {
+        let end = integrals(&block.end);
+        let terms = &block.terms[group];
+        let by_front = terms.by_front(front);
+        let counts = if index < first { 0.0 } else { 1.0 };
+        for k in 0..WIDTH {
+            let predicted = (end[k] - start[k]) / block.length;
+            let error = terms.means[k] - predicted;
+            let new_error = error - terms.carried[k] * last_error[k];
+            let new_predicted = predicted - terms.carried[k] * last_predicted[k];
+            let precision = counts * terms.precisions[k] / (1.0 + more * by_front[k]);
+            each(k, precision, new_error, new_predicted);
+            (last_error[k], last_predicted[k]) = (error, predicted);
+        }
+        start = end;
+    }
+}
+
 impl Sums {
     /// Takes the blocks from `first` on, for one instant of contact and group of sensors.
     fn take(
@@ -104,35 +143,19 @@ impl Sums {
         prediction: &Prediction,
         front: FrontError,
     ) {
-        // The errors of the block before are what those of the first one follow.
-        let from = first.saturating_sub(1);
-        let Some(begin) = blocks.get(from) else {
-            return;
-        };
-        let integrals = |place: &[Place; SHIFTS]| prediction.integrals(group, place[shift]);
-        // The integral up to the end of a block is that up to the beginning of the next one.
-        let mut start = integrals(&begin.start);
-        let (mut last_error, mut last_predicted) = (ZERO, ZERO);
-        let more = front.squared();
-        for (index, block) in blocks.iter().enumerate().skip(from) {
-            let end = integrals(&block.end);
-            let terms = &block.terms[group];
-            let by_front = terms.by_front(front);
-            let counts = if index < first { 0.0 } else { 1.0 };
-            for k in 0..WIDTH {
-                let predicted = (end[k] - start[k]) / block.length;
-                let error = terms.means[k] - predicted;
-                let new_error = error - terms.carried[k] * last_error[k];
-                let new_predicted = predicted - terms.carried[k] * last_predicted[k];
-                let precision = counts * terms.precisions[k] / (1.0 + more * by_front[k]);
-                let weighed = precision * new_error;
-                self.squares[k] += weighed * new_error;
-                self.cross[k] += weighed * new_predicted;
-                self.predicted[k] += precision * new_predicted * new_predicted;
-                (last_error[k], last_predicted[k]) = (error, predicted);
-            }
-            start = end;
-        }
+        follow_blocks(
+            blocks,
+            first,
+            (shift, group),
+            prediction,
+            front,
+            |k, precision, error, predicted| {
+                let weighed = precision * error;
+                self.squares[k] += weighed * error;
+                self.cross[k] += weighed * predicted;
+                self.predicted[k] += precision * predicted * predicted;
+            },
+        );
     }
 
     fn of(&self, lane: usize) -> [f64; 3] {
@@ -200,6 +223,37 @@ impl Member {
     pub fn sums(&self, sensor: usize) -> [f64; 3] {
         let groups = self.sums.len() / SHIFTS;
         self.sums[self.shift * groups + sensor / WIDTH].of(sensor % WIDTH)
+    }
+
+    /// The whitened errors of all sensors at this instant of contact, with the factor of each sensor that fits best.
+    pub fn residuals(&self, weighing: &Weighing, shift: usize) -> Vec<f64> {
+        let blocks = &weighing.blocks;
+        let groups = self.sums.len() / SHIFTS;
+        let mut residuals = Vec::with_capacity(blocks.len() * groups * WIDTH);
+        for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
+            let sums = &self.sums[shift * groups + group];
+            let scales: Lanes = std::array::from_fn(|k| match sensors.get(k) {
+                Some(it) if !it.is_ignored => {
+                    let scale = sums.cross[k] / (sums.predicted[k] + it.prior);
+                    residuals.push(scale * it.prior.sqrt());
+                    scale
+                }
+                _ => 0.0,
+            });
+            follow_blocks(
+                blocks,
+                0,
+                (shift, group),
+                &self.prediction,
+                self.front,
+                |k, precision, error, predicted| {
+                    if sensors.get(k).is_some_and(|it| !it.is_ignored) {
+                        residuals.push(precision.sqrt() * (error - scales[k] * predicted));
+                    }
+                },
+            );
+        }
+        residuals
     }
 
     /// How well it explains what a sensor reads, at the most likely instant of contact.
@@ -305,6 +359,14 @@ impl Member {
         self.scale = scales[best];
         self.log_likelihood = largest + libm::log(shares.iter().fold(0.0, |sum, it| sum + it));
     }
+}
+
+/// The member with the largest posterior.
+pub(crate) fn likeliest<M: std::borrow::Borrow<Member>>(
+    members: impl Iterator<Item = M>,
+) -> Option<M> {
+    let posterior = |it: &M| it.borrow().log_posterior();
+    members.max_by(|a, b| posterior(a).total_cmp(&posterior(b)))
 }
 
 /// Logarithm of the sum of exponentials.

@@ -2,6 +2,7 @@
 
 // What each file of this folder holds, in its own words (`UPDATE_DOCS=1 cargo test --test tidy`):
 //
+// - adjustment.rs: From one impact to the most likely one near it, by least squares
 // - beam_error.rs: How far the fibre beam may be from the column, beside the noise of the sensors, where a hard front strikes
 //   it
 // - beam_readings.rs: What the sensors would read of a rigid vehicle by the fibre beam, which has the mass of the column along
@@ -12,6 +13,7 @@
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
 // - conceivable.rs: Impacts as the estimator conceives them, and what its sensors read of them by its own model of all errors
 // - contradiction.rs: Sensors that contradict each other
+// - crushed_fronts.rs: The search for fronts that are crushed by a force just above the resistance of the column
 // - drawn.rs: A normal distribution from which members of one hypothesis were drawn
 // - estimate.rs: An estimate: what struck the column and how it ends, with its uncertainty
 // - estimate_record.rs: An estimate together with what made it so
@@ -20,6 +22,7 @@
 //   a person
 // - extremes.rs: The two largest of the readings of a sensor, and how often each has come: at the end of a range, many are the
 //   same
+// - front_search.rs: When an estimator searches for crushed fronts, and what becomes of that
 // - hypothesis.rs: What may have struck the column, before anything is measured
 // - lanes.rs: Numbers of several sensors side by side, with which the processor calculates at once
 // - library.rs: The responses to conceivable impacts that are prepared for one column at rest, and for all columns that are
@@ -41,6 +44,7 @@
 // - weighing.rs: What the likelihood of every response needs of the data: block means with their precisions, and where the
 //   blocks are in the predictions
 
+mod adjustment;
 pub(super) mod beam_error;
 pub(super) mod beam_readings;
 mod beam_request;
@@ -49,12 +53,14 @@ pub(super) mod blocks;
 pub(super) mod comparison;
 pub(super) mod conceivable;
 pub(super) mod contradiction;
+pub(super) mod crushed_fronts;
 pub(super) mod drawn;
 pub(super) mod estimate;
 pub(super) mod estimate_record;
 pub(super) mod estimator;
 pub(super) mod event_evidence;
 pub(super) mod extremes;
+mod front_search;
 pub(super) mod hypothesis;
 pub(super) mod lanes;
 pub(super) mod library;

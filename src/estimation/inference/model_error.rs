@@ -106,6 +106,15 @@ impl ModelError {
 
     /// The same without vibrations. Where hinges have yielded, strains elsewhere depend on the details of the plastic zones.
     fn shape_deviation(&self, time: f64, mean: &BlockMean) -> f64 {
+        let mut share = self.share(time);
+        if mean.yielded {
+            share = share.max(YIELDED_STRAIN);
+        }
+        share * mean.largest
+    }
+
+    /// The same relative to the largest reading so far.
+    pub fn share(&self, time: f64) -> f64 {
         let time = time.max(0.0);
         let (grown, waves) = match self.is_motion {
             true => (
@@ -114,11 +123,7 @@ impl ModelError {
             ),
             false => (1.0, WAVES),
         };
-        let mut share = self.shape * grown + self.waves * libm::exp(-time / waves);
-        if mean.yielded {
-            share = share.max(YIELDED_STRAIN);
-        }
-        share * mean.largest
+        self.shape * grown + self.waves * libm::exp(-time / waves)
     }
 }
 

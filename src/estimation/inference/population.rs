@@ -22,7 +22,7 @@ use crate::estimation::inference::hypothesis::{
     Front, Hypothesis, ImpactPoint, OF_ONE_FACTOR, UNKNOWNS,
 };
 use crate::estimation::inference::lanes::lanes;
-use crate::estimation::inference::member::{Member, log_sum};
+use crate::estimation::inference::member::{Member, likeliest, log_sum};
 use crate::estimation::inference::model_error::FrontError;
 use crate::estimation::inference::prediction::{Prediction, TimeGrid};
 use crate::estimation::inference::rising_force::RisingForce;
@@ -38,7 +38,7 @@ use crate::standing::StandingColumn;
 const LEAST_EFFECTIVE: f64 = 12.0;
 
 /// Factor of the variances of a distribution from which new members are drawn: wider than what it was fitted to.
-const WIDENING: f64 = 1.4;
+pub(crate) const WIDENING: f64 = 1.4;
 
 /// Members about which half of the new members are drawn, chosen by their weights.
 const KERNELS: usize = 4;
@@ -75,7 +75,7 @@ const ABOUT_RIGID: f64 = 0.15;
 
 /// Logarithm of the ratio of weights or likelihoods beyond which a member is negligible: thousands of them change nothing that can be
 /// seen.
-const NEGLIGIBLE: f64 = 30.0;
+pub(crate) const NEGLIGIBLE: f64 = 30.0;
 
 /// The last blocks of data, by which a member that was never weighed gives a first impression.
 const PREFILTERED_BLOCKS: usize = 4;
@@ -107,7 +107,7 @@ pub(crate) struct Population {
     /// Divisor of the logarithms of the likelihoods: 1, or more where no response explains the data.
     temperature: f64,
     /// What the likelihoods need of the data; `None` if it is to be made of them.
-    weighing: Option<Weighing>,
+    weighing: Option<Arc<Weighing>>,
     /// Members, distributions and random numbers before an impact.
     prepared: (usize, usize, Random),
 }
@@ -173,19 +173,8 @@ impl Population {
 
     /// Draws `count` members of a hypothesis from what is known before the impact.
     pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
-        let Hypothesis {
-            mean,
-            deviation,
-            unknowns,
-            ..
-        } = self.hypotheses[hypothesis];
-        let factor = independent(&deviation);
-        let mut round = Round::new(&self.random);
-        round.draw(
-            Drawn::new((hypothesis, unknowns), count, mean, factor),
-            &mut self.random,
-        );
-        round
+        let prior = Drawn::prior((hypothesis, &self.hypotheses[hypothesis]), count);
+        self.draw(vec![prior])
     }
 
     /// The standard deviation of the detected instant of contact \[s\]. To be called before the first data.
@@ -278,7 +267,7 @@ impl Population {
                 continue;
             }
             if self.hypotheses[hypothesis].front == Front::TwoMasses
-                && let Some(drawn_from_rigid) = self.drawn_from_rigid(hypothesis, &weights, wanted)
+                && let Some(drawn_from_rigid) = self.drawn_from_rigid(hypothesis, wanted)
             {
                 round.draw(drawn_from_rigid, &mut self.random);
             }
@@ -295,12 +284,11 @@ impl Population {
     }
 
     /// Vehicles whose hard front mass does what the most likely rigid vehicle does, with anything behind it.
-    fn drawn_from_rigid(&self, hypothesis: usize, weights: &[f64], wanted: usize) -> Option<Drawn> {
+    fn drawn_from_rigid(&self, hypothesis: usize, wanted: usize) -> Option<Drawn> {
         let count = (FROM_RIGID * wanted as f64).round() as usize;
-        let rigid = self.members.iter().zip(weights);
-        let rigid = rigid.filter(|(it, _)| self.hypotheses[it.hypothesis].front == Front::Rigid);
-        let (likeliest, _) =
-            rigid.max_by(|a, b| a.0.log_posterior().total_cmp(&b.0.log_posterior()))?;
+        let rigid = self.members.iter();
+        let rigid = rigid.filter(|it| self.hypotheses[it.hypothesis].front == Front::Rigid);
+        let likeliest = likeliest(rigid)?;
         let Hypothesis {
             mut mean,
             deviation,
@@ -336,6 +324,18 @@ impl Population {
         round.done = round.candidates.len();
     }
 
+    /// The response to an impact of a hypothesis, weighed; `None` where it is not considered.
+    pub fn weighed(
+        &self,
+        hypothesis: usize,
+        unknowns: [f64; UNKNOWNS],
+        weighing: &Weighing,
+    ) -> Option<Member> {
+        let mut member = self.member(hypothesis, unknowns)?;
+        member.weigh(weighing);
+        Some(member)
+    }
+
     fn member(&self, hypothesis: usize, unknowns: [f64; UNKNOWNS]) -> Option<Member> {
         let log_prior = self.hypotheses[hypothesis].log_density(&unknowns);
         if log_prior == f64::NEG_INFINITY {
@@ -364,6 +364,15 @@ impl Population {
             rising.correct(&mut prediction, &self.grid, impact, &self.impact_point);
         }
         Some((prediction, front))
+    }
+
+    /// Draws members from these distributions, which are to be computed.
+    pub fn draw(&mut self, distributions: Vec<Drawn>) -> Round {
+        let mut round = Round::new(&self.random);
+        for it in distributions {
+            round.draw(it, &mut self.random);
+        }
+        round
     }
 
     /// Adds the members of a round. If it is not complete, it has only the candidates that were computed.
@@ -533,11 +542,10 @@ impl Population {
 
     /// Brings the likelihood of every member up to the data, on all processors.
     pub fn weigh(&mut self) {
-        let weighing = self.take_weighing();
+        let weighing = self.weighing();
         self.members
             .par_iter_mut()
             .for_each(|member| member.weigh(&weighing));
-        self.weighing = Some(weighing);
     }
 
     /// Brings the likelihoods of at most `count` members up to the data, in this thread; returns whether there are more.
@@ -563,31 +571,28 @@ impl Population {
             behind.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             behind.truncate(count);
         }
-        let weighing = self.take_weighing();
+        let weighing = self.weighing();
         for (_, index) in &behind {
             self.members[*index].weigh(&weighing);
         }
-        self.weighing = Some(weighing);
         !is_all
     }
 
     /// Gives at most `count` members from `first` on that were never weighed a first impression by the newest data, in this
     /// thread; returns whether there are more.
     pub fn prefilter(&mut self, first: usize, count: usize) -> bool {
-        let weighing = self.take_weighing();
+        let weighing = self.weighing();
         let some = self.members.iter_mut().skip(first).take(count);
         some.filter(|it| it.seen == 0)
             .for_each(|it| it.prefilter(&weighing, PREFILTERED_BLOCKS));
-        self.weighing = Some(weighing);
         first + count < self.members.len()
     }
 
     /// Weighs at most `count` members from `first` on with all data, in this thread; returns whether there are more.
     pub fn weigh_all(&mut self, first: usize, count: usize) -> bool {
-        let weighing = self.take_weighing();
+        let weighing = self.weighing();
         let some = self.members.iter_mut().skip(first).take(count);
         some.for_each(|it| it.weigh(&weighing));
-        self.weighing = Some(weighing);
         first + count < self.members.len()
     }
 
@@ -650,20 +655,23 @@ impl Population {
         self.temperature
     }
 
-    fn take_weighing(&mut self) -> Weighing {
+    /// What the likelihoods need of the data.
+    pub fn weighing(&mut self) -> Arc<Weighing> {
         let (observed, sensors, grid) = (&self.observed, &self.sensors, &self.grid);
         let known = self.weighing.take();
         let made = || {
-            Weighing::new(
+            Arc::new(Weighing::new(
                 observed,
                 sensors,
                 &self.ignored,
                 grid,
                 self.contact_deviation,
                 |front, sensor, mean| self.variance_by_front(front, sensor, mean),
-            )
+            ))
         };
-        known.unwrap_or_else(made)
+        let weighing = known.unwrap_or_else(made);
+        self.weighing = Some(weighing.clone());
+        weighing
     }
 }
 

@@ -233,7 +233,7 @@ impl Recomputation {
         let Some((_, estimator)) = &mut self.prepared else {
             return Err(impossible("nothing was prepared"));
         };
-        let mut refinement = Refinement::again(record.drawn_before);
+        let mut refinement = Refinement::between(record.drawn_before).exactly();
         while !refinement.is_over() {
             refinement.step(estimator);
         }
@@ -250,7 +250,7 @@ impl Recomputation {
         while record.counts_beam && estimator.follow_beam() {}
         let until = record.estimate.data_until;
         estimator.set_events(&record.events);
-        let refine = Refinement::again(record.drawn);
+        let refine = Refinement::at_most(record.drawn).exactly();
         let mut work = Update::new(estimator, until, update, record.is_final, refine);
         while !work.is_over() {
             work.step(estimator);

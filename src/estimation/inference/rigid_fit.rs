@@ -14,7 +14,7 @@ use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::Hypothesis;
 use crate::estimation::inference::rigid_vehicle::{ByBeam, RigidVehicle};
 use crate::estimation::inference::short_means::SHORT;
-use crate::numerics::{cholesky, solved};
+use crate::numerics::LevenbergMarquardt;
 use crate::sensors::Quantity;
 
 /// What is adjusted: the logarithms of mass and speed, those of the factors of yield strength, Young's modulus, density and load, and
@@ -62,9 +62,6 @@ const MOST_STEPS: u32 = 6;
 const MOST_ATTEMPTS: u32 = 5;
 const DECREASE: f64 = 1.0;
 
-/// Least damping of a step.
-const LEAST_DAMPING: f64 = 1e-6;
-
 /// Longest step of the logarithms of mass and speed.
 const LONGEST_STEP: f64 = 0.7;
 
@@ -108,14 +105,8 @@ impl Point {
 struct Descent {
     horizon: usize,
     steps: u32,
-    damping: f64,
     point: Point,
-    /// Derivatives of the residuals, by one unknown after another.
-    slopes: Vec<Vec<f64>>,
-    /// Matrix and right side of the normal equations, once all derivatives are known.
-    normal: [[f64; UNKNOWNS]; UNKNOWNS],
-    gradient: [f64; UNKNOWNS],
-    attempts: u32,
+    adjustment: LevenbergMarquardt<UNKNOWNS>,
 }
 
 /// How far one step of an adjustment is.
@@ -202,16 +193,14 @@ impl RigidFit {
         };
         let explains =
             |it: &&Descent| it.point.is_within(mean_square) && it.point.off_scale <= off_scale;
-        let Some(Descent { point, normal, .. }) = best.filter(explains) else {
+        let Some(Descent {
+            point, adjustment, ..
+        }) = best.filter(explains)
+        else {
             return ByBeam::NotRigid;
         };
-        let factor = cholesky(normal);
-        let mut covariance = [[0.0; 2]; 2];
-        for (k, row) in covariance.iter_mut().enumerate() {
-            let mut unit = [0.0; UNKNOWNS];
-            unit[k] = 1.0;
-            row.copy_from_slice(&solved(&factor, &unit)[..2]);
-        }
+        let all = adjustment.covariance();
+        let covariance = [0, 1].map(|k: usize| [all[k][0], all[k][1]]);
         let [mass, velocity, ..] = point.unknowns;
         let found = RigidVehicle {
             mean: [mass, velocity],
@@ -265,12 +254,8 @@ impl RigidFit {
                 self.descents.push(Descent {
                     horizon: 0,
                     steps: 0,
-                    damping: 1e-2,
                     point,
-                    slopes: Vec::new(),
-                    normal: [[0.0; UNKNOWNS]; UNKNOWNS],
-                    gradient: [0.0; UNKNOWNS],
-                    attempts: 0,
+                    adjustment: LevenbergMarquardt::new(UNKNOWNS),
                 });
             }
         }
@@ -300,8 +285,6 @@ impl RigidFit {
                     self.descents.push(Descent {
                         horizon: descent.horizon + 1,
                         steps: 0,
-                        attempts: 0,
-                        slopes: Vec::new(),
                         point,
                         ..descent
                     });
@@ -320,47 +303,37 @@ impl RigidFit {
     /// One more response for a step of Levenberg and Marquardt: first for the derivatives, then to attempt the step.
     fn improve(&self, descent: &mut Descent) -> Progress {
         let means = HORIZONS[descent.horizon];
-        if let Some(&step) = STEPS.get(descent.slopes.len()) {
-            let unknown = descent.slopes.len();
-            let Some(slope) = self.slope(&descent.point, unknown, step, means) else {
+        let Descent {
+            adjustment, point, ..
+        } = descent;
+        if let Some(unknown) = adjustment.wanted_slope() {
+            let Some(slope) = self.slope(point, unknown, STEPS[unknown], means) else {
+                adjustment.begin_step();
                 return Progress::Over(false);
             };
-            descent.slopes.push(slope);
-            if descent.slopes.len() == STEPS.len() {
-                self.complete(descent);
-            }
+            let prior = |unknown| self.prior_of(unknown, means);
+            adjustment.take_slope(slope, &point.residuals, &point.unknowns, prior);
             return Progress::Under;
         }
-        let mut damped = descent.normal;
-        for (k, row) in damped.iter_mut().enumerate() {
-            row[k] *= 1.0 + descent.damping;
-        }
-        let step = solved(&cholesky(&damped), &descent.gradient);
-        let mut unknowns = descent.point.unknowns;
-        for (k, (unknown, step)) in unknowns.iter_mut().zip(step).enumerate() {
+        let mut unknowns = point.unknowns;
+        for (k, (unknown, step)) in unknowns.iter_mut().zip(adjustment.step()).enumerate() {
             *unknown -= match k < 2 {
                 true => step.clamp(-LONGEST_STEP, LONGEST_STEP),
                 false => step,
             };
         }
-        descent.attempts += 1;
-        let before = descent.point.cost;
+        let before = point.cost;
         let found = self.point(unknowns, means).filter(|it| it.cost < before);
-        let is_last = found.is_some() || descent.attempts == MOST_ATTEMPTS;
         let decrease = found.as_ref().map_or(0.0, |it| before - it.cost);
-        descent.damping = match found {
-            Some(point) => {
-                descent.point = point;
-                (0.2 * descent.damping).max(LEAST_DAMPING)
+        match found {
+            Some(found) => {
+                *point = found;
+                adjustment.accept();
             }
-            None => 6.0 * descent.damping,
-        };
-        if !is_last {
-            return Progress::Under;
+            None if adjustment.decline() < MOST_ATTEMPTS => return Progress::Under,
+            None => adjustment.begin_step(),
         }
         descent.steps += 1;
-        descent.attempts = 0;
-        descent.slopes.clear();
         Progress::Over(decrease > DECREASE)
     }
 
@@ -375,20 +348,6 @@ impl RigidFit {
         };
         let pairs = moved.residuals.iter().zip(&point.residuals);
         Some(pairs.map(|(a, b)| (a - b) / step).collect())
-    }
-
-    /// Makes the normal equations of the derivatives.
-    fn complete(&self, descent: &mut Descent) {
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-        let (slopes, point) = (&descent.slopes, &descent.point);
-        for k in 0..UNKNOWNS {
-            let [mean, deviation] = self.prior_of(k, HORIZONS[descent.horizon]);
-            let precision = 1.0 / (deviation * deviation);
-            descent.normal[k] = std::array::from_fn(|other| product(&slopes[k], &slopes[other]));
-            descent.normal[k][k] += precision;
-            let away = point.unknowns[k] - mean;
-            descent.gradient[k] = product(&slopes[k], &point.residuals) + precision * away;
-        }
     }
 
     fn prior_of(&self, unknown: usize, means: usize) -> [f64; 2] {

@@ -11,15 +11,13 @@ use crate::estimation::inference::estimate::{
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front};
 use crate::estimation::inference::member::Member;
+use crate::estimation::inference::model_error::ModelError;
 use crate::estimation::inference::rigid_vehicle::{ByBeam, RIGID_BY_BEAM};
 use crate::sensors::Quantity;
 
 /// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
 /// column on its side: the column moves there as the impact point does, but for some hundredths.
 const AT_IMPACT: f64 = 0.05;
-
-/// Error of a peak that the model keeps when its scale is known, relative to the peak \[A\].
-const PEAK_ERROR: f64 = 0.03;
 
 /// The same of a residual displacement, also relative to the peak \[A\].
 pub(super) const RESIDUAL_ERROR: f64 = 0.04;
@@ -301,7 +299,8 @@ impl Estimator {
         let report = &member.prediction.report;
         let added = report.max_v1 - self.rest_v1;
         let mut peak = (scale * added).max(LEAST_PEAK);
-        let error = libm::hypot(PEAK_ERROR, self.impact_error(member, true));
+        let shape = ModelError::of(Quantity::Displacement).share(report.max_v1_time);
+        let error = libm::hypot(shape, self.impact_error(member, true));
         let error = libm::hypot(error, member.front.by_light_front());
         let mut deviation = libm::hypot(scatter * added, error * added);
         if let Some(records) = measured {

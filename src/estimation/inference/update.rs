@@ -28,6 +28,8 @@ pub(crate) struct Refinement {
     most: u32,
     /// Whether it ends when the estimate rests on enough responses.
     until_settled: bool,
+    /// Whether it looks for the most likely impacts first, if that is worth it.
+    searches: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -41,26 +43,38 @@ enum Stage {
 impl Refinement {
     /// Draws as many responses as are useful, at most `most`.
     pub fn at_most(most: u32) -> Self {
-        Self::new(0, most, true)
-    }
-
-    /// The same, and one round in any case: responses that explain the data may be found far from those that do so far.
-    pub fn at_last(most: u32) -> Self {
-        Self::new(ROUND as u32, most, true)
-    }
-
-    /// Draws exactly as many responses as another one has drawn.
-    pub fn again(drawn: u32) -> Self {
-        Self::new(0, drawn, false)
-    }
-
-    fn new(least: u32, most: u32, until_settled: bool) -> Self {
         Self {
             stage: Stage::Plan,
             drawn: 0,
-            least,
+            least: 0,
             most,
-            until_settled,
+            until_settled: true,
+            searches: false,
+        }
+    }
+
+    /// The same between two estimates, when there may be time to look for the most likely impacts.
+    pub fn between(most: u32) -> Self {
+        Self {
+            searches: true,
+            ..Self::at_most(most)
+        }
+    }
+
+    /// The same before the final estimate, and one round in any case: responses that explain the data may be found far from those that do
+    /// so far.
+    pub fn at_last(most: u32) -> Self {
+        Self {
+            least: ROUND as u32,
+            ..Self::between(most)
+        }
+    }
+
+    /// The same with exactly as many responses as it may draw.
+    pub fn exactly(self) -> Self {
+        Self {
+            until_settled: false,
+            ..self
         }
     }
 
@@ -83,6 +97,20 @@ impl Refinement {
         let may_draw = self.drawn < self.most;
         let may_settle = self.until_settled && self.drawn >= self.least;
         self.stage = match std::mem::replace(&mut self.stage, Stage::Over) {
+            Stage::Plan if may_draw && self.searches => {
+                // What changes the estimator is counted, so that it can be repeated.
+                if estimator.search_on() {
+                    self.drawn += 1;
+                    Stage::Plan
+                } else if let Some(mut round) = estimator.plan_found() {
+                    estimator.compute_next(&mut round);
+                    self.drawn += 1;
+                    Stage::Compute(Box::new(round))
+                } else {
+                    self.searches = false;
+                    Stage::Plan
+                }
+            }
             Stage::Plan if may_draw && !(may_settle && estimator.is_settled()) => {
                 let round = estimator.plan(ROUND);
                 if round.is_complete() {
