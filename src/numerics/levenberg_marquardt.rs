@@ -42,15 +42,18 @@ impl<const SIZE: usize> LevenbergMarquardt<SIZE> {
         (self.slopes.len() < self.unknowns).then_some(self.slopes.len())
     }
 
-    /// Takes the derivatives of the residuals by the wanted unknown. `at` are the unknowns, `prior` their means and standard deviations.
+    /// Takes the residuals that the wanted unknown has moved by this step, from those at the unknowns `at`; `prior` gives the mean and the
+    /// standard deviation of an unknown.
     pub fn take_slope(
         &mut self,
-        slope: Vec<f64>,
+        (moved, step): (&[f64], f64),
         residuals: &[f64],
         at: &[f64; SIZE],
         prior: impl Fn(usize) -> [f64; 2],
     ) {
-        self.slopes.push(slope);
+        let pairs = moved.iter().zip(residuals);
+        self.slopes
+            .push(pairs.map(|(moved, here)| (moved - here) / step).collect());
         if self.wanted_slope().is_some() {
             return;
         }
@@ -88,7 +91,7 @@ impl<const SIZE: usize> LevenbergMarquardt<SIZE> {
         self.attempts
     }
 
-    /// Takes the derivatives anew.
+    /// Forgets the derivatives, which are needed again for another step.
     pub fn begin_step(&mut self) {
         self.attempts = 0;
         self.slopes.clear();

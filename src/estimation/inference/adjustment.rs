@@ -77,11 +77,9 @@ impl Adjustment {
         let moved = moved.map(|it| it.residuals(weighing, self.shift));
         // Beyond what is considered, only the prior counts.
         let moved = moved.as_ref().unwrap_or(&self.residuals);
-        let pairs = moved.iter().zip(&self.residuals);
-        let slope = pairs.map(|(moved, here)| (moved - here) / STEP).collect();
         let prior = |unknown: usize| [mean[unknown], deviation[unknown]];
         let method = &mut self.method;
-        method.take_slope(slope, &self.residuals, &self.at, prior);
+        method.take_slope((moved, STEP), &self.residuals, &self.at, prior);
     }
 
     fn attempt(&mut self, population: &Population, weighing: &Weighing) {

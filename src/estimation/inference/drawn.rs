@@ -5,7 +5,7 @@ use crate::numerics::Random;
 
 /// A normal distribution from which members of one hypothesis were drawn.
 #[derive(Debug, Clone)]
-pub(crate) struct Drawn {
+pub(super) struct Drawn {
     pub hypothesis: usize,
     pub count: f64,
     /// Unknowns of the hypothesis, from the first on.
@@ -68,7 +68,7 @@ impl Drawn {
 }
 
 /// The factor of the covariance of independent unknowns with these standard deviations.
-pub(crate) fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
+pub(super) fn independent(deviation: &[f64; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
     let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
     for (k, row) in factor.iter_mut().enumerate() {
         row[k] = deviation[k];

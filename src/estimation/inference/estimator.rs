@@ -338,8 +338,6 @@ impl Estimator {
         self.rigid_fit = None;
         self.by_beam = ByBeam::Nothing;
         self.observed = 0;
-        self.search = None;
-        self.searched = 0.0;
     }
 
     /// Looks for a sway of the column that was taken for this impact.
@@ -351,6 +349,8 @@ impl Estimator {
     /// Forgets an impact, and responses of a hypothesis that are not completely prepared.
     pub(crate) fn rewind(&mut self) {
         self.preparing = None;
+        self.search = None;
+        self.searched = 0.0;
         self.population.rewind();
         self.assessed = self.assessed.min(self.population.members.len());
     }

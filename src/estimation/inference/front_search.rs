@@ -44,7 +44,6 @@ impl Estimator {
     pub(super) fn search(&mut self) -> Option<Round> {
         self.begin_search();
         self.search.as_mut()?.finish(&self.population);
-        self.search.take_if(|it| it.is_in_vain());
         self.plan_found()
     }
 }

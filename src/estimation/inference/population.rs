@@ -367,7 +367,7 @@ impl Population {
     }
 
     /// Draws members from these distributions, which are to be computed.
-    pub fn draw(&mut self, distributions: Vec<Drawn>) -> Round {
+    pub(super) fn draw(&mut self, distributions: Vec<Drawn>) -> Round {
         let mut round = Round::new(&self.random);
         for it in distributions {
             round.draw(it, &mut self.random);
@@ -657,21 +657,19 @@ impl Population {
 
     /// What the likelihoods need of the data.
     pub fn weighing(&mut self) -> Arc<Weighing> {
-        let (observed, sensors, grid) = (&self.observed, &self.sensors, &self.grid);
-        let known = self.weighing.take();
-        let made = || {
-            Arc::new(Weighing::new(
-                observed,
-                sensors,
-                &self.ignored,
-                grid,
-                self.contact_deviation,
-                |front, sensor, mean| self.variance_by_front(front, sensor, mean),
-            ))
-        };
-        let weighing = known.unwrap_or_else(made);
-        self.weighing = Some(weighing.clone());
-        weighing
+        if let Some(known) = &self.weighing {
+            return known.clone();
+        }
+        let made = Arc::new(Weighing::new(
+            &self.observed,
+            &self.sensors,
+            &self.ignored,
+            &self.grid,
+            self.contact_deviation,
+            |front, sensor, mean| self.variance_by_front(front, sensor, mean),
+        ));
+        self.weighing = Some(made.clone());
+        made
     }
 }
 

@@ -307,12 +307,14 @@ impl RigidFit {
             adjustment, point, ..
         } = descent;
         if let Some(unknown) = adjustment.wanted_slope() {
-            let Some(slope) = self.slope(point, unknown, STEPS[unknown], means) else {
+            let step = STEPS[unknown];
+            let Some(moved) = self.moved(point, unknown, step, means) else {
                 adjustment.begin_step();
                 return Progress::Over(false);
             };
             let prior = |unknown| self.prior_of(unknown, means);
-            adjustment.take_slope(slope, &point.residuals, &point.unknowns, prior);
+            let moved = (moved.residuals.as_slice(), step);
+            adjustment.take_slope(moved, &point.residuals, &point.unknowns, prior);
             return Progress::Under;
         }
         let mut unknowns = point.unknowns;
@@ -337,17 +339,15 @@ impl RigidFit {
         Progress::Over(decrease > DECREASE)
     }
 
-    /// Derivative of the residuals by one unknown.
-    fn slope(&self, point: &Point, unknown: usize, step: f64, means: usize) -> Option<Vec<f64>> {
+    /// The place that one unknown is moved to by this step.
+    fn moved(&self, point: &Point, unknown: usize, step: f64, means: usize) -> Option<Point> {
         let mut unknowns = point.unknowns;
         unknowns[unknown] += step;
         // The time of contact does not change what the beam does.
-        let moved = match unknown == UNKNOWNS - 1 {
-            true => self.point_of(unknowns, means, point.rows.clone()),
-            false => self.point(unknowns, means)?,
-        };
-        let pairs = moved.residuals.iter().zip(&point.residuals);
-        Some(pairs.map(|(a, b)| (a - b) / step).collect())
+        match unknown == UNKNOWNS - 1 {
+            true => Some(self.point_of(unknowns, means, point.rows.clone())),
+            false => self.point(unknowns, means),
+        }
     }
 
     fn prior_of(&self, unknown: usize, means: usize) -> [f64; 2] {
