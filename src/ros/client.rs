@@ -128,10 +128,7 @@ pub fn send_impact(
         subscribed,
         (options, &signals),
         say,
-        &mut |word, sent| match answer(word, sent) {
-            Some(outcome) => Relation::Last(outcome),
-            None => Relation::None,
-        },
+        &mut answer,
     )
 }
 
@@ -264,8 +261,11 @@ pub fn follow_impact(
                 (Seen::Report(report), _) if report.event_id == sent.event_id => {
                     Relation::Last(Ok(()))
                 }
-                (_, Some(ImpactOutcome::Rejected(reason))) => {
+                (_, Relation::Last(ImpactOutcome::Rejected(reason))) => {
                     Relation::Last(Err(ClientError::Rejected(reason)))
+                }
+                (_, Relation::LastUnlessFollowed(ImpactOutcome::Rejected(reason))) => {
+                    Relation::LastUnlessFollowed(Err(ClientError::Rejected(reason)))
                 }
                 (Seen::Status(status), _) if status.phase == TwinStatus::FAULTED => {
                     Relation::Last(Err(ClientError::Faulted(status.fault.clone())))
@@ -282,14 +282,17 @@ pub fn follow_impact(
 /// An event that the client has sent.
 struct Sent<'a> {
     event_id: &'a str,
-    /// The column that it is for, if its twin is known: every other twin on the topic rejects the event, which is no answer.
-    column_id: Option<&'a str>,
+    /// The column that it is for: every other twin on the topic rejects the event.
+    column_id: &'a str,
+    /// Whether the twin of that column is known to be there.
+    is_known: bool,
     /// Number of rejections before the event; `None` if unknown.
     rejected_before: Option<u64>,
     ago: Duration,
 }
 
 /// How a message of the twin relates to the event that was sent.
+#[derive(Debug, PartialEq)]
 enum Relation<T> {
     /// It is unrelated.
     None,
@@ -297,6 +300,8 @@ enum Relation<T> {
     OfEvent,
     /// It is the last message that the client waits for.
     Last(T),
+    /// The same, unless another message of the event follows soon.
+    LastUnlessFollowed(T),
 }
 
 /// Waits until twin and client are matched, sends the event, and passes on messages until the last one.
@@ -388,24 +393,30 @@ fn converse<T>(
             .publish(event)
             .map_err(|error| ClientError::NotSent(error.to_string()))?;
         let mut deadline = begun + options.request.answer_timeout;
+        let mut last = None;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             let word = wait_until(signals, left, |until| next(&seen, until))?;
             let Some(word) = word else {
-                return Err(ClientError::NoAnswer {
+                return last.ok_or(ClientError::NoAnswer {
                     event_id,
                     waited: options.request.answer_timeout,
                 });
             };
             let sent = Sent {
                 event_id: &event_id,
-                column_id: is_known.then_some(&*column_id),
+                column_id: &column_id,
+                is_known,
                 rejected_before,
                 ago: begun.elapsed(),
             };
             match hear(&word, &sent) {
                 Relation::None => {}
                 Relation::OfEvent => deadline = Instant::now() + options.request.answer_timeout,
+                Relation::LastUnlessFollowed(outcome) => {
+                    last.get_or_insert(outcome);
+                    deadline = deadline.min(Instant::now() + STATUS_WAIT);
+                }
                 Relation::Last(outcome) => return Ok(outcome),
             }
         }
@@ -426,28 +437,32 @@ fn only(columns: &BTreeSet<String>) -> Result<String, ClientError> {
     }
 }
 
-/// The outcome of the event in a message, if any.
-fn answer(seen: &Seen, sent: &Sent<'_>) -> Option<ImpactOutcome> {
-    let is_addressee = |column: &str| sent.column_id.is_none_or(|wanted| wanted == column);
+/// How a message answers the event. A twin of another column rejects it; that counts only if the twin of its column, which was not found
+/// before the event was sent, says nothing.
+fn answer(seen: &Seen, sent: &Sent<'_>) -> Relation<ImpactOutcome> {
     match seen {
-        Seen::Forecast(report) if report.event_id == sent.event_id => Some(match report.kind {
-            ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN => {
-                ImpactOutcome::NoForecast(report.action_reason.clone())
-            }
-            _ => ImpactOutcome::Forecast(Box::new(report.clone())),
-        }),
+        Seen::Forecast(report) if report.event_id == sent.event_id => {
+            Relation::Last(match report.kind {
+                ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN => {
+                    ImpactOutcome::NoForecast(report.action_reason.clone())
+                }
+                _ => ImpactOutcome::Forecast(Box::new(report.clone())),
+            })
+        }
         Seen::Status(status)
             if status.last_rejection_event_id == sent.event_id
-                && is_addressee(&status.column_id)
                 && sent
                     .rejected_before
                     .is_none_or(|before| status.events_rejected > before) =>
         {
-            Some(ImpactOutcome::Rejected(
-                status.last_rejection_reason.clone(),
-            ))
+            let rejected = ImpactOutcome::Rejected(status.last_rejection_reason.clone());
+            match status.column_id == sent.column_id {
+                true => Relation::Last(rejected),
+                false if sent.is_known => Relation::None,
+                false => Relation::LastUnlessFollowed(rejected),
+            }
         }
-        _ => None,
+        _ => Relation::None,
     }
 }
 
@@ -481,7 +496,8 @@ mod tests {
     fn an_answer_belongs_to_this_event() {
         let sent = |event_id, rejected_before| Sent {
             event_id,
-            column_id: None,
+            column_id: "",
+            is_known: true,
             rejected_before,
             ago: Duration::ZERO,
         };
@@ -489,10 +505,10 @@ mod tests {
             event_id: "a".to_owned(),
             ..ImpactReport::default()
         });
-        assert!(answer(&forecast, &sent("b", None)).is_none());
+        assert_eq!(answer(&forecast, &sent("b", None)), Relation::None);
         assert!(matches!(
             answer(&forecast, &sent("a", None)),
-            Some(ImpactOutcome::Forecast(_))
+            Relation::Last(ImpactOutcome::Forecast(_))
         ));
         let none = Seen::Forecast(ImpactReport {
             event_id: "a".to_owned(),
@@ -502,19 +518,28 @@ mod tests {
         });
         assert_eq!(
             answer(&none, &sent("a", None)),
-            Some(ImpactOutcome::NoForecast("superseded".to_owned()))
+            Relation::Last(ImpactOutcome::NoForecast("superseded".to_owned()))
         );
-        assert!(answer(&rejected("a", 3), &sent("a", Some(3))).is_none());
+        assert_eq!(
+            answer(&rejected("a", 3), &sent("a", Some(3))),
+            Relation::None
+        );
+        let too_fast = ImpactOutcome::Rejected("too fast".to_owned());
         assert_eq!(
             answer(&rejected("a", 4), &sent("a", Some(3))),
-            Some(ImpactOutcome::Rejected("too fast".to_owned()))
+            Relation::Last(too_fast.clone())
         );
         // A twin of another column on the same topic rejects the event.
-        let for_a3 = Sent {
-            column_id: Some("a3"),
+        let for_a3 = |is_known| Sent {
+            column_id: "a3",
+            is_known,
             ..sent("a", Some(3))
         };
-        assert!(answer(&rejected("a", 4), &for_a3).is_none());
+        assert_eq!(answer(&rejected("a", 4), &for_a3(true)), Relation::None);
+        assert_eq!(
+            answer(&rejected("a", 4), &for_a3(false)),
+            Relation::LastUnlessFollowed(too_fast)
+        );
     }
 
     #[test]

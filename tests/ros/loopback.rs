@@ -174,6 +174,36 @@ fn an_impact_reaches_its_column_among_ten() {
     twins.into_iter().for_each(RunningTwin::stop);
 }
 
+/// The client once took the rejection by a twin of another column for the answer of one whose status had not arrived before the event
+/// was sent.
+#[test]
+fn the_rejection_by_another_twin_is_no_answer_if_the_forecast_follows() {
+    let domain = Domain::fresh();
+    let other = RunningTwin::start(&domain, &[]);
+    let mut silent = Outgoing::<TwinStatus>::start(&domain, &qos::TWIN_STATUS);
+    let forecasts = silent.node.publisher(&qos::IMPACT_FORECAST).unwrap();
+    let events = Incoming::<ImpactEvent>::early(&mut silent.node, &qos::IMPACT_EVENT);
+    let statuses = Incoming::<TwinStatus>::early(&mut silent.node, &qos::TWIN_STATUS);
+    let outcome = std::thread::scope(|scope| {
+        let sender = scope.spawn(|| impact_on(&domain, Some("silent"), 10.0, PATIENCE));
+        let event = events.find("the event", |it| it.column_id == "silent");
+        statuses.find("the rejection", |it| {
+            it.last_rejection_event_id == event.event_id
+        });
+        let answer = ImpactReport {
+            event_id: event.event_id,
+            ..ImpactReport::default()
+        };
+        forecasts.publish(answer).unwrap();
+        sender.join().unwrap()
+    });
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    other.stop();
+}
+
 /// The client once sent the event as soon as the status of the column had arrived: a twin that it did not know as a reader of
 /// events yet never received it.
 #[test]
