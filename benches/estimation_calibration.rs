@@ -5,8 +5,11 @@
 //! estimate. The seeds from 9000 on were kept aside while the estimator was changed.
 //!
 //! A column that collapses has no peak, so none is compared; where peaks are fewer than impacts, the table says of how many.
+//!
+//! A second table has the time that all estimates of an impact take together, on all processors.
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use beam_signals::{AFTER, BEFORE, BeamSignal, column, deformable, parameters, plateau, spring};
 use column_beam::BeamColumn;
@@ -242,6 +245,7 @@ fn main() {
         Estimator::new(&parameters, &undamaged, sensors.clone(), hypotheses, 1).expect("sensors");
     while !estimator.prepare() {}
     let mut counts: BTreeMap<(usize, usize), Count> = BTreeMap::new();
+    let mut durations: BTreeMap<usize, Vec<Duration>> = BTreeMap::new();
     let mut undetected = 0;
     for (of_kind, kind) in kinds.clone().enumerate() {
         for seed in first..first + impacts {
@@ -256,12 +260,15 @@ fn main() {
             };
             let readings = signal.readings(&sensors, BEFORE, seed);
             let readings = misplaced(readings, &sensors, &mut normal);
+            let begun = Instant::now();
             let found = estimate_prepared(&mut estimator, &readings).expect("sensors");
+            let duration = begun.elapsed();
             let Some(found) = found else {
                 undetected += 1;
                 println!("{kind}, seed {seed}: not detected");
                 continue;
             };
+            durations.entry(of_kind).or_default().push(duration);
             let Impact { mass, velocity, .. } = signal.impact;
             let momentum = signal.momentum();
             // A collapse ends the readings, and its peak is only the last of them.
@@ -330,7 +337,7 @@ fn main() {
     println!("| kind | data | impacts | mass | speed | momentum | peak | confident and wrong |");
     println!("|---|---|---|---|---|---|---|---|");
     let mut all: BTreeMap<usize, Count> = BTreeMap::new();
-    for (of_kind, kind) in kinds.enumerate() {
+    for (of_kind, kind) in kinds.clone().enumerate() {
         for (at, (_, name)) in INSTANTS.into_iter().enumerate() {
             let Some(count) = counts.get(&(of_kind, at)) else {
                 continue;
@@ -351,5 +358,18 @@ fn main() {
         if let Some(sum) = all.get(&at) {
             sum.print("all", name);
         }
+    }
+    println!("\n| kind | impacts | time of one: median | largest |\n|---|---|---|---|");
+    for (of_kind, kind) in kinds.enumerate() {
+        let Some(times) = durations.get_mut(&of_kind) else {
+            continue;
+        };
+        times.sort_unstable();
+        let [median, largest] =
+            [times[times.len() / 2], times[times.len() - 1]].map(|it| it.as_secs_f64());
+        println!(
+            "| {kind} | {} | {median:.2} s | {largest:.2} s |",
+            times.len()
+        );
     }
 }

@@ -61,13 +61,6 @@ const WITH_HARDENING: MacroStepsPerPeriod = MacroStepsPerPeriod {
 /// Plastic rotation of a hinge, or plastic shear angle of a web, beyond which the motion of the column is large beside its vibration \[rad\].
 const FAR_ROTATION: f64 = 0.01;
 
-/// Relative residual to which the equations of a macro-step are solved: an error of the forces far below that of the macro-step.
-const TOLERANCE: f64 = 1e-6;
-
-/// Relative residual below which a correction is so small that its square, 1e-10 where no hinge begins or ends to flow, does not
-/// matter.
-const LINEAR_RESIDUAL: f64 = 1e-2;
-
 /// A column prepared for the responses of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyModel {
@@ -141,8 +134,7 @@ impl StudyModel {
             // The penetration that a step of the paper's scheme leaves behind is part of its result.
             return plain;
         }
-        model.tolerance = TOLERANCE;
-        model.linear_residual = LINEAR_RESIDUAL;
+        model = model.solved_roughly();
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
         let macro_steps = |per_period: MacroStepsPerPeriod| {
             let per_period = match model.strength {

@@ -62,7 +62,7 @@ impl Estimator {
         };
         let properties = with_yield_factor(population.properties(), libm::exp(unknowns[3]));
         let grid = TimeGrid::new();
-        let (prediction, front) = population.predicted(index, &unknowns, &impact)?;
+        let (prediction, front) = population.predicted(index, &unknowns, &impact, &grid)?;
         let member = Member::new(index, unknowns, prediction, 0.0, front, 0);
         let factors: Vec<f64> = self
             .sensors()

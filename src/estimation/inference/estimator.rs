@@ -1,5 +1,7 @@
 //! From readings to estimates.
 
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
 use crate::assessment::{Action, AssessmentInput, ResidualCapacity, assess, imperfection};
 use crate::column::{
     Capacity, CapacityEnd, ColumnProperties, Impact, Model, ModelError, PerBar, State, Support,
@@ -15,7 +17,8 @@ use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::event_evidence::EventEvidence;
 use crate::estimation::inference::hypothesis::{Front, Hypothesis, ImpactPoint};
 use crate::estimation::inference::member::Member;
-use crate::estimation::inference::population::{EXPLORATION, Population};
+use crate::estimation::inference::planning::Division;
+use crate::estimation::inference::population::Population;
 use crate::estimation::inference::prediction::HORIZON;
 use crate::estimation::inference::rigid_fit::RigidFit;
 use crate::estimation::inference::rigid_vehicle::ByBeam;
@@ -49,8 +52,8 @@ const ENOUGH_RESPONSES: f64 = 60.0;
 /// Responses of a round of refinement.
 const ROUND: usize = 20;
 
-/// As [`EXPLORATION`], where there is time for few responses only.
-const LIVE_EXPLORATION: f64 = 0.4;
+/// Rounds of a refinement that explore; those after them are to make the estimate rest on enough responses.
+const EXPLORING_ROUNDS: usize = 5;
 
 /// Responses whose residual capacity is computed for an estimate, chosen by their weights: actions come in steps of 1 %.
 pub(crate) const ASSESSED: usize = 100;
@@ -415,7 +418,7 @@ impl Estimator {
 
     /// Plans about `count` more responses where the data are best met, of which not all may be computed.
     pub(crate) fn plan(&mut self, count: usize) -> Round {
-        let mut round = self.population.plan(count, LIVE_EXPLORATION);
+        let mut round = self.population.plan(count, Division::EXPLORING_IN_HASTE);
         round.mix();
         round
     }
@@ -428,12 +431,6 @@ impl Estimator {
     /// Adds the responses of a round, which have to be weighed then.
     pub(crate) fn add(&mut self, round: Round) {
         self.population.add(round);
-    }
-
-    /// Computes about `count` more responses where the data are best met.
-    pub fn refine(&mut self, count: usize) {
-        let round = self.population.plan(count, EXPLORATION);
-        self.take_all(round);
     }
 
     fn take_all(&mut self, mut round: Round) {
@@ -495,11 +492,16 @@ impl Estimator {
 
     /// The first round is made in any case: responses that explain the data may be found far from those that do so far.
     fn refine_until_settled(&mut self, rounds: usize) {
-        for round in 0..rounds {
-            if round > 0 && self.is_settled() {
+        for number in 0..rounds {
+            if number > 0 && self.is_settled() {
                 return;
             }
-            self.refine(ROUND);
+            let division = match number < EXPLORING_ROUNDS {
+                true => Division::EXPLORING,
+                false => Division::BY_WEIGHT,
+            };
+            let round = self.population.plan(ROUND, division);
+            self.take_all(round);
         }
     }
 
@@ -606,6 +608,11 @@ impl Estimator {
 
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
+        let chosen = self.unassessed(ASSESSED);
+        let assessed: Vec<_> = chosen.par_iter().map(|it| self.assessed(*it)).collect();
+        for (index, assessed) in chosen.into_iter().zip(assessed) {
+            self.population.members[index].assessed = Some(assessed);
+        }
         self.estimate_with(data_until, ASSESSED)
     }
 }

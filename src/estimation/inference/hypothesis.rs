@@ -23,6 +23,10 @@ const VELOCITY: [f64; 2] = [7.0, 0.8];
 /// Standard deviation of the logarithm of the yield strength \[A\], about the given one.
 const YIELD_SCATTER: f64 = 0.05;
 
+/// Standard deviations from its median up to which an unknown is considered: a response to what is farther off takes the more time the
+/// stiffer its front is, and never counts.
+const FARTHEST: f64 = 6.0;
+
 /// Scatter of a factor that has none: the density needs a width.
 const NO_SCATTER: f64 = 1e-3;
 
@@ -228,6 +232,9 @@ impl Hypothesis {
         let each = unknowns.iter().zip(self.mean).zip(self.deviation);
         for ((x, mean), deviation) in each.take(self.unknowns) {
             let z = (x - mean) / deviation;
+            if z.abs() > FARTHEST {
+                return f64::NEG_INFINITY;
+            }
             density -= 0.5 * z * z + libm::log(deviation);
         }
         density
@@ -323,4 +330,24 @@ pub(crate) fn loaded_along(points: &[[f64; 2]]) -> Option<CrushSpring> {
         envelope,
         slack: 0.0,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One response to a front of 10^17 N/m, which was drawn in a refinement, took ten seconds.
+    #[test]
+    fn a_front_far_stiffer_than_any_is_not_considered() {
+        let all = hypotheses(&Parameters::default());
+        let it = all.iter().find(|it| it.front == Front::TwoSlopes);
+        let it = it.expect("a hypothesis");
+        let at = |deviations: f64| {
+            let mut unknowns = it.mean;
+            unknowns[UNKNOWNS - 1] += deviations * it.deviation[UNKNOWNS - 1];
+            it.log_density(&unknowns)
+        };
+        assert!(at(5.0).is_finite() && at(-5.0).is_finite());
+        assert!(at(12.9).is_infinite());
+    }
 }

@@ -29,6 +29,7 @@
 //   equal to it
 // - member.rs: One response among those that are weighed: its likelihood by the data
 // - model_error.rs: How far the model may be from the column: its own error, beside the noise of the sensors
+// - planning.rs: Where new members of a population are drawn: where the weights are, and where they may be
 // - population.rs: Weighted responses: adaptive multiple importance sampling over what may have struck the column
 // - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
 // - recomputation.rs: Estimates computed again from recorded measurements
@@ -66,6 +67,7 @@ pub(super) mod lanes;
 pub(super) mod library;
 pub(super) mod member;
 pub(super) mod model_error;
+mod planning;
 pub(super) mod population;
 pub(super) mod prediction;
 pub(super) mod recomputation;

@@ -16,62 +16,20 @@ use crate::estimation::inference::contradiction::{
     Contradictions, contradictions, explains_all, largest, may_be_off_scale, scale_precision,
     scale_ratio,
 };
-use crate::estimation::inference::drawn::{Drawn, independent};
+use crate::estimation::inference::drawn::Drawn;
 use crate::estimation::inference::event_evidence::{EventEvidence, log_events};
-use crate::estimation::inference::hypothesis::{
-    Front, Hypothesis, ImpactPoint, OF_ONE_FACTOR, UNKNOWNS,
-};
+use crate::estimation::inference::hypothesis::{Hypothesis, ImpactPoint, UNKNOWNS};
 use crate::estimation::inference::lanes::lanes;
-use crate::estimation::inference::member::{Member, likeliest, log_sum};
+use crate::estimation::inference::member::{Member, log_sum};
 use crate::estimation::inference::model_error::FrontError;
 use crate::estimation::inference::prediction::{Prediction, TimeGrid};
 use crate::estimation::inference::rising_force::RisingForce;
 use crate::estimation::inference::round::Round;
 use crate::estimation::inference::weighing::{Observed, Weighing};
 use crate::numerics::Random;
-use crate::numerics::cholesky;
 use crate::parameters::Parameters;
 use crate::sensors::Sensor;
 use crate::standing::StandingColumn;
-
-/// Effective number of members to which weights are tempered before a distribution is fitted to them.
-const LEAST_EFFECTIVE: f64 = 12.0;
-
-/// Factor of the variances of a distribution from which new members are drawn: wider than what it was fitted to.
-pub(crate) const WIDENING: f64 = 1.4;
-
-/// Members about which half of the new members are drawn, chosen by their weights.
-const KERNELS: usize = 4;
-
-/// Width of the distribution about one of them, relative to that about all.
-const KERNEL_WIDTH: f64 = 0.35;
-
-/// Width of a distribution that takes their place where they would be too few members for so many, relative to the other one: it covers
-/// what this may have left out.
-const TAIL_WIDTH: f64 = 2.0;
-
-/// Least standard deviation of such a distribution, relative to that of the hypothesis.
-const LEAST_WIDTH: f64 = 0.02;
-
-/// Power of the shares of the hypotheses by which new members are divided among them, so that one that seems unlikely
-/// because it was not searched closely is searched.
-pub(crate) const EXPLORATION: f64 = 0.1;
-
-/// Share of a hypothesis, after that power, below which it gets no new members.
-const LEAST_SHARE: f64 = 0.02;
-
-/// Share of the new members that a hypothesis gets at least whose front has more unknowns than a factor: its prepared members are few for
-/// so many unknowns, and those that explain the data have to be found.
-const OPEN_SHARE: f64 = 0.15;
-
-/// The same of vehicles with a hard front mass where the data look like a rigid hit: at first it is one by this mass.
-const SHARE_BESIDE_RIGID: f64 = 0.3;
-
-/// Share of these that begin as the rigid hit that the data have found.
-const FROM_RIGID: f64 = 0.5;
-
-/// Standard deviation of the logarithms of mass and speed about such a rigid hit.
-const ABOUT_RIGID: f64 = 0.15;
 
 /// Logarithm of the ratio of weights or likelihoods beyond which a member is negligible: thousands of them change nothing that can be
 /// seen.
@@ -96,7 +54,7 @@ pub(crate) struct Population {
     pub hypotheses: Vec<Hypothesis>,
     pub members: Vec<Member>,
     drawn: Vec<Drawn>,
-    random: Random,
+    pub(super) random: Random,
     contact_deviation: f64,
     /// Data so far.
     observed: Vec<Observed>,
@@ -232,84 +190,13 @@ impl Population {
         }
     }
 
-    /// About `count` new members where the weights are, which are to be computed. They are divided among the hypotheses by
-    /// this power of their shares.
-    pub fn plan(&mut self, count: usize, exploration: f64) -> Round {
-        let mut round = Round::new(&self.random);
-        let weights = self.weights();
-        let shares: Vec<f64> = (0..self.hypotheses.len())
-            .map(|hypothesis| {
-                self.of_hypothesis(hypothesis, &weights)
-                    .map(|(_, w)| w)
-                    .sum()
-            })
-            .collect();
-        let rigid = self.hypotheses.iter().zip(&shares);
-        let rigid = rigid.filter(|(it, _)| it.front == Front::Rigid);
-        let looks_rigid = rigid.map(|(_, share)| share).sum::<f64>() > 0.5;
-        let shares: Vec<f64> = shares
-            .iter()
-            .map(|&share| libm::pow(share, exploration))
-            .collect();
-        let total: f64 = shares.iter().sum();
-        for (hypothesis, share) in shares.iter().enumerate() {
-            let Hypothesis {
-                unknowns, front, ..
-            } = &self.hypotheses[hypothesis];
-            let least = match (unknowns > &OF_ONE_FACTOR, front) {
-                (true, Front::TwoMasses) if looks_rigid => SHARE_BESIDE_RIGID,
-                (true, _) => OPEN_SHARE,
-                (false, _) => 0.0,
-            };
-            let share = (share / total).max(least);
-            let wanted = (share * count as f64).round() as usize;
-            if share < LEAST_SHARE || wanted == 0 {
-                continue;
-            }
-            if self.hypotheses[hypothesis].front == Front::TwoMasses
-                && let Some(drawn_from_rigid) = self.drawn_from_rigid(hypothesis, wanted)
-            {
-                round.draw(drawn_from_rigid, &mut self.random);
-            }
-            let kernels = wanted.min(KERNELS);
-            let Some(fitted) = self.fitted(hypothesis, wanted.div_ceil(2)) else {
-                continue;
-            };
-            for kernel in self.kernels(&fitted, &weights, kernels, wanted / 2) {
-                round.draw(kernel, &mut self.random);
-            }
-            round.draw(fitted, &mut self.random);
-        }
-        round
-    }
-
-    /// Vehicles whose hard front mass does what the most likely rigid vehicle does, with anything behind it.
-    fn drawn_from_rigid(&self, hypothesis: usize, wanted: usize) -> Option<Drawn> {
-        let count = (FROM_RIGID * wanted as f64).round() as usize;
-        let rigid = self.members.iter();
-        let rigid = rigid.filter(|it| self.hypotheses[it.hypothesis].front == Front::Rigid);
-        let likeliest = likeliest(rigid)?;
-        let Hypothesis {
-            mut mean,
-            deviation,
-            unknowns,
-            ..
-        } = self.hypotheses[hypothesis];
-        let mut factor = independent(&deviation);
-        // The share of the front times the mass is the mass of the rigid vehicle.
-        const SHARE: usize = UNKNOWNS - 1;
-        mean[1] = likeliest.unknowns[1];
-        mean[SHARE] = likeliest.unknowns[0] - mean[0];
-        (factor[1][1], factor[SHARE][SHARE]) = (ABOUT_RIGID, ABOUT_RIGID);
-        factor[SHARE][0] = -factor[0][0];
-        (count > 0).then(|| Drawn::new((hypothesis, unknowns), count, mean, factor))
-    }
-
     /// Computes the next candidate of a round that is not complete.
     pub fn compute_next(&self, round: &mut Round) {
         let (drawn, unknowns) = round.candidates[round.done];
         let hypothesis = round.drawn[drawn].hypothesis;
-        round.computed.extend(self.member(hypothesis, unknowns));
+        round
+            .computed
+            .extend(self.member(hypothesis, unknowns, &self.grid));
         round.done += 1;
     }
 
@@ -318,31 +205,39 @@ impl Population {
         let candidates = &round.candidates[round.done..];
         let computed: Vec<Member> = candidates
             .par_iter()
-            .filter_map(|(drawn, unknowns)| self.member(round.drawn[*drawn].hypothesis, *unknowns))
+            .filter_map(|(drawn, unknowns)| {
+                self.member(round.drawn[*drawn].hypothesis, *unknowns, &self.grid)
+            })
             .collect();
         round.computed.extend(computed);
         round.done = round.candidates.len();
     }
 
-    /// The response to an impact of a hypothesis, weighed; `None` where it is not considered.
+    /// The response to an impact of a hypothesis, weighed, as far as the data need it: it is none of the population. `None` where it is not
+    /// considered.
     pub fn weighed(
         &self,
         hypothesis: usize,
         unknowns: [f64; UNKNOWNS],
         weighing: &Weighing,
     ) -> Option<Member> {
-        let mut member = self.member(hypothesis, unknowns)?;
+        let mut member = self.member(hypothesis, unknowns, &weighing.grid)?;
         member.weigh(weighing);
         Some(member)
     }
 
-    fn member(&self, hypothesis: usize, unknowns: [f64; UNKNOWNS]) -> Option<Member> {
+    fn member(
+        &self,
+        hypothesis: usize,
+        unknowns: [f64; UNKNOWNS],
+        grid: &TimeGrid,
+    ) -> Option<Member> {
         let log_prior = self.hypotheses[hypothesis].log_density(&unknowns);
         if log_prior == f64::NEG_INFINITY {
             return None;
         }
         let impact = self.hypotheses[hypothesis].impact(&unknowns)?;
-        let (prediction, front) = self.predicted(hypothesis, &unknowns, &impact)?;
+        let (prediction, front) = self.predicted(hypothesis, &unknowns, &impact, grid)?;
         let groups = lanes(self.sensors.len()).len();
         let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, front, groups);
         member.log_events = log_events(&self.events, &unknowns);
@@ -355,13 +250,14 @@ impl Population {
         hypothesis: usize,
         unknowns: &[f64; UNKNOWNS],
         impact: &Impact,
+        grid: &TimeGrid,
     ) -> Option<(Prediction, FrontError)> {
         let properties = with_yield_factor(&self.properties, libm::exp(unknowns[3]));
         let (column, sensors) = (&self.column, &self.sensors);
-        let mut prediction = Prediction::compute(column, &properties, impact, sensors, &self.grid)?;
+        let mut prediction = Prediction::compute(column, &properties, impact, sensors, grid)?;
         let front = self.hypotheses[hypothesis].front_error(impact, &self.impact_point);
         if let (FrontError::Soft(_), Some(rising)) = (front, &self.rising_force) {
-            rising.correct(&mut prediction, &self.grid, impact, &self.impact_point);
+            rising.correct(&mut prediction, grid, impact, &self.impact_point);
         }
         Some((prediction, front))
     }
@@ -428,7 +324,7 @@ impl Population {
 
     /// Logarithm of the weight of a member. Where no response explains the data, the one that explains them least badly is not the
     /// truth, and differences of the likelihood count less.
-    fn log_weight(&self, member: &Member) -> f64 {
+    pub(super) fn log_weight(&self, member: &Member) -> f64 {
         let before = member.log_prior + member.log_events - member.log_drawn;
         before + member.log_likelihood / self.temperature
     }
@@ -445,99 +341,13 @@ impl Population {
         weights
     }
 
-    fn of_hypothesis<'a>(
+    pub(super) fn of_hypothesis<'a>(
         &'a self,
         hypothesis: usize,
         weights: &'a [f64],
     ) -> impl Iterator<Item = (&'a Member, f64)> {
         let members = self.members.iter().zip(weights.iter().copied());
         members.filter(move |(member, _)| member.hypothesis == hypothesis)
-    }
-
-    /// The distribution of the weighted members of a hypothesis; `None` if no member of it has a weight, however small.
-    fn fitted(&self, hypothesis: usize, count: usize) -> Option<Drawn> {
-        let own = self.members.iter().filter(|it| it.hypothesis == hypothesis);
-        // Beside another hypothesis the weights may be too small for a number.
-        let own: Vec<_> = own.map(|it| (it, self.log_weight(it))).collect();
-        let largest = largest(own.iter().map(|(_, log)| *log));
-        if !largest.is_finite() {
-            return None;
-        }
-        let mut power = 1.0;
-        let tempered = loop {
-            let mut tempered: Vec<f64> = own
-                .iter()
-                .map(|(_, log)| libm::exp(power * (log - largest)))
-                .collect();
-            let sum: f64 = tempered.iter().sum();
-            let squares: f64 = tempered.iter().map(|weight| weight * weight).sum();
-            if sum * sum >= LEAST_EFFECTIVE * squares || power < 1e-3 {
-                for weight in &mut tempered {
-                    *weight /= sum;
-                }
-                break tempered;
-            }
-            power *= 0.7;
-        };
-        let each = || {
-            own.iter()
-                .zip(&tempered)
-                .map(|((member, _), w)| (&member.unknowns, *w))
-        };
-        let mean: [f64; UNKNOWNS] =
-            std::array::from_fn(|k| each().map(|(unknowns, weight)| weight * unknowns[k]).sum());
-        let mut covariance = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for (unknowns, weight) in each() {
-            for (i, row) in covariance.iter_mut().enumerate() {
-                for (j, entry) in row.iter_mut().enumerate() {
-                    *entry += WIDENING * weight * (unknowns[i] - mean[i]) * (unknowns[j] - mean[j]);
-                }
-            }
-        }
-        for (k, deviation) in self.hypotheses[hypothesis].deviation.iter().enumerate() {
-            let least = LEAST_WIDTH * deviation;
-            covariance[k][k] += least * least;
-        }
-        let unknowns = self.hypotheses[hypothesis].unknowns;
-        let factor = cholesky(&covariance);
-        Some(Drawn::new((hypothesis, unknowns), count, mean, factor))
-    }
-
-    /// Narrower distributions about members that are chosen by their weights, for `count` members together; a wider one where these are too
-    /// few.
-    fn kernels(
-        &mut self,
-        fitted: &Drawn,
-        weights: &[f64],
-        number: usize,
-        count: usize,
-    ) -> Vec<Drawn> {
-        let hypothesis = fitted.hypothesis;
-        let total: f64 = self
-            .of_hypothesis(hypothesis, weights)
-            .map(|(_, w)| w)
-            .sum();
-        if count == 0 || total <= 0.0 {
-            return Vec::new();
-        }
-        let wider = |by: f64| fitted.factor.map(|row| row.map(|entry| by * entry));
-        let of = (hypothesis, fitted.unknowns);
-        let each = count / number.max(1);
-        if each == 0 {
-            return vec![Drawn::new(of, count, fitted.mean, wider(TAIL_WIDTH))];
-        }
-        let offset = self.random.uniform();
-        let mut kernels = Vec::with_capacity(number);
-        let mut sum = 0.0;
-        for (member, weight) in self.of_hypothesis(hypothesis, weights) {
-            sum += weight / total;
-            // Systematic resampling: the same member may be chosen more than once.
-            while kernels.len() < number && sum * number as f64 > kernels.len() as f64 + offset {
-                let factor = wider(KERNEL_WIDTH);
-                kernels.push(Drawn::new(of, each, member.unknowns, factor));
-            }
-        }
-        kernels
     }
 
     /// Brings the likelihood of every member up to the data, on all processors.

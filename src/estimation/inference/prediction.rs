@@ -1,6 +1,6 @@
 //! What one conceivable impact would have let the sensors read, and how it would have ended.
 
-use crate::column::{ColumnProperties, Impact, Model, Progress, Report, Response, State};
+use crate::column::{ColumnProperties, End, Impact, Model, Progress, Report, Response, State};
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
 use crate::estimation::simulation::probe::{Rest, SteppedProbe};
 use crate::sensors::Sensor;
@@ -26,6 +26,8 @@ const STEPS_OF_RECOMMENDED: u64 = 5;
 pub(crate) struct TimeGrid {
     edges: Vec<f64>,
     nanos: Vec<u64>,
+    /// Whether responses are followed no further than to the last edge.
+    is_cut: bool,
 }
 
 /// A place between two edges of a grid.
@@ -47,7 +49,24 @@ impl TimeGrid {
             nanos.push(last);
         }
         let edges = nanos.iter().map(|&nanos| 1e-9 * nanos as f64).collect();
-        Self { edges, nanos }
+        Self {
+            edges,
+            nanos,
+            is_cut: false,
+        }
+    }
+
+    /// The part of it that readings until an instant \[s\] need: a response is followed until then, and not to its end.
+    pub fn until(&self, time: f64) -> Self {
+        let needed = self.edges.partition_point(|&edge| edge <= time) + 1;
+        match needed < self.edges.len() {
+            true => Self {
+                edges: self.edges[..needed].to_vec(),
+                nanos: self.nanos[..needed].to_vec(),
+                is_cut: true,
+            },
+            false => self.clone(),
+        }
     }
 
     /// The instants \[s\].
@@ -89,7 +108,7 @@ pub(crate) struct Prediction {
     integrals: Vec<Lanes>,
     /// Readings of the sensors after the last edge.
     at_end: Vec<Lanes>,
-    /// The column at rest afterwards; `None` if it does not stand, or has no equilibrium.
+    /// The column at rest afterwards; `None` if it does not stand, has no equilibrium, or is not followed so far.
     pub rest: Option<Box<State>>,
     pub report: Report,
 }
@@ -113,7 +132,7 @@ impl Prediction {
         .step_nanos;
         let parts = CELL_NANOS.div_ceil(STEPS_OF_RECOMMENDED * recommended);
         properties.step_nanos = CELL_NANOS / parts;
-        let model = Model::new(&properties).ok()?;
+        let model = Model::new(&properties).ok()?.solved_roughly();
         let secs = 1e-9 * properties.step_nanos as f64;
         let mut state = column.state(&model);
         let mut probes: Vec<_> = sensors
@@ -156,6 +175,7 @@ impl Prediction {
         }
         let end = match end {
             Some(end) => end,
+            None if grid.is_cut => End::DurationReached,
             None => loop {
                 if let Progress::Over(end) = response
                     .advance_unobserved(&model, &mut state, u64::MAX)
@@ -215,5 +235,37 @@ impl Prediction {
     /// Integral of a sensor's reading from contact to a place \[s, times its unit\].
     pub fn integral(&self, sensor: usize, place: Place) -> f64 {
         self.integrals(sensor / WIDTH, place)[sensor % WIDTH]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Parameters;
+
+    /// A search took most of its time for what comes after the data.
+    #[test]
+    fn a_response_until_the_data_end_reads_as_the_whole_one() {
+        let config = concat!(env!("CARGO_MANIFEST_DIR"), "/config/");
+        let files = ["heb220_s355.yaml", "sensors_industrial.yaml"];
+        let files = files.map(|it| format!("{config}{it}").into());
+        let parameters = Parameters::load(&files, &[]).expect("parameters");
+        let column = StandingColumn::undamaged(&parameters);
+        let (properties, sensors) = (column.properties(&parameters), parameters.sensors());
+        let (grid, until) = (TimeGrid::new(), 0.04);
+        let predicted = |grid: &TimeGrid| {
+            let impact = Impact::rigid(1500.0, 8.0);
+            Prediction::compute(&column, &properties, &impact, &sensors, grid).expect("a response")
+        };
+        let (whole, part) = (predicted(&grid), predicted(&grid.until(until)));
+        for sensor in 0..sensors.len() {
+            for time in (0..=80).map(|half| 0.5e-3 * f64::from(half)) {
+                let [whole, part] =
+                    [&whole, &part].map(|it| it.integral(sensor, grid.place(time)).to_bits());
+                assert_eq!(whole, part, "{time} s");
+            }
+        }
+        assert!(part.integrals.len() < whole.integrals.len());
+        assert_eq!(grid.until(HORIZON), grid);
     }
 }

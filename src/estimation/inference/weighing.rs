@@ -21,6 +21,8 @@ pub(crate) type Observed = (Block, Vec<Option<BlockMean>>);
 pub(crate) struct Weighing {
     pub blocks: Vec<WeighedBlock>,
     pub sensors: Vec<WeighedSensor>,
+    /// The instants at which predictions are needed for it.
+    pub grid: TimeGrid,
     /// Instants of contact that are considered, about the detected one \[s\].
     pub delays: [f64; SHIFTS],
     /// Logarithms of their probabilities.
@@ -124,6 +126,9 @@ impl Weighing {
                 terms,
             }
         });
+        let blocks: Vec<_> = blocks.collect();
+        let last = observed.last();
+        let seen = last.map_or(0.0, |(block, _)| block.start + block.length);
         let each = sensors.iter().zip(&errors).zip(ignored);
         let weighed = each.map(|((sensor, error), ignored)| WeighedSensor {
             prior: 1.0 / (error.scale * error.scale),
@@ -131,8 +136,10 @@ impl Weighing {
             is_ignored: *ignored,
         });
         Self {
-            blocks: blocks.collect(),
+            blocks,
             sensors: weighed.collect(),
+            // The earliest contact sees most of a response.
+            grid: grid.until(seen - delays[0]),
             delays,
             log_delays: delays.map(|delay| {
                 let z = delay / deviation;
