@@ -190,11 +190,7 @@ fn the_rejection_by_another_twin_is_no_answer_if_the_forecast_follows() {
         statuses.find("the rejection", |it| {
             it.last_rejection_event_id == event.event_id
         });
-        let answer = ImpactReport {
-            event_id: event.event_id,
-            ..ImpactReport::default()
-        };
-        forecasts.publish(answer).unwrap();
+        forecasts.publish(forecast_of(event)).unwrap();
         sender.join().unwrap()
     });
     assert!(
@@ -224,11 +220,7 @@ fn an_impact_waits_until_its_twin_is_known_as_a_reader() {
         std::thread::sleep(Duration::from_millis(500));
         let events = Incoming::<ImpactEvent>::early(&mut late.node, &qos::IMPACT_EVENT);
         let event = events.find("the event", |it| it.column_id == "late");
-        let answer = ImpactReport {
-            event_id: event.event_id,
-            ..ImpactReport::default()
-        };
-        forecasts.publish(answer).unwrap();
+        forecasts.publish(forecast_of(event)).unwrap();
         sender.join().unwrap()
     });
     assert!(
@@ -236,6 +228,14 @@ fn an_impact_waits_until_its_twin_is_known_as_a_reader() {
         "{outcome:?}"
     );
     other.stop();
+}
+
+/// What a twin answers to an event that it accepts.
+fn forecast_of(event: ImpactEvent) -> ImpactReport {
+    ImpactReport {
+        event_id: event.event_id,
+        ..ImpactReport::default()
+    }
 }
 
 /// Sends an impact of 1 m/s as `column-twin impact` does.

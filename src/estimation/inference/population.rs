@@ -213,8 +213,8 @@ impl Population {
         round.done = round.candidates.len();
     }
 
-    /// The response to an impact of a hypothesis, weighed, as far as the data need it: it is none of the population. `None` where it is not
-    /// considered.
+    /// The response to an impact of a hypothesis, weighed. It is followed only until the data end, so it must not join the population. `None`
+    /// where the impact is not considered.
     pub fn weighed(
         &self,
         hypothesis: usize,
