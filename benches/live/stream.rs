@@ -34,6 +34,9 @@ const SAME_RESPONSE: i64 = 3_000_000;
 /// the processors with the stream \[ns\].
 const START: i64 = 20_000_000;
 
+/// The next bare publisher starts and is discovered between two turns: in a turn of the node it would disturb the node only.
+const DISCOVERY: Duration = Duration::from_secs(2);
+
 /// Maximum time in transit of the last messages.
 const STRAGGLERS: Duration = Duration::from_secs(1);
 
@@ -183,6 +186,7 @@ pub fn run(span: Duration) {
         }
         if number + 1 < turns {
             bare = Some(Bare::publisher(&domain, pairs));
+            std::thread::sleep(DISCOVERY);
         }
     }
     let mut rust: Records = readers.each_ref().map(|reader| {

@@ -52,12 +52,16 @@ pub(super) mod colour {
     pub const IMPACT_IMPULSE: RGBColor = RGBColor(213, 94, 0);
 
     /// Colours of the hinges, in the order of [`HINGE_PLACES`](crate::observables::HINGE_PLACES).
-    pub const HINGE: [RGBColor; HINGES] = [
+    pub const HINGE: [RGBColor; HINGES] = *[
         RGBColor(230, 159, 0),
         RGBColor(0, 80, 140),
         RGBColor(0, 158, 115),
         RGBColor(213, 94, 0),
-    ];
+        RGBColor(204, 121, 167),
+        RGBColor(86, 180, 233),
+    ]
+    .first_chunk()
+    .expect("a colour for each hinge");
 
     /// Colours of the springs of a vehicle, front first.
     pub const SPRINGS: [RGBColor; 3] = [

@@ -173,23 +173,15 @@ fn supports_have_their_stiffness(settings: &Settings, found: &mut Vec<Inconsiste
 
 fn hinge_stiffness_has_its_law(settings: &Settings, found: &mut Vec<Inconsistency>) {
     let (hinge, support) = (&settings.hinge, &settings.support);
-    for (name, stiffness, end) in [
-        ("hinge.stiffness_1a", hinge.stiffness_1a, None),
-        ("hinge.stiffness_1b", hinge.stiffness_1b, None),
-        (
-            "hinge.stiffness_2",
-            hinge.stiffness_2,
-            Some(("support.top", support.top)),
-        ),
-        (
-            "hinge.stiffness_3",
-            hinge.stiffness_3,
-            Some(("support.base", support.base)),
-        ),
-    ] {
+    for (name, stiffness) in hinge.stiffnesses() {
         if stiffness == 0.0 {
             continue;
         }
+        let end = match name {
+            "hinge.stiffness_2" => Some(("support.top", support.top)),
+            "hinge.stiffness_3" => Some(("support.base", support.base)),
+            _ => None,
+        };
         if hinge.elastic_law == ElasticLaw::Coupled {
             found.push(Inconsistency {
                 names: vec![name, "hinge.elastic_law"],

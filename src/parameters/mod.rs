@@ -586,13 +586,7 @@ impl Parameters {
             elastic_law: hinge.elastic_law,
             base: support_of(support.base, support.base_stiffness),
             top: support_of(support.top, support.top_stiffness),
-            hinge_stiffness: [
-                hinge.stiffness_1a,
-                hinge.stiffness_1b,
-                hinge.stiffness_2,
-                hinge.stiffness_3,
-            ]
-            .map(given),
+            hinge_stiffness: hinge.stiffnesses().map(|(_, stiffness)| given(stiffness)),
             top_spring_stiffness: top.spring_stiffness,
             top_mass: top.mass,
             top_load: top.load,

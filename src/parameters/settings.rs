@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::assumed::AssumedInput;
 use super::qos_overrides::QosSettings;
-use crate::column::{ElasticLaw, Scheme};
+use crate::column::{ElasticLaw, HINGES, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -552,6 +552,21 @@ words! {
 /// For what is left out where it has its default.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+
+impl HingeSettings {
+    /// The stiffnesses as given \[N m/rad\], each with the name of its parameter, in the order of [`HINGE_NAMES`].
+    ///
+    /// [`HINGE_NAMES`]: crate::column::HINGE_NAMES
+    #[must_use]
+    pub fn stiffnesses(&self) -> [(&'static str, f64); HINGES] {
+        [
+            ("hinge.stiffness_1a", self.stiffness_1a),
+            ("hinge.stiffness_1b", self.stiffness_1b),
+            ("hinge.stiffness_2", self.stiffness_2),
+            ("hinge.stiffness_3", self.stiffness_3),
+        ]
+    }
 }
 
 impl LoadBasis {

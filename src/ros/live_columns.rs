@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
-use std::time::{Duration, Instant};
 
 use crate::column::{ImpactSpecification, ModelError};
 use crate::fleet::{FleetStartError, make_twins};
@@ -30,12 +29,6 @@ use super::utc::Utc;
 /// Most topics, besides the one that all sensors share, that the sensors of a fleet may name: each is an endpoint, of which every peer
 /// is told.
 const MAX_SENSOR_TOPICS: usize = 256;
-
-/// Most time for which a forecast waits until the damage of its column is written: a disk that hangs must not hold it up for longer.
-const SAVING_PATIENCE: Duration = Duration::from_millis(50);
-
-/// Time between two looks at whether it is written.
-const SAVING_INTERVAL: Duration = Duration::from_micros(200);
 
 /// Why the live columns cannot be started.
 #[derive(Debug, thiserror::Error)]
@@ -402,17 +395,11 @@ impl LiveColumns {
             })
     }
 
-    /// Waits until the damage of a column is written, at most 50 ms: a node that is killed must not have lost an impact
-    /// whose forecast is known.
-    pub fn wait_until_saved(&self, column: u32) {
-        let start = Instant::now();
-        let is_saving = || {
-            self.ask(|handle| Ok(handle.is_saving(column)))
-                .unwrap_or(false)
-        };
-        while is_saving() && start.elapsed() < SAVING_PATIENCE {
-            std::thread::sleep(SAVING_INTERVAL);
-        }
+    /// Whether the damage of this column is still to be written, and that of few others; `false` after the stop.
+    #[must_use]
+    pub fn is_saving(&self, column: u32) -> bool {
+        self.ask(|handle| Ok(handle.is_saving(column)))
+            .unwrap_or(false)
     }
 
     /// Number of columns that respond or have something to do soon.

@@ -69,6 +69,8 @@
 // - twin_node.rs: The node of one column or many: all topics and services, in separate threads
 // - unannounced.rs: Which parameters have not been announced on `/parameter_events` as new yet, and when they are
 // - utc.rs: A time for people
+// - withheld.rs: Outputs that are published once the damage of their column is written: a node that is killed must not have
+//   lost an impact whose forecast is known
 // - zenoh/: Zenoh as the transport of a node, as `rmw_zenoh` speaks it: its keys with type hashes, its liveliness tokens for
 //   the graph, its attachments, and CDR
 // - zenoh_absent.rs: Zenoh in a program without the feature `zenoh`: says so if it is asked for
@@ -126,6 +128,7 @@ mod transport_error;
 mod twin_node;
 mod unannounced;
 mod utc;
+mod withheld;
 #[cfg_attr(not(feature = "zenoh"), path = "zenoh_absent.rs")]
 mod zenoh;
 

@@ -31,6 +31,7 @@ use super::security_health::security_health;
 use super::sending::{Sending, encoded};
 use super::transport::Publisher;
 use super::unannounced::Unannounced;
+use super::withheld::{SAVING_INTERVAL, Withheld};
 use ros_node::clock_watch::SeldomWarning;
 use ros_node::matches::Matches;
 use ros_node::raw::Raw;
@@ -72,6 +73,8 @@ pub(super) struct Publishing {
     /// The parameters of the columns whose parameters have changed since the start.
     changed_parameters: HashMap<u32, Arc<Parameters>>,
     unannounced: Unannounced,
+    /// What waits until damage is written.
+    withheld: Withheld,
     /// The parameters of a single twin that wait for the end of the response.
     waiting: Vec<String>,
     /// The status of a single twin.
@@ -124,6 +127,7 @@ impl Publishing {
             converters: HashMap::new(),
             changed_parameters: HashMap::new(),
             unannounced: Unannounced::new(columns.face()),
+            withheld: Withheld::default(),
             waiting: Vec::new(),
             status: TwinStatus {
                 column_id: of_single(&settings.column_id),
@@ -152,13 +156,16 @@ impl Publishing {
                     self.end_publishing();
                 }
             }
+            self.release();
             let next = match outputs.receive_of(Duration::ZERO) {
-                None if !is_stopping => outputs.receive_of(self.wait()),
+                None if !is_stopping || !self.withheld.is_empty() => {
+                    outputs.receive_of(self.wait())
+                }
                 next => next,
             };
             match next {
-                Some((column, output)) => self.publish(column, output),
-                None if is_stopping => return self.finish(),
+                Some((column, output)) => self.pass(column, output),
+                None if is_stopping && self.withheld.is_empty() => return self.finish(),
                 None => {}
             }
             if let Some(fleet) = &mut self.fleet {
@@ -257,8 +264,42 @@ impl Publishing {
         let since = self.last_diagnostics.as_ref().map(|(at, _)| at.elapsed());
         let rest = since.map_or(Duration::ZERO, |it| DIAGNOSTICS_PERIOD.saturating_sub(it));
         let rest = rest.min(self.unannounced.wait());
+        let rest = match self.withheld.is_empty() {
+            true => rest,
+            false => rest.min(SAVING_INTERVAL),
+        };
         let fleet = self.fleet.as_ref();
         fleet.map_or(rest, |it| it.wait(&self.sending.columns, rest))
+    }
+
+    /// Publishes an output, unless it has to wait until the damage of its column is written.
+    fn pass(&mut self, column: u32, output: Output) {
+        let columns = &self.sending.columns;
+        let is_saving = |column| columns.is_saving(column);
+        let passed = self
+            .withheld
+            .pass(column, output, Instant::now(), is_saving);
+        if let Some(output) = passed {
+            self.publish(column, output);
+        }
+    }
+
+    /// Publishes what need not wait any longer.
+    fn release(&mut self) {
+        loop {
+            let columns = &self.sending.columns;
+            let is_saving = |column| columns.is_saving(column);
+            let Some((column, mut outputs)) = self.withheld.release(Instant::now(), is_saving)
+            else {
+                return;
+            };
+            if let Some(forecast) = outputs.pop_front() {
+                self.publish(column, forecast);
+            }
+            for output in outputs {
+                self.pass(column, output);
+            }
+        }
     }
 
     fn publish(&mut self, column: u32, output: Output) {
@@ -274,9 +315,6 @@ impl Publishing {
         }
         if let Some(fleet) = &mut self.fleet {
             fleet.note(column, &output, &self.sending.columns);
-        }
-        if let Output::Forecast(_) = output {
-            self.sending.columns.wait_until_saved(column);
         }
         self.messages(column, &output);
         match output {

@@ -5,8 +5,8 @@ use std::fmt;
 use super::axis_problem::{AxisError, AxisProblem, MAX_CELLS};
 use crate::column::is_direction;
 use crate::parameters::{
-    Admissible, CatalogueSection, CatalogueVehicle, Parameter, ParameterFaults, Parameters, RIGID,
-    Value, readable,
+    Admissible, CatalogueSection, CatalogueVehicle, PARAMETERS, Parameter, ParameterFaults,
+    Parameters, RIGID, Value, readable,
 };
 
 /// Parameters and groups of parameters that do not enter into a response: those of the node, of recordings and of the viewer.
@@ -24,20 +24,22 @@ const NODE_GROUPS: &[&str] = &[
     "viewer",
 ];
 
-/// What a section from the catalogue brings along, so that numbers that are given for another section do not remain: a value of 0
-/// is computed from the section.
-const OF_THE_SECTION: [&str; 10] = [
+/// What a section from the catalogue brings along, with the stiffness of every hinge, so that numbers that are given for another
+/// section do not remain: a value of 0 is computed from the section.
+const OF_THE_SECTION: [&str; 6] = [
     "section.area",
     "section.second_moment",
     "section.mass_per_length",
     "section.height",
     "resistance.moment",
     "resistance.axial",
-    "hinge.stiffness_1a",
-    "hinge.stiffness_1b",
-    "hinge.stiffness_2",
-    "hinge.stiffness_3",
 ];
+
+fn parameters_of_the_section() -> impl Iterator<Item = &'static str> {
+    let names = PARAMETERS.iter().map(|it| it.name);
+    let stiffnesses = names.filter(|name| name.starts_with("hinge.stiffness_"));
+    OF_THE_SECTION.into_iter().chain(stiffnesses)
+}
 
 /// What varies along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -187,7 +189,7 @@ impl MapQuantity {
     /// Whether both determine the same parameter.
     fn excludes(&self, other: &Self) -> bool {
         let is_length = |quantity: &Self| matches!(quantity, Self::Parameter(it) if it.name.starts_with("geometry."));
-        let is_of_the_section = |quantity: &Self| matches!(quantity, Self::Parameter(it) if OF_THE_SECTION.contains(&it.name));
+        let is_of_the_section = |quantity: &Self| matches!(quantity, Self::Parameter(it) if parameters_of_the_section().any(|name| name == it.name));
         let is_direction =
             |quantity: &Self| matches!(quantity, Self::Parameter(it) if it.name == DIRECTION);
         let one_way = |one: &Self, other: &Self| {
@@ -460,7 +462,7 @@ pub(super) fn changes(
         (MapQuantity::Height, name) => vec![("geometry.length_below", value_of(name))],
         (MapQuantity::Section, value) => {
             let mut changes = vec![("section.name", value_of(value))];
-            changes.extend(OF_THE_SECTION.map(|name| (name, Value::Double(0.0))));
+            changes.extend(parameters_of_the_section().map(|name| (name, Value::Double(0.0))));
             changes
         }
         // A vehicle that is named has its own mass, except for the rigid one, which has none.
@@ -594,7 +596,6 @@ fn parsed_values(quantity: MapQuantity, text: &str) -> Result<AxisValues, AxisPr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::PARAMETERS;
 
     fn fault(text: &str) -> String {
         let fault = MapAxis::parse(text).expect_err(text).to_string();
@@ -725,7 +726,7 @@ mod tests {
             .iter()
             .filter(|it| MapQuantity::named(it.name).is_ok());
         assert!(can_vary.count() > 30);
-        for name in OF_THE_SECTION {
+        for name in parameters_of_the_section() {
             assert!(Parameter::named(name).is_some(), "{name}");
         }
     }

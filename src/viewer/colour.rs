@@ -61,12 +61,16 @@ pub const SURFACE: Rgb = [190, 190, 190];
 pub const AXIS: Rgb = [90, 90, 90];
 
 /// Hinges in the plots, in the order of [`HINGE_PLACES`](crate::observables::HINGE_PLACES).
-pub const HINGE: [Rgb; HINGES] = [
+pub const HINGE: [Rgb; HINGES] = *[
     [120, 190, 255],
     [255, 170, 90],
     [90, 200, 200],
     [250, 110, 110],
-];
+    [220, 150, 220],
+    [230, 220, 100],
+]
+.first_chunk()
+.expect("a colour for each hinge");
 
 /// Entries of the energy ledger, from the bottom of the stack.
 pub const ENERGIES: [Rgb; 6] = [

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::column::{
-    ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, Impact, Outcome, Sample, Scheme,
+    ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, HINGES, Impact, Outcome, Sample, Scheme,
     Support, Vehicle, YieldExponents, respond, simulate,
 };
 
@@ -32,7 +32,7 @@ fn rigid_plastic(load: f64) -> ColumnProperties {
         elastic_law: ElasticLaw::Coupled,
         base: Support::BuiltIn,
         top: Support::BuiltIn,
-        hinge_stiffness: [None; 4],
+        hinge_stiffness: [None; HINGES],
         top_spring_stiffness: 0.0,
         top_mass: 0.0,
         top_load: load,
