@@ -60,7 +60,9 @@ pub use pool::{
 };
 pub use pool::{FleetMeasurements, SensingStatistics};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
-pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
+pub use real_time::{
+    Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher, request_for_sender,
+};
 pub use recent_batches::RecentBatches;
 pub use sensing::{Deliver, MAX_ESTIMATED_AT_ONCE, SENSING_THREAD};
 pub use single::{Live, LiveHandle, LiveOptions};

@@ -123,8 +123,18 @@ pub(super) fn request(wanted: &RealTime) -> RealTimeGrants {
 /// samples do not wait for programs without deadlines. Denials are not reported, because the solver reports the same ones.
 pub fn request_for_publisher(wanted: &RealTime) {
     let _ = set_current_timer_slack(std::num::NonZeroU64::new(1));
-    if let Some(priority @ 2..) = wanted.fifo_priority {
-        let _ = fifo(priority - 1);
+    request_below_the_solver(wanted, 1);
+}
+
+/// The same for the thread of the DDS library that sends what is published, one priority lower still. It also receives: a flood of
+/// messages delays neither solver nor publisher.
+pub fn request_for_sender(wanted: &RealTime) {
+    request_below_the_solver(wanted, 2);
+}
+
+fn request_below_the_solver(wanted: &RealTime, by: u8) {
+    if let Some(priority @ 1..) = wanted.fifo_priority.and_then(|it| it.checked_sub(by)) {
+        let _ = fifo(priority);
     }
 }
 

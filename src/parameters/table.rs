@@ -350,7 +350,7 @@ pub const PARAMETERS: &[Parameter] = parameters! {
         "directory of the state file, which is named after the column and preserves the damage across restarts; `$XDG_STATE_HOME` is \
          `~/.local/state` unless the environment sets it; empty: the damage is lost when the program ends";
     "real_time.priority", "", Integer(50), integer(0, 99), Restart,
-        "SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below; 0: normal scheduling";
+        "SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below and the thread of DDS two below; 0: normal scheduling";
     "real_time.processors", "", Text(""), Processors, Restart,
         "processors that the solver thread may run on; empty: all";
     "real_time.lock_memory", "", Bool(true), Switch, Restart,

@@ -104,12 +104,27 @@ impl Node {
     /// # Errors
     /// The participant or the node cannot be created, or security is enforced and its enclave cannot be used.
     pub fn new(environment: &Environment, names: Names) -> Result<Self, NodeError> {
+        Self::with_sender(environment, names, || {})
+    }
+
+    /// The same; the thread of DDS that sends and receives calls `start` first. Zenoh has no such thread.
+    ///
+    /// # Errors
+    /// See [`new`](Self::new).
+    pub(super) fn with_sender(
+        environment: &Environment,
+        names: Names,
+        start: impl FnOnce() + Send + 'static,
+    ) -> Result<Self, NodeError> {
         let matches = Arc::default();
         let (network, protection) = match environment.transport {
             Transport::Dds => {
                 let protection = protection(&environment.security, environment.domain_id)?;
                 protection.announce();
-                (Network::Dds(context(environment, &protection)?), protection)
+                (
+                    Network::Dds(context(environment, &protection, start)?),
+                    protection,
+                )
             }
             Transport::Zenoh => {
                 check_transport(environment)?;
@@ -523,12 +538,17 @@ fn not_created(what: &str, reason: &impl ToString) -> NodeError {
     }
 }
 
-/// A context with a participant in the domain and on the networks of the environment.
+/// A context with a participant in the domain and on the networks of the environment; its thread that sends and receives calls `start`
+/// first.
 ///
 /// # Errors
 /// Sockets or threads are not available.
-fn context(environment: &Environment, protection: &Protection) -> Result<Context, NodeError> {
-    let builder = DomainParticipantBuilder::new(environment.domain_id);
+fn context(
+    environment: &Environment,
+    protection: &Protection,
+    start: impl FnOnce() + Send + 'static,
+) -> Result<Context, NodeError> {
+    let builder = DomainParticipantBuilder::new(environment.domain_id).on_event_loop_start(start);
     let builder = match environment.discovery_range {
         DiscoveryRange::Localhost => builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]),
         DiscoveryRange::Subnet => builder,

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use futures::future::Either;
 
 use crate::fleet::LINGER;
-use crate::live::{OutputSource, RealTime, Waker, request_for_publisher};
+use crate::live::{OutputSource, RealTime, Waker, request_for_publisher, request_for_sender};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
@@ -135,7 +135,9 @@ impl TwinNode {
         let StartOptions { linger, managed } = options;
         let managed = managed.map(|it| (it, Arc::new(Lifecycle::unconfigured())));
         let lifecycle = managed.as_ref().map(|it| Arc::clone(&it.1));
-        let mut node = Node::new(environment, names)?;
+        let real_time = RealTime::of(columns.node_parameters());
+        let sender = real_time.clone();
+        let mut node = Node::with_sender(environment, names, move || request_for_sender(&sender))?;
         let settings = columns.node_parameters().settings();
         node.override_qos(QosOverrides::new(&settings.qos_overrides));
         let metrics = NodeMetrics::start(&settings.metrics.address)?;
@@ -224,7 +226,6 @@ impl TwinNode {
         let own = NodeServices::new(&mut node, inputs.receiving.clone())?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
-        let real_time = RealTime::of(columns.node_parameters());
         let publisher = spawn(PUBLISHING_THREAD, move || {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);

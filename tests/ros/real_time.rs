@@ -16,6 +16,9 @@ use super::program::Program;
 /// `SCHED_FIFO` in `/proc`.
 const FIFO: &str = "1";
 
+/// `SCHED_OTHER`.
+const NORMAL: &str = "0";
+
 /// A user without privileges, called `nobody` on most systems.
 const NOBODY: u32 = 65_534;
 
@@ -30,21 +33,22 @@ const WISHES: [&str; 8] = [
     "state.directory:=''",
 ];
 
-/// Policy and priority of the solver's thread, and the processors that it may run on.
-fn of_solver(id: u32) -> (String, String, String) {
+/// Policy and priority of a thread, and the processors that it may run on. The system knows the beginning of its name.
+fn of_thread(id: u32, name: &str) -> (String, String, String) {
     let tasks = fs::read_dir(format!("/proc/{id}/task")).unwrap();
-    let name = &SOLVER_THREAD[..15];
-    let solver = tasks
+    let thread = tasks
         .map(|task| task.unwrap().path())
-        .find(|task| fs::read_to_string(task.join("comm")).is_ok_and(|it| it.trim() == name))
-        .expect("the solver's thread");
-    let stat = fs::read_to_string(solver.join("stat")).unwrap();
+        .find(|task| {
+            fs::read_to_string(task.join("comm")).is_ok_and(|it| name.starts_with(it.trim()))
+        })
+        .expect(name);
+    let stat = fs::read_to_string(thread.join("stat")).unwrap();
     let behind_name = stat.rsplit_once(')').unwrap().1;
     let field = |number: usize| {
         let field = behind_name.split_ascii_whitespace().nth(number - 3);
         field.unwrap().to_owned()
     };
-    let status = fs::read_to_string(solver.join("status")).unwrap();
+    let status = fs::read_to_string(thread.join("status")).unwrap();
     (field(41), field(40), line(&status, "Cpus_allowed_list:"))
 }
 
@@ -66,11 +70,19 @@ fn what_is_granted_is_there() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &WISHES);
-    let (policy, priority, processors) = of_solver(program.id());
+    let (_, _, processors) = of_thread(program.id(), SOLVER_THREAD);
     let said = |text: &str| program.seen.iter().any(|it| it.contains(text));
     // Where this test may not have it, the next one is the one that counts.
     if !said("SCHED_FIFO not granted") {
-        assert_eq!((policy.as_str(), priority.as_str()), (FIFO, "17"));
+        for (name, expected) in [
+            (SOLVER_THREAD, [FIFO, "17"]),
+            ("column_twin/pub", [FIFO, "16"]),
+            ("RustDDS Participant", [FIFO, "15"]),
+            ("RustDDS discovery", [NORMAL, "0"]),
+        ] {
+            let (policy, priority, _) = of_thread(program.id(), name);
+            assert_eq!([policy.as_str(), priority.as_str()], expected, "{name}");
+        }
     }
     if !said("CPU affinity not granted") {
         assert_eq!(processors, "0");

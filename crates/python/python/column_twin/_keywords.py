@@ -274,7 +274,7 @@ class ParameterKeywords(TypedDict, total=False):
     state__directory: Text
     """directory of the state file, which is named after the column and preserves the damage across restarts; `$XDG_STATE_HOME` is `~/.local/state` unless the environment sets it; empty: the damage is lost when the program ends"""
     real_time__priority: Whole
-    """SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below; 0: normal scheduling"""
+    """SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below and the thread of DDS two below; 0: normal scheduling"""
     real_time__processors: Text
     """processors that the solver thread may run on; empty: all"""
     real_time__lock_memory: bool
@@ -558,7 +558,7 @@ class AxisKeywords(TypedDict, total=False):
     beam__bow: AxisNumbers
     """initial bow of the fibre beam about each axis of `beam.bow_axes`, at most a twentieth of its height; 0: straight; negative: a thousandth of the height [m]"""
     real_time__priority: AxisNumbers
-    """SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below; 0: normal scheduling"""
+    """SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below and the thread of DDS two below; 0: normal scheduling"""
     real_time__threads: AxisNumbers
     """solver threads of a fleet; 0: as many as processors. A single twin has one"""
     record__max_file_size: AxisNumbers

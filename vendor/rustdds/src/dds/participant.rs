@@ -83,11 +83,16 @@ pub struct DomainParticipantBuilder {
 
   user_data: Vec<u8>,
 
+  on_event_loop_start: Option<ThreadStart>,
+
   #[cfg(feature = "security")]
   security_plugins: Option<SecurityPlugins>,
   #[cfg(feature = "security")]
   sec_properties: Option<policy::Property>, // Properties for configuring security plugins
 }
+
+/// What a thread does before its work.
+type ThreadStart = Box<dyn FnOnce() + Send>;
 
 impl DomainParticipantBuilder {
   pub fn new(domain_id: u16) -> DomainParticipantBuilder {
@@ -98,6 +103,7 @@ impl DomainParticipantBuilder {
       socket_receive_buffer_size: Self::DEFAULT_SOCKET_RECEIVE_BUFFER_SIZE,
       socket_send_buffer_size: Self::DEFAULT_SOCKET_SEND_BUFFER_SIZE,
       user_data: Vec::new(),
+      on_event_loop_start: None,
       #[cfg(feature = "security")]
       security_plugins: None,
       #[cfg(feature = "security")]
@@ -122,6 +128,13 @@ impl DomainParticipantBuilder {
   /// empty, and not sent).
   pub fn user_data(mut self, user_data: impl Into<Vec<u8>>) -> Self {
     self.user_data = user_data.into();
+    self
+  }
+
+  /// What the thread that sends and receives does at its start, such as to set
+  /// its priority (default: nothing).
+  pub fn on_event_loop_start(mut self, start: impl FnOnce() + Send + 'static) -> Self {
+    self.on_event_loop_start = Some(Box::new(start));
     self
   }
 
@@ -368,6 +381,7 @@ impl DomainParticipantBuilder {
       self.same_host_loopback,
       dp_waker,
       discovery_sample_sender,
+      self.on_event_loop_start,
     )?;
     dp.user_data = self.user_data;
 
@@ -1008,6 +1022,7 @@ impl DomainParticipantDisc {
     same_host_loopback: bool,
     dp_waker: LoopWaker,
     discovery_sample_sender: ReadySender<mio1::Token>,
+    on_event_loop_start: Option<ThreadStart>,
   ) -> CreateResult<Self> {
     let dpi = DomainParticipantInner::new(
       domain_id,
@@ -1025,6 +1040,7 @@ impl DomainParticipantDisc {
       same_host_loopback,
       dp_waker,
       discovery_sample_sender,
+      on_event_loop_start,
     )?;
 
     Ok(Self {
@@ -1268,6 +1284,7 @@ impl DomainParticipantInner {
     same_host_loopback: bool,
     dp_waker: LoopWaker,
     discovery_sample_sender: ReadySender<mio1::Token>,
+    on_event_loop_start: Option<ThreadStart>,
   ) -> CreateResult<Self> {
     #[cfg(not(feature = "security"))]
     let _dummy = _qos_policies; // to make clippy happy
@@ -1413,6 +1430,9 @@ impl DomainParticipantInner {
       .name(format!("RustDDS Participant {participant_id} event loop"))
       .stack_size(THREAD_STACK_SIZE)
       .spawn(move || {
+        if let Some(start) = on_event_loop_start {
+          start();
+        }
         match DPEventLoop::new(
           domain_info_clone,
           dds_cache_clone,
