@@ -289,14 +289,12 @@ impl Publishing {
         loop {
             let columns = &self.sending.columns;
             let is_saving = |column| columns.is_saving(column);
-            let Some((column, mut outputs)) = self.withheld.release(Instant::now(), is_saving)
-            else {
+            let released = self.withheld.release(Instant::now(), is_saving);
+            let Some((column, forecast, behind)) = released else {
                 return;
             };
-            if let Some(forecast) = outputs.pop_front() {
-                self.publish(column, forecast);
-            }
-            for output in outputs {
+            self.publish(column, forecast);
+            for output in behind {
                 self.pass(column, output);
             }
         }

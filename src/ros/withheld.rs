@@ -1,5 +1,5 @@
 //! Outputs that are published once the damage of their column is written: a node that is killed must not have lost an impact whose
-//! forecast is known. The stream of the column goes on meanwhile.
+//! forecast is known. The states of the column are published meanwhile.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -17,7 +17,8 @@ pub(super) const SAVING_INTERVAL: Duration = Duration::from_micros(200);
 struct Waiting {
     column: u32,
     since: Instant,
-    outputs: VecDeque<Output>,
+    forecast: Output,
+    behind: Vec<Output>,
 }
 
 /// The outputs that wait, in the order in which their columns had their forecasts.
@@ -44,16 +45,17 @@ impl Withheld {
         match before {
             Some(waiting)
                 if !matches!(output, Output::State(_))
-                    || !waiting.outputs.iter().all(may_be_overtaken) =>
+                    || !waiting.behind.iter().all(may_be_overtaken) =>
             {
-                waiting.outputs.push_back(output);
+                waiting.behind.push(output);
                 None
             }
             None if matches!(output, Output::Forecast(_)) && is_saving(column) => {
                 self.columns.push_back(Waiting {
                     column,
                     since: now,
-                    outputs: VecDeque::from([output]),
+                    forecast: output,
+                    behind: Vec::new(),
                 });
                 None
             }
@@ -61,22 +63,22 @@ impl Withheld {
         }
     }
 
-    /// The outputs of a column whose damage is written, or has been awaited for too long: the first is to be published, the others are
-    /// to be [passed](Self::pass) again.
+    /// A column whose damage is written, or has been awaited for too long, with its forecast, which is to be published, and what came
+    /// behind it, which is to be [passed](Self::pass) again.
     pub fn release(
         &mut self,
         now: Instant,
         is_saving: impl Fn(u32) -> bool,
-    ) -> Option<(u32, VecDeque<Output>)> {
+    ) -> Option<(u32, Output, Vec<Output>)> {
         let is_over =
             |it: &Waiting| now.duration_since(it.since) >= SAVING_PATIENCE || !is_saving(it.column);
         let index = self.columns.iter().position(is_over)?;
         let released = self.columns.remove(index)?;
-        Some((released.column, released.outputs))
+        Some((released.column, released.forecast, released.behind))
     }
 }
 
-/// Whether a state may be published before an output that came before it: neither of them says anything about the other.
+/// Whether a state may be published before an output that came before it: its readers need not know that output to read the state.
 fn may_be_overtaken(output: &Output) -> bool {
     matches!(
         output,
@@ -161,9 +163,12 @@ mod tests {
         assert_eq!(words(&passed), words(&[before, &stream].concat()));
 
         assert!(withheld.release(now, |_| true).is_none());
-        let (column, rest) = withheld.release(now, |_| false).expect("it is written");
+        let (column, forecast, behind) = withheld.release(now, |_| false).expect("it is written");
         assert_eq!((column, withheld.is_empty()), (7, true));
-        assert_eq!(words(&Vec::from(rest)), words(&[&waiting, far].concat()));
+        assert_eq!(
+            words(&[vec![forecast], behind].concat()),
+            words(&[&waiting, far].concat())
+        );
     }
 
     #[test]
