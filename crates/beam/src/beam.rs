@@ -1,7 +1,8 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Part, Triad, UPRIGHT, deformations, gradient, length, turn_in_plane, turned,
+    Chord, Ends, Part, Triad, UPRIGHT, angles, deformations, gradient, length, turn_in_plane,
+    turn_to_angles, turned,
 };
 use super::parts::{Element, RotationSpring};
 use super::section::{PointState, Section};
@@ -66,6 +67,8 @@ pub(crate) struct Work<const D: usize, const R: usize> {
     pub(super) parts: Vec<Part<R>>,
     /// The chord of each element where the increment begins \[m\], and the inverse of its length \[1/m\].
     from: Vec<([f64; 3], f64)>,
+    /// The deformations of each element there, with the sines of its rotations.
+    sines: Vec<[f64; R]>,
     pub(super) middle: Vec<Triad>,
     pub(super) end: Vec<Triad>,
     deformation: Vec<[f64; R]>,
@@ -159,6 +162,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             matrix: Tridiagonal::new(nodes),
             parts: vec![Part::nothing(); self.elements.len()],
             from: vec![([0.0; 3], 0.0); self.elements.len()],
+            sines: vec![[0.0; R]; self.elements.len()],
             middle: state.triads.clone(),
             end: state.triads,
             deformation: state.deformation,
@@ -180,7 +184,14 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 *value = (self.places[element + 1][k] - self.places[element][k])
                     + (state.moved[element + 1][k] - state.moved[element][k]);
             }
-            *inverse = 1.0 / length::<R>(chord);
+            let l = length::<R>(chord);
+            *inverse = 1.0 / l;
+            let begin = Ends {
+                chord: *chord,
+                length: l,
+                triads: [&state.triads[element], &state.triads[element + 1]],
+            };
+            work.sines[element] = deformations(&begin, self.elements[element].length);
         }
     }
 
@@ -247,12 +258,13 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             length: l,
             triads: [&work.end[index], &work.end[index + 1]],
         };
-        let d: [f64; R] = deformations(&end, element.length);
+        let sines: [f64; R] = deformations(&end, element.length);
+        let d = angles(&sines);
         work.deformation[index] = d;
         let gamma = element.bar.map_or(0.0, |bar| state.shear[bar] + shear[bar]);
         let Responded {
             forces: new_forces,
-            stiffness,
+            mut stiffness,
             balance,
             own,
             mixed,
@@ -274,7 +286,13 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         } else {
             Chord::new::<R>([&to, &to], [1.0 / l, 1.0 / l])
         };
-        let rows: [[f64; Q]; R] = gradient(&chord, triads);
+        let mut rows: [[f64; Q]; R] = gradient(&chord, triads);
+        let before = if share == 0.5 {
+            &work.sines[index]
+        } else {
+            &sines
+        };
+        let of_sines = turn_to_angles([before, &sines], &forces, &mut rows, &mut stiffness);
         let mut total = [0.0; Q];
         for (row, force) in rows.iter().zip(&forces) {
             for k in 0..Q {
@@ -295,7 +313,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             to[..Q].copy_from_slice(row);
         }
         part.chord = chord;
-        part.forces = forces;
+        part.forces = of_sines;
         part.stiffness = stiffness;
         part.own = own;
         part.mixed = mixed;

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::beam::Beam;
 use super::curve::Steel;
-use super::element::{Ends, UPRIGHT, deformations, length};
+use super::element::{Ends, UPRIGHT, angles, deformations, length};
 use super::mesh::{self, Density};
 use super::parts::{Element, RotationSpring, Slider};
 use super::rate::Rate;
@@ -467,7 +467,7 @@ impl BeamColumn {
             let bar = (section.web_rigidity > 0.0 && !behind).then_some(bar);
             Element {
                 length: l,
-                initial: deformations(&ends, l),
+                initial: angles(&deformations(&ends, l)),
                 sliders: self.sliders(&section, clear),
                 bar,
             }

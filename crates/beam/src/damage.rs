@@ -528,10 +528,14 @@ impl Reader<'_> {
         }
         let mut strains = Vec::with_capacity(count);
         for yielded in bits.into_iter().take(count) {
-            strains.push(match yielded {
+            let strain = match yielded {
                 true => i16::from_le_bytes(self.take()?),
                 false => 0,
-            });
+            };
+            if yielded && strain == 0 {
+                return Err(DamageError::Numbers);
+            }
+            strains.push(strain);
         }
         Ok(strains)
     }

@@ -475,7 +475,7 @@ const PLANE: &str = "
 ### Hits in the plane of the web
 
 OpenSees computed them with the same section, without shear (`crates/beam/tests/data/fibre_cases.csv`, and eight cases at the edge of yielding in `crates/beam/tests/data/beam_reference.json`).
-The column of the paper is given by numbers, and the beam takes HEB 220 for it.
+The two cases with the numbers of the paper are left out: no section of one yield strength has its area, second moment and plastic moment.
 
 | case | vehicle | hardening | peak, OpenSees [mm] | ratio | residual, OpenSees [mm] | ratio |
 |---|---|---|---|---|---|---|

@@ -33,11 +33,16 @@ pub struct Case {
 /// Steps of the table for a rigid and for a soft vehicle \[s\]; its times are multiples of them.
 const STEPS: [f64; 2] = [20e-6, 40e-6];
 
-/// Plane hits of the table, without those on steel that does not harden, which the beam does not compute.
+/// Plane hits of the table, without those on steel that does not harden, which the beam does not compute, and without those on the
+/// column of the paper: its plastic moment of 0.307 MNm is larger than `f_y sqrt(A I)` = 0.305 MNm, which no section of one yield
+/// strength exceeds.
 pub fn plane_cases() -> Vec<Case> {
     let mut reader = csv::Reader::from_reader(include_str!("../data/fibre_cases.csv").as_bytes());
     let records = reader.records().map(Result::unwrap);
     let cases = records.filter_map(|record| {
+        if record[0].starts_with("paper") {
+            return None;
+        }
         let number = |k: usize| record[k].parse::<f64>().ok();
         let hardening = match &record[14] {
             "b=1e-4" => 1e-4,

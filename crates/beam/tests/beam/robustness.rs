@@ -44,7 +44,7 @@ fn a_thousand_random_columns_conserve_energy_and_end_in_rest_or_collapse() {
     explore(1000, 1000, NOT_CONFIRMED);
 }
 
-/// So many of the 256 collapses of a thousand random columns are not confirmed. The vehicle pushes the top of this one, which bears 5 % of
+/// So many of the 255 collapses of a thousand random columns are not confirmed. The vehicle pushes the top of this one, which bears 5 % of
 /// its squash load, below half its height, where its response ends; without the vehicle its spring would lift it back within the
 /// limits of the shape.
 const NOT_CONFIRMED: usize = 1;
