@@ -79,11 +79,11 @@ class Beam:
 
 
 def fibres(shape: dict[str, float], in_space: bool) -> list[tuple[float, float, float]]:
-    """Places y, z [m] and areas [m2] of the fibres: two layers of eight parts per flange, eight layers of the web, and the fillets."""
+    """Places y, z [m] and areas [m2] of the fibres: two layers of ten parts per flange, eight layers of the web, and the fillets."""
     h, b, r = shape["depth"], shape["width"], shape["root_radius"]
     web, flange = shape["web_thickness"], shape["flange_thickness"]
     clear = h - 2.0 * flange
-    layers, across, along = 2, 8 if in_space else 1, 8
+    layers, across, along = 2, 10 if in_space else 1, 8
     found = []
     for side in (-1.0, 1.0):
         for layer in range(layers):

@@ -184,6 +184,10 @@ pub enum BeamError {
 const MOST_ELEMENTS: usize = 400;
 const MOST_FIBRES: usize = 100;
 
+/// Fewest fibres across a flange in space. With ten, the displacement across an oblique hit is within 2.5 % of that with 48 fibres in
+/// all cases of the references; with eight, it is up to 5 % off, because it is the difference of two larger ones.
+const FEWEST_ACROSS: usize = 10;
+
 /// Least and largest tensile strength of a steel with a yield plateau over its yield strength, and strain at which it yields at the
 /// latest.
 const LEAST_STRENGTH_RATIO: f64 = 1.02;
@@ -411,7 +415,7 @@ impl BeamColumn {
         let division = Division {
             web,
             layers: 2,
-            across: if plane { 1 } else { web.max(8) },
+            across: if plane { 1 } else { web.max(FEWEST_ACROSS) },
         };
         let mut section = Section::new(
             &self.shape,

@@ -188,6 +188,6 @@ fn a_push_down_passes_its_maximum_with_fine_increments() {
         (it.base, it.top) = (Support::Pinned, Support::Pinned);
         (it.residual_stress, it.bow, it.bow_axes) = (residual_stress, -1.0, axes);
         let found = BeamModel::new(&it).unwrap().capacity_bowed(it.bows());
-        assert!((found / expected - 1.0).abs() < 2e-3, "{name}: {found}");
+        assert!((found / expected - 1.0).abs() < 5e-3, "{name}: {found}");
     }
 }
