@@ -27,6 +27,13 @@ impl Estimator {
         })
     }
 
+    /// All of the search that is left, on all processors.
+    pub(super) fn finish_beam(&mut self) {
+        if let Some(fit) = &mut self.rigid_fit {
+            fit.finish();
+        }
+    }
+
     pub(crate) fn beam_has_answered(&self) -> bool {
         self.rigid_fit.as_ref().is_some_and(|it| it.is_over())
     }

@@ -122,7 +122,7 @@ fn follow(
         estimator.observe(contact + until);
         estimator.settle(ROUNDS);
         estimator.ask_beam(until >= last);
-        while estimator.follow_beam() {}
+        estimator.finish_beam();
         estimator.take_answer_of_beam();
         let estimate = estimator.estimate(contact + until);
         is_possible = estimate.expects_collapse();

@@ -7,6 +7,8 @@
 
 use std::sync::Arc;
 
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
 use crate::column::Impact;
 use crate::estimation::inference::beam_error::{Channel, Read, channel, first_lost};
 use crate::estimation::inference::beam_readings::{BeamReadings, Factors, PERIOD};
@@ -32,6 +34,9 @@ const STEPS: [f64; UNKNOWNS] = [0.02, 0.02, 0.01, 0.01, 0.01, 0.01, 5e-5];
 
 /// Means that are used, one time after another.
 const HORIZONS: [usize; 4] = [14, 30, 60, 90];
+
+/// The number of the horizon from which on only the best adjustment continues.
+const COMPARED: usize = 2;
 
 /// Of the factors, only this part of their deviations is free before the third horizon: they would take the place of mass and speed.
 const HELD: f64 = 0.2;
@@ -109,6 +114,22 @@ struct Descent {
     adjustment: LevenbergMarquardt<UNKNOWNS>,
 }
 
+impl Descent {
+    /// Whether it has come to the bottom over the last horizon.
+    fn is_over(&self) -> bool {
+        self.horizon == HORIZONS.len()
+    }
+}
+
+/// How much of an adjustment is computed at once.
+#[derive(Clone, Copy)]
+enum Slice {
+    /// In this thread.
+    OneResponse,
+    /// On all processors.
+    AllDerivatives,
+}
+
 /// How far one step of an adjustment is.
 enum Progress {
     Under,
@@ -169,19 +190,43 @@ impl RigidFit {
         self.over
     }
 
-    /// The next slice, unless it is over.
+    /// The next slice, in this thread, unless it is over.
     pub fn step(&mut self) {
         if self.over {
         } else if self.tried < MASSES {
-            self.started.extend(self.start());
+            self.started.extend(self.start(self.tried));
             self.tried += 1;
             if self.tried == MASSES {
                 self.choose();
             }
         } else {
-            self.descend();
+            self.descend(Slice::OneResponse);
         }
         self.over |= self.tried == MASSES && self.descents.is_empty();
+    }
+
+    /// All slices that are left, on all processors, with the same result.
+    pub fn finish(&mut self) {
+        if self.tried < MASSES {
+            let masses = (self.tried..MASSES).into_par_iter();
+            let started: Vec<_> = masses.map(|number| self.start(number)).collect();
+            self.started.extend(started.into_iter().flatten());
+            self.tried = MASSES;
+            self.choose();
+        }
+        let descents = std::mem::take(&mut self.descents).into_par_iter();
+        let compared = descents.filter_map(|mut descent| {
+            while descent.horizon < COMPARED {
+                descent = self.followed(descent, Slice::AllDerivatives)?;
+            }
+            Some(descent)
+        });
+        self.descents = compared.collect();
+        self.keep_best();
+        while !self.over && !self.descents.is_empty() {
+            self.descend(Slice::AllDerivatives);
+        }
+        self.over = true;
     }
 
     /// The vehicle, if one explains the readings, with what events say that do not contradict it.
@@ -210,9 +255,9 @@ impl RigidFit {
         ByBeam::Rigid(events.iter().fold(found, RigidVehicle::with_event))
     }
 
-    /// The speed and the time of contact that suit the next mass.
-    fn start(&self) -> Option<Point> {
-        let mass = libm::log(FIRST_MASS) + f64::from(self.tried) * libm::log(NEXT_MASS);
+    /// The speed and the time of contact that suit the mass with this number.
+    fn start(&self, number: u32) -> Option<Point> {
+        let mass = libm::log(FIRST_MASS) + f64::from(number) * libm::log(NEXT_MASS);
         let mut unknowns = [0.0; UNKNOWNS];
         unknowns[..2].copy_from_slice(&[mass, libm::log(FIRST_SPEED)]);
         let mut best: Option<Point> = None;
@@ -261,60 +306,69 @@ impl RigidFit {
         }
     }
 
-    /// One more response of the adjustment that is least far.
-    fn descend(&mut self) {
+    /// One more slice of the adjustment that is least far.
+    fn descend(&mut self, slice: Slice) {
         let next = (0..self.descents.len()).min_by_key(|k| self.descents[*k].horizon);
         let Some(next) = next else { return };
-        let mut descent = self.descents.remove(next);
-        let is_at_bottom = match self.improve(&mut descent) {
+        let before = self.descents.remove(next);
+        if let Some(descent) = self.followed(before, slice) {
+            self.over = descent.is_over();
+            self.descents.insert(next, descent);
+        }
+        self.keep_best();
+    }
+
+    /// An adjustment after one more slice; `None` where it is given up.
+    fn followed(&self, mut descent: Descent, slice: Slice) -> Option<Descent> {
+        let is_at_bottom = match self.improve(&mut descent, slice) {
             Progress::Over(was_worth_it) => !was_worth_it || descent.steps >= MOST_STEPS,
             Progress::Under => false,
         };
         if !is_at_bottom {
-            self.descents.insert(next, descent);
-            return;
+            return Some(descent);
         }
-        match HORIZONS.get(descent.horizon + 1) {
-            None => {
-                self.over = true;
-                self.descents.insert(0, descent);
-                return;
-            }
-            Some(&means) if descent.point.is_within(HOPELESS) => {
-                if let Some(point) = self.point(descent.point.unknowns, means) {
-                    self.descents.push(Descent {
-                        horizon: descent.horizon + 1,
-                        steps: 0,
-                        point,
-                        ..descent
-                    });
-                }
-            }
-            Some(_) => {}
+        descent.horizon += 1;
+        descent.steps = 0;
+        if descent.is_over() {
+            return Some(descent);
         }
-        // When all of them have finished the second horizon, only the best one continues.
-        if self.descents.iter().all(|it| it.horizon == 2) && self.descents.len() > 1 {
+        if !descent.point.is_within(HOPELESS) {
+            return None;
+        }
+        descent.point = self.point(descent.point.unknowns, HORIZONS[descent.horizon])?;
+        Some(descent)
+    }
+
+    /// Keeps only the best adjustment, once all have come so far that they are compared.
+    fn keep_best(&mut self) {
+        if self.descents.iter().all(|it| it.horizon == COMPARED) {
             self.descents
                 .sort_by(|a, b| a.point.cost.total_cmp(&b.point.cost));
             self.descents.truncate(1);
         }
     }
 
-    /// One more response for a step of Levenberg and Marquardt: first for the derivatives, then to attempt the step.
-    fn improve(&self, descent: &mut Descent) -> Progress {
+    /// Goes on with a step of Levenberg and Marquardt: responses for the derivatives, then one to attempt the step.
+    fn improve(&self, descent: &mut Descent, slice: Slice) -> Progress {
         let means = HORIZONS[descent.horizon];
         let Descent {
             adjustment, point, ..
         } = descent;
-        if let Some(unknown) = adjustment.wanted_slope() {
-            let step = STEPS[unknown];
-            let Some(moved) = self.moved(point, unknown, step, means) else {
-                adjustment.begin_step();
-                return Progress::Over(false);
+        if let Some(first) = adjustment.wanted_slope() {
+            let moved = |unknown| self.moved(point, unknown, means);
+            let all: Vec<_> = match slice {
+                Slice::OneResponse => vec![moved(first)],
+                Slice::AllDerivatives => (first..UNKNOWNS).into_par_iter().map(moved).collect(),
             };
             let prior = |unknown| self.prior_of(unknown, means);
-            let moved = (moved.residuals.as_slice(), step);
-            adjustment.take_slope(moved, &point.residuals, &point.unknowns, prior);
+            for (step, moved) in STEPS[first..].iter().zip(all) {
+                let Some(moved) = moved else {
+                    adjustment.begin_step();
+                    return Progress::Over(false);
+                };
+                let moved = (moved.residuals.as_slice(), *step);
+                adjustment.take_slope(moved, &point.residuals, &point.unknowns, prior);
+            }
             return Progress::Under;
         }
         let mut unknowns = point.unknowns;
@@ -339,10 +393,10 @@ impl RigidFit {
         Progress::Over(decrease > DECREASE)
     }
 
-    /// The place that one unknown is moved to by this step.
-    fn moved(&self, point: &Point, unknown: usize, step: f64, means: usize) -> Option<Point> {
+    /// The place that one unknown is moved to by the step for its derivative.
+    fn moved(&self, point: &Point, unknown: usize, means: usize) -> Option<Point> {
         let mut unknowns = point.unknowns;
-        unknowns[unknown] += step;
+        unknowns[unknown] += STEPS[unknown];
         // The time of contact does not change what the beam does.
         match unknown == UNKNOWNS - 1 {
             true => Some(self.point_of(unknowns, means, point.rows.clone())),
