@@ -226,21 +226,33 @@ fn whatever_the_order_of_data_and_work_the_records_give_the_same_bits_again() {
 /// The search for such a front is cut into slices by the estimates, and continues with older data than these.
 #[test]
 fn whatever_the_order_a_search_for_a_crushed_front_gives_the_same_bits_again() {
-    let sensors = beam_signals::sensors();
-    let signal = BeamSignal::make("crushed_lorry_14", &sensors, beam_signals::AFTER);
-    let readings = signal.readings(&sensors, beam_signals::BEFORE, 5);
-    let (parameters, sensing) = prepared(&beam_signals::parameters(), &sensors);
-    repeat_in_any_order(&parameters, sensing, &readings, 2);
+    repeat_beam_signal_in_any_order("crushed_lorry_14", 2);
 }
 
-/// In so many orders.
+/// Live it is cut into slices, and its responses are computed one after another; what is computed again takes all processors.
+#[test]
+fn a_search_by_the_beam_gives_the_same_bits_in_slices_and_on_all_processors() {
+    let counted = repeat_beam_signal_in_any_order("light_rigid_2", 1);
+    assert!(counted > 0, "no record counts what the beam answers");
+}
+
+fn repeat_beam_signal_in_any_order(name: &str, orders: u64) -> usize {
+    let sensors = beam_signals::sensors();
+    let signal = BeamSignal::make(name, &sensors, beam_signals::AFTER);
+    let readings = signal.readings(&sensors, beam_signals::BEFORE, 5);
+    let (parameters, sensing) = prepared(&beam_signals::parameters(), &sensors);
+    repeat_in_any_order(&parameters, sensing, &readings, orders)
+}
+
+/// In so many orders; returns how many records count what the beam has answered.
 fn repeat_in_any_order(
     parameters: &Parameters,
     mut sensing: Sensing,
     readings: &Readings,
     orders: u64,
-) {
+) -> usize {
     let sensors = readings.sensors;
+    let mut counted = 0;
     let rows: Vec<(f64, &[f64])> = readings.rows().collect();
     let mut recomputation = Recomputation::new(parameters);
     for seed in 0..orders {
@@ -299,8 +311,10 @@ fn repeat_in_any_order(
         for record in &records {
             let again = recomputation.repeat(record, known).expect("computed again");
             assert_eq!(format!("{again:?}"), format!("{record:?}"), "seed {seed}");
+            counted += usize::from(record.counts_beam);
         }
     }
+    counted
 }
 
 #[test]

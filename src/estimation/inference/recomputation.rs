@@ -247,7 +247,9 @@ impl Recomputation {
             })?;
             feed(estimator, begun.origin, known);
         }
-        while record.counts_beam && estimator.follow_beam() {}
+        if record.counts_beam {
+            estimator.finish_beam();
+        }
         let until = record.estimate.data_until;
         estimator.set_events(&record.events);
         let refine = Refinement::at_most(record.drawn).exactly();
