@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if !std::env::args().any(|argument| argument == "--serve") {
         return opinions();
     }
-    let mut all: Vec<Case> = plane_cases();
+    let mut all = plane_cases();
     for kind in ["plane impact", "3D impact"] {
         all.extend(cases::cases(kind).iter().map(impact_case));
     }

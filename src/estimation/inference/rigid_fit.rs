@@ -348,7 +348,7 @@ impl RigidFit {
         }
     }
 
-    /// Goes on with a step of Levenberg and Marquardt: responses for the derivatives, then one to attempt the step.
+    /// Continues a step of the Levenberg-Marquardt method. It needs responses for all derivatives, and then one response for each attempt.
     fn improve(&self, descent: &mut Descent, slice: Slice) -> Progress {
         let means = HORIZONS[descent.horizon];
         let Descent {

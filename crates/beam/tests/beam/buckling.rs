@@ -187,7 +187,9 @@ fn a_push_down_passes_its_maximum_with_fine_increments() {
         (it.length_below, it.length_above) = (0.5 * length, 0.5 * length);
         (it.base, it.top) = (Support::Pinned, Support::Pinned);
         (it.residual_stress, it.bow, it.bow_axes) = (residual_stress, -1.0, axes);
+        // A fine mesh: with the one that the beam chooses by itself, the result for IPE300 is 0.35 % higher than this number.
+        it.elements = 60;
         let found = BeamModel::new(&it).unwrap().capacity_bowed(it.bows());
-        assert!((found / expected - 1.0).abs() < 5e-3, "{name}: {found}");
+        assert!((found / expected - 1.0).abs() < 2e-3, "{name}: {found}");
     }
 }
