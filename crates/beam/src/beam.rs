@@ -1,7 +1,7 @@
 //! The beam: its nodes, its state, and the forces and stiffness of a trial increment.
 
 use super::element::{
-    Chord, Ends, Part, Triad, UPRIGHT, angles, deformations, gradient, length, turn_in_plane,
+    Chord, Ends, Part, Triad, UPRIGHT, angles, deformations, gradient, turn_in_plane,
     turn_to_angles, turned,
 };
 use super::parts::{Element, RotationSpring};
@@ -184,13 +184,9 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 *value = (self.places[element + 1][k] - self.places[element][k])
                     + (state.moved[element + 1][k] - state.moved[element][k]);
             }
-            let l = length::<R>(chord);
-            *inverse = 1.0 / l;
-            let begin = Ends {
-                chord: *chord,
-                length: l,
-                triads: [&state.triads[element], &state.triads[element + 1]],
-            };
+            let triads = [&state.triads[element], &state.triads[element + 1]];
+            let begin = Ends::new::<R>(*chord, triads);
+            *inverse = begin.inverse;
             work.sines[element] = deformations(&begin, self.elements[element].length);
         }
     }
@@ -252,12 +248,8 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             Self::translation(&increments[index + 1]),
         );
         let to = [0, 1, 2].map(|k| from[k] + (two[k] - one[k]));
-        let l = length::<R>(&to);
-        let end = Ends {
-            chord: to,
-            length: l,
-            triads: [&work.end[index], &work.end[index + 1]],
-        };
+        let end = Ends::new::<R>(to, [&work.end[index], &work.end[index + 1]]);
+        let inverses = [inverse, end.inverse];
         let sines: [f64; R] = deformations(&end, element.length);
         let d = angles(&sines);
         work.deformation[index] = d;
@@ -282,9 +274,9 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             [&work.end[index], &work.end[index + 1]]
         };
         let chord = if share == 0.5 {
-            Chord::new::<R>([&from, &to], [inverse, 1.0 / l])
+            Chord::new::<R>([&from, &to], inverses)
         } else {
-            Chord::new::<R>([&to, &to], [1.0 / l, 1.0 / l])
+            Chord::new::<R>([&to, &to], [inverses[1]; 2])
         };
         let mut rows: [[f64; Q]; R] = gradient(&chord, triads);
         let before = if share == 0.5 {
@@ -350,15 +342,15 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
 
     /// Strain at an integration point of an element.
     pub fn strain(&self, index: usize, point: usize, d: &[f64; R], gamma: f64) -> [f64; 4] {
-        let l = self.elements[index].length;
+        let per = 1.0 / self.elements[index].length;
         let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
         let weak = if R == 6 {
-            (b1 * d[R - 3] + b2 * d[R - 2]) / l
+            (b1 * d[R - 3] + b2 * d[R - 2]) * per
         } else {
             0.0
         };
-        let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) / l;
-        [d[0] / l, bending, weak, gamma]
+        let bending = (b1 * (d[1] - gamma) + b2 * (d[2] - gamma)) * per;
+        [d[0] * per, bending, weak, gamma]
     }
 
     /// Forces and stiffness of an element with deformations `d` and the shear angle `gamma`.
@@ -387,7 +379,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         } else {
             (Responded::nothing(), POINTS)
         };
-        let per_length = 0.5 / l;
+        let per_length = 0.5 * (1.0 / l);
         for point in 0..points {
             let place = POINTS * index + point;
             let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
@@ -426,7 +418,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 }
             }
             if element.bar.is_some() {
-                let b = (b1 + b2) / l;
+                let b = (b1 + b2) * (1.0 / l);
                 for i in 0..count {
                     let (row, ci) = parts[i];
                     to.mixed[i] += 0.5 * ci * (c[row][3] - b * c[row][1]);
@@ -444,7 +436,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             }
         }
         if R == 6 {
-            let rigidity = self.torsional_rigidity / l;
+            let rigidity = self.torsional_rigidity * (1.0 / l);
             to.forces[R - 1] = rigidity * d[R - 1];
             to.stiffness[R - 1][R - 1] = rigidity;
         }
@@ -458,10 +450,11 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         let l = element.length;
         let &[axial, strong, weak, web] = self.section.elastic();
         let mut to = Responded::nothing();
-        to.forces[0] = axial / l * d[0];
-        to.stiffness[0][0] = axial / l;
+        let per_length = 1.0 / l;
+        to.forces[0] = axial * per_length * d[0];
+        to.stiffness[0][0] = axial * per_length;
         let mut bend = |first: usize, rigidity: f64, [one, two]: [f64; 2]| {
-            let per = 2.0 * rigidity / l;
+            let per = 2.0 * rigidity * per_length;
             to.forces[first] = per * (2.0 * one + two);
             to.forces[first + 1] = per * (one + 2.0 * two);
             to.stiffness[first][first] = 2.0 * per;
@@ -475,7 +468,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             bend(R - 3, weak, [d[R - 3], d[R - 2]]);
         }
         if element.bar.is_some() {
-            let per = 6.0 * strong / l;
+            let per = 6.0 * strong * per_length;
             to.mixed[1] = -per;
             to.mixed[2] = -per;
             to.balance = l * web * gamma - per * (turns[0] + turns[1]);

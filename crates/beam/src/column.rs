@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::beam::Beam;
 use super::curve::Steel;
-use super::element::{Ends, UPRIGHT, angles, deformations, length};
+use super::element::{Ends, UPRIGHT, angles, deformations};
 use super::mesh::{self, Density};
 use super::parts::{Element, RotationSpring, Slider};
 use super::rate::Rate;
@@ -454,12 +454,8 @@ impl BeamColumn {
         let half_bumper = 0.5 * self.bumper_height;
         let elements = places.windows(2).map(|pair| {
             let chord = [0, 1, 2].map(|k| pair[1][k] - pair[0][k]);
-            let l = length::<6>(&chord);
-            let ends = Ends {
-                chord,
-                length: l,
-                triads: [&UPRIGHT, &UPRIGHT],
-            };
+            let ends = Ends::new::<6>(chord, [&UPRIGHT, &UPRIGHT]);
+            let l = ends.length;
             let middle = 0.5 * (pair[0][0] + pair[1][0]);
             let (bar, clear) = if middle < self.length_below {
                 (0, self.length_below - half_bumper)

@@ -79,22 +79,35 @@ pub(crate) fn turn_in_plane(triad: &Triad, psi: f64, middle: &mut Triad, end: &m
 pub(crate) struct Ends<'a> {
     /// Vector from the first node to the second \[m\].
     pub chord: [f64; 3],
-    /// Its length \[m\].
+    /// Its length \[m\] and the inverse of it \[1/m\].
     pub length: f64,
+    pub inverse: f64,
     pub triads: [&'a Triad; 2],
 }
 
-pub(crate) fn length<const R: usize>(chord: &[f64; 3]) -> f64 {
+impl<'a> Ends<'a> {
+    #[inline(always)]
+    pub fn new<const R: usize>(chord: [f64; 3], triads: [&'a Triad; 2]) -> Self {
+        let length = length::<R>(&chord);
+        Self {
+            chord,
+            length,
+            inverse: 1.0 / length,
+            triads,
+        }
+    }
+}
+
+fn length<const R: usize>(chord: &[f64; 3]) -> f64 {
     inner::<R>(chord, chord).sqrt()
 }
 
 /// The deformations, from a straight element of length `l0`, with the sines of the rotations.
 pub(crate) fn deformations<const R: usize>(ends: &Ends<'_>, l0: f64) -> [f64; R] {
     let [a, b] = ends.triads;
-    let l = ends.length;
-    let u = vector::<R>(|k| ends.chord[k] / l);
+    let u = vector::<R>(|k| ends.chord[k] * ends.inverse);
     let mut d = [0.0; R];
-    d[0] = l - l0;
+    d[0] = ends.length - l0;
     d[1] = -inner::<R>(&a[1], &u);
     d[2] = -inner::<R>(&b[1], &u);
     if R == 6 {
@@ -255,8 +268,8 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
     share: f64,
     into: &mut [[f64; Q]; Q],
 ) {
-    let l = length::<R>(&chord.at);
-    let t = vector::<R>(|k| chord.at[k] / l);
+    let per = 1.0 / length::<R>(&chord.at);
+    let t = vector::<R>(|k| chord.at[k] * per);
     let dim = if R == 3 { 2 } else { 3 };
     let bending: [(&[f64; 3], usize, f64); 4] = if R == 3 {
         [
@@ -274,15 +287,15 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
         ]
     };
     // By the chord twice: `N (I - t t') / l` and, for each `F a.t`, `-F (p t' + t p' + (a.t) (I - t t')) / l^2`.
-    let mut pull = share * forces[0] / l;
+    let mut pull = share * forces[0] * per;
     let mut across = [0.0; 3];
     let bending = &bending[..if R == 3 { 2 } else { 4 }];
     for &(director, _, force) in bending {
-        let per = share * force / (l * l);
+        let force = share * force * (per * per);
         let along = inner::<R>(director, &t);
-        pull -= per * along;
+        pull -= force * along;
         for k in 0..dim {
-            across[k] += per * (director[k] - along * t[k]);
+            across[k] += force * (director[k] - along * t[k]);
         }
     }
     for i in 0..dim {
@@ -296,7 +309,7 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
         let along = force * inner::<R>(director, &t);
         if R == 3 {
             // d(director) = psi x director, across the chord.
-            let turned = [-director[1] * force / l, director[0] * force / l];
+            let turned = [-director[1] * (force * per), director[0] * (force * per)];
             let part = turned[0] * t[0] + turned[1] * t[1];
             for i in 0..2 {
                 let value = turned[i] - part * t[i];
@@ -306,7 +319,7 @@ pub(crate) fn geometric<const R: usize, const Q: usize>(
             into[place][place] -= along;
             continue;
         }
-        let [x, y, z] = director.map(|x| x * force / l);
+        let [x, y, z] = director.map(|x| x * (force * per));
         let by_rotation = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
         for j in 0..3 {
             let part =

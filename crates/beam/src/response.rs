@@ -39,12 +39,12 @@ const ENERGY_BUDGET: f64 = 5e-9;
 /// Share of what is left of it that one step may lose.
 const BUDGET_OF_A_STEP: f64 = 0.02;
 
-/// Evaluations of a step beyond which the column rings faster than its steps can follow: two are usual.
-const USUAL_EVALUATIONS: u64 = 3;
+/// Evaluations of a step beyond which the column rings faster than its steps can follow.
+const USUAL_EVALUATIONS: u64 = 2;
 
 /// Share of the increment before the last one in the start of a step then, because the increments alternate. Of 0.5 to 1, it takes the fewest
 /// evaluations in most cases.
-const SHARE_OF_ALTERNATION: f64 = 0.75;
+const SHARE_OF_ALTERNATION: f64 = 0.9;
 
 /// Share of the peak displacement by which the column comes back before a response ends.
 const BACK: f64 = 0.02;

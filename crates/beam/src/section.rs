@@ -144,7 +144,7 @@ impl Fibres {
 
 /// The sum of lanes.
 pub(crate) fn total(lanes: [f64; LANES]) -> f64 {
-    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
 }
 
 /// How finely a section is divided.
@@ -550,7 +550,7 @@ impl Section {
         let arrays = arrays.zip(f.initial.chunks_exact(LANES));
         for ((((y, z), area), initial), old) in arrays.zip(from.plain.chunks_exact(LANES)) {
             let mut beyond = [0.0; LANES];
-            let mut any = 0.0;
+            let mut any = 0;
             for lane in 0..LANES {
                 let mut xi = (axial - y[lane] * bent) - old[lane];
                 if SPACE {
@@ -562,9 +562,9 @@ impl Section {
                 beyond[lane] = over + under;
             }
             for value in beyond {
-                any += value * value;
+                any |= value.to_bits();
             }
-            if any == 0.0 {
+            if any == 0 {
                 continue;
             }
             flows = true;

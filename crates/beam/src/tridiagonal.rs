@@ -42,61 +42,112 @@ impl<const D: usize> Tridiagonal<D> {
         self.diagonal[node][unknown][unknown] = 1.0;
     }
 
-    /// Factors the matrix in place: `S = A - C' S^-1 C` from node to node, each `S = L D L'`, the couplings become
-    /// `S^-1 C`. Returns the number of negative pivots; pivots of zero count as negative and are replaced.
+    /// The node where the eliminations from both ends meet.
+    ///
+    /// Each elimination is a chain of operations that wait for one another; two chains run beside each other on one processor.
+    fn middle(&self) -> usize {
+        self.diagonal.len() / 2
+    }
+
+    /// Pairs of a node below the middle and one above it, from the ends to the middle.
+    fn inwards(&self) -> impl DoubleEndedIterator<Item = (usize, Option<usize>)> + use<D> {
+        let (middle, last) = (self.middle(), self.diagonal.len() - 1);
+        (0..middle).map(move |low| (low, Some(last - low).filter(|high| *high > middle)))
+    }
+
+    /// Factors the matrix in place: `S = A - C' S^-1 C` from node to node, from both ends to the middle, each `S = L D L'`; the
+    /// couplings become `S^-1 C`, or `S^-1 C'` above the middle. Returns the number of negative pivots; pivots of zero count as
+    /// negative and are replaced.
     pub fn factor(&mut self) -> usize {
         let mut negative = 0;
-        for node in 0..self.diagonal.len() {
-            negative += factor_block(&mut self.diagonal[node]);
-            if node == self.coupling.len() {
-                break;
+        for (low, high) in self.inwards() {
+            let coupling = self.coupling[low];
+            negative += self.eliminate(low, low + 1, low, coupling);
+            if let Some(high) = high {
+                let coupling = transposed(&self.coupling[high - 1]);
+                negative += self.eliminate(high, high - 1, high - 1, coupling);
             }
-            let coupling = self.coupling[node];
-            let solved = solve_columns(&self.diagonal[node], coupling);
-            let next = &mut self.diagonal[node + 1];
-            for (left, right) in coupling.iter().zip(&solved) {
-                for i in 0..D {
-                    for j in 0..D {
-                        next[i][j] -= left[i] * right[j];
-                    }
+        }
+        let middle = self.middle();
+        negative + factor_block(&mut self.diagonal[middle])
+    }
+
+    /// Eliminates a node, which couples with this other one by the block of this number, given with the rows of the node.
+    #[inline(always)]
+    fn eliminate(&mut self, node: usize, other: usize, number: usize, coupling: Block<D>) -> usize {
+        let negative = factor_block(&mut self.diagonal[node]);
+        let solved = solve_columns(&self.diagonal[node], coupling);
+        let other = &mut self.diagonal[other];
+        for (left, right) in coupling.iter().zip(&solved) {
+            for i in 0..D {
+                for j in 0..D {
+                    other[i][j] -= left[i] * right[j];
                 }
             }
-            self.coupling[node] = solved;
         }
+        self.coupling[number] = solved;
         negative
     }
 
     /// Solves in place for some right-hand sides at once: each step of one waits for the last, but not for those of the others.
     pub fn solve<const N: usize>(&self, mut sides: [&mut [[f64; D]]; N]) {
-        let nodes = self.diagonal.len();
-        for node in 1..nodes {
-            let coupling = &self.coupling[node - 1];
+        for (low, high) in self.inwards() {
             for values in &mut sides {
-                let before = values[node - 1];
-                for (row, value) in coupling.iter().zip(before) {
-                    for k in 0..D {
-                        values[node][k] -= row[k] * value;
-                    }
+                pass_on(&self.coupling[low], values, low, low + 1);
+                if let Some(high) = high {
+                    pass_on(&self.coupling[high - 1], values, high, high - 1);
                 }
             }
         }
-        for node in (0..nodes).rev() {
+        let middle = self.middle();
+        for values in &mut sides {
+            solve_block(&self.diagonal[middle], &mut values[middle]);
+        }
+        for (low, high) in self.inwards().rev() {
             for values in &mut sides {
-                let mut x = values[node];
-                solve_block(&self.diagonal[node], &mut x);
-                if let Some(next) = values.get(node + 1) {
-                    for (value, row) in x.iter_mut().zip(&self.coupling[node]) {
-                        let mut sum = 0.0;
-                        for k in 0..D {
-                            sum += row[k] * next[k];
-                        }
-                        *value -= sum;
-                    }
+                self.take_back(low, values, low, low + 1);
+                if let Some(high) = high {
+                    self.take_back(high - 1, values, high, high - 1);
                 }
-                values[node] = x;
             }
         }
     }
+
+    /// Solves for a node after the other one, with the coupling of this number.
+    #[inline(always)]
+    fn take_back(&self, number: usize, values: &mut [[f64; D]], node: usize, other: usize) {
+        let mut x = values[node];
+        solve_block(&self.diagonal[node], &mut x);
+        let next = values[other];
+        for (value, row) in x.iter_mut().zip(&self.coupling[number]) {
+            let mut sum = 0.0;
+            for k in 0..D {
+                sum += row[k] * next[k];
+            }
+            *value -= sum;
+        }
+        values[node] = x;
+    }
+}
+
+/// Takes what a node contributes to the right-hand side of the other one from it.
+#[inline(always)]
+fn pass_on<const D: usize>(
+    coupling: &Block<D>,
+    values: &mut [[f64; D]],
+    node: usize,
+    other: usize,
+) {
+    let before = values[node];
+    for (row, value) in coupling.iter().zip(before) {
+        for k in 0..D {
+            values[other][k] -= row[k] * value;
+        }
+    }
+}
+
+fn transposed<const D: usize>(block: &Block<D>) -> Block<D> {
+    std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]))
 }
 
 /// `L D L'` in place: `L` below the diagonal, the inverse of `D` on it.
