@@ -159,11 +159,11 @@ impl Response {
         state: &mut State,
         max_coasting: u64,
     ) -> Result<Progress, StepError> {
-        self.observed_advance::<true>(model, state, max_coasting)
+        self.observed_advance::<true>(model, state, 1, max_coasting)
     }
 
-    /// As [`Response::advance`], with the same states, for one of thousands of responses: the residual of the ledger, the
-    /// utilisations and the dynamic factors of the report are not followed.
+    /// As [`Response::advance`], for one of thousands of responses, with `steps` steps that are made as one: with one, the states are
+    /// the same. The residual of the ledger, the utilisations and the dynamic factors of the report are not followed.
     ///
     /// # Errors
     /// As [`Response::advance`].
@@ -171,9 +171,10 @@ impl Response {
         &mut self,
         model: &Model,
         state: &mut State,
+        steps: u32,
         max_coasting: u64,
     ) -> Result<Progress, StepError> {
-        self.observed_advance::<false>(model, state, max_coasting)
+        self.observed_advance::<false>(model, state, steps, max_coasting)
     }
 
     #[inline]
@@ -181,6 +182,7 @@ impl Response {
         &mut self,
         model: &Model,
         state: &mut State,
+        steps: u32,
         max_coasting: u64,
     ) -> Result<Progress, StepError> {
         if let Some(steps) = state.steps_to_contact(model).filter(|&steps| steps > 0) {
@@ -189,7 +191,7 @@ impl Response {
             self.base.wait(self.counted_from);
             return Ok(Progress::Running);
         }
-        self.observed_macro_step::<IN_FULL>(model, state, 1)
+        self.observed_macro_step::<IN_FULL>(model, state, steps)
     }
 
     /// Advances the state by `steps` steps that are made as one, for a study: the residual of the ledger, the utilisations and

@@ -181,7 +181,7 @@ fn a_response_that_is_not_observed_moves_as_one_that_is_bit_for_bit() {
         let (mut other, mut unobserved) = (state, response);
         loop {
             let progress = response.advance(&model, &mut state, 1).expect("a step");
-            let same = unobserved.advance_unobserved(&model, &mut other, 1);
+            let same = unobserved.advance_unobserved(&model, &mut other, 1, 1);
             assert_eq!((progress, state), (same.expect("a step"), other));
             if let Progress::Over(end) = progress {
                 let [observed, found] = [

@@ -21,6 +21,12 @@ const LEAST_CELL: f64 = 0.5e-3;
 /// Times the recommended step by which a response may be stepped here: its error is small beside that of the model.
 const STEPS_OF_RECOMMENDED: u64 = 5;
 
+/// Steps grow with the time after contact, too, of which they are this share: readings are compared as means over a fifth of it.
+const STEP_SHARE: f64 = 0.004;
+
+/// Steps per slowest period of the column below which they do not grow, as in studies.
+const STEPS_PER_PERIOD: f64 = 10.0;
+
 /// The instants after contact at which predictions are known \[s\], the same for all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TimeGrid {
@@ -133,7 +139,13 @@ impl Prediction {
         let parts = CELL_NANOS.div_ceil(STEPS_OF_RECOMMENDED * recommended);
         properties.step_nanos = CELL_NANOS / parts;
         let model = Model::new(&properties).ok()?.solved_roughly();
-        let secs = 1e-9 * properties.step_nanos as f64;
+        let step_nanos = properties.step_nanos;
+        let longest = 1e9 * model.slowest_period / STEPS_PER_PERIOD;
+        // Steps that are made as one, so long after contact.
+        let at_once = |nanos: u64| {
+            let nanos = (STEP_SHARE * nanos as f64).min(longest);
+            (nanos as u64 / step_nanos).max(1) as u32
+        };
         let mut state = column.state(&model);
         let mut probes: Vec<_> = sensors
             .iter()
@@ -149,10 +161,15 @@ impl Prediction {
         integrals.extend_from_slice(&sums);
         let mut last_nanos = 0;
         for &edge in &grid.nanos[1..] {
-            for _ in 0..(edge - last_nanos) * parts / CELL_NANOS {
+            while last_nanos < edge {
+                let left = (edge - last_nanos) / step_nanos;
+                let steps = at_once(last_nanos).min(left as u32);
+                let nanos = u64::from(steps) * step_nanos;
+                let secs = 1e-9 * nanos as f64;
+                last_nanos += nanos;
                 if end.is_none()
                     && let Progress::Over(over) = response
-                        .advance_unobserved(&model, &mut state, u64::MAX)
+                        .advance_unobserved(&model, &mut state, steps, u64::MAX)
                         .ok()?
                 {
                     end = Some(over);
@@ -170,7 +187,6 @@ impl Prediction {
                     *sum = std::array::from_fn(|k| sum[k] + secs * reading[k]);
                 }
             }
-            last_nanos = edge;
             integrals.extend_from_slice(&sums);
         }
         let end = match end {
@@ -178,7 +194,7 @@ impl Prediction {
             None if grid.is_cut => End::DurationReached,
             None => loop {
                 if let Progress::Over(end) = response
-                    .advance_unobserved(&model, &mut state, u64::MAX)
+                    .advance_unobserved(&model, &mut state, at_once(last_nanos), u64::MAX)
                     .ok()?
                 {
                     rest = Rest::after(&model, &state, end, at_rest);
