@@ -1,9 +1,12 @@
 //! The range of the verdict on a hit as far as it takes the fibre beam: all of it for a hit out of the plane of the two bars, and
 //! the beam with another hardening for one in the plane. Each variation is judged by both models.
 
+use column_beam::both;
+
 use super::answer::BeamDamageBefore;
 use super::joint::JointVerdict;
 use super::opinion::is_out_of_plane;
+use super::two_threads::TwoThreads;
 use crate::assessment::{
     ActionRange, Assumption, DAMAGED, EarlierImpacts, HARDENING_BAND, OpenVerdict, Variation,
     both_ends,
@@ -43,9 +46,9 @@ fn other_hardening(own: f64) -> f64 {
 
 impl ObliqueHit<'_> {
     /// The range of this verdict by both models: speed, height, force of the front and hardening are varied, with at most seven
-    /// responses of the fibre beam. Height and hardening of a hit on a damaged column are not: they would have changed the damage, too.
-    /// `None` where the vehicle travels in the plane, where the fibre beam does not answer, and once `go_on`, which is asked before
-    /// each response, returns false.
+    /// responses of the fibre beam, two at once. Height and hardening of a hit on a damaged column are not: they would have changed the
+    /// damage, too. `None` where the vehicle travels in the plane, where the fibre beam does not answer, and once `go_on`, which is asked
+    /// before each two responses, returns false.
     pub fn range(
         &self,
         verdict: &OpenVerdict,
@@ -56,13 +59,24 @@ impl ObliqueHit<'_> {
         }
         let mut variations = Vec::new();
         let mut not_varied = Vec::new();
-        for (assumption, end) in self.ends() {
+        let mut ends = self.ends();
+        while let Some(first) = ends.next() {
             if !go_on() {
                 return None;
             }
-            match self.varied(assumption, end) {
-                Ok(variation) => variations.push(variation),
-                Err(reason) => not_varied.push((assumption, reason)),
+            let vary = |(assumption, end)| (assumption, self.varied(assumption, end));
+            let found = match ends.next() {
+                Some(second) => {
+                    let (one, other) = both(&TwoThreads, || vary(first), || vary(second));
+                    vec![one, other]
+                }
+                None => vec![vary(first)],
+            };
+            for (assumption, varied) in found {
+                match varied {
+                    Ok(variation) => variations.push(variation),
+                    Err(reason) => not_varied.push((assumption, reason)),
+                }
             }
         }
         if variations.is_empty() && !not_varied.is_empty() {

@@ -76,6 +76,6 @@ pub use modes::{Mode, modes};
 pub use movement::{Movement, YieldedFibre};
 pub use opinion::{BeamModel, BeamOpinion, Hit, Undamaged, is_in_plane};
 pub use outcome::{BeamOutcome, Outcome, PLASTIC_ZONE};
-pub use pair::{InTurn, Pair};
+pub use pair::{InTurn, Pair, both};
 pub use section::Shape;
 pub use statics::CollapseTest;
