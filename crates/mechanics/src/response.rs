@@ -194,8 +194,7 @@ impl Response {
         self.observed_macro_step::<IN_FULL>(model, state, steps)
     }
 
-    /// Advances the state by `steps` steps that are made as one, for a study: the residual of the ledger, the utilisations and
-    /// the dynamic factors, which it does not need, stay as they were.
+    /// As [`Response::advance_unobserved`], but without an approach to a column at rest.
     ///
     /// # Errors
     /// As [`Response::advance`].
