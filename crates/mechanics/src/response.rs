@@ -198,7 +198,6 @@ impl Response {
     ///
     /// # Errors
     /// As [`Response::advance`].
-    #[inline]
     pub(crate) fn macro_step(
         &mut self,
         model: &Model,
