@@ -363,14 +363,14 @@ fn main() {
             }
         }
     }
-    for (at, (_, name)) in INSTANTS.into_iter().enumerate() {
-        if let Some(sum) = all.get(&at) {
-            sum.print("all", name);
-        }
-    }
-    for (at, (_, name)) in INSTANTS.into_iter().enumerate() {
-        if let Some(sum) = stated.get(&at) {
-            sum.print("all but those that are \"not known\"", name);
+    for (of, sums) in [
+        ("all", &all),
+        ("all but those that are \"not known\"", &stated),
+    ] {
+        for (at, (_, name)) in INSTANTS.into_iter().enumerate() {
+            if let Some(sum) = sums.get(&at) {
+                sum.print(of, name);
+            }
         }
     }
     println!("\n| kind | impacts | time of one: median | largest |\n|---|---|---|---|");

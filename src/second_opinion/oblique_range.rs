@@ -65,14 +65,9 @@ impl ObliqueHit<'_> {
                 return None;
             }
             let vary = |(assumption, end)| (assumption, self.varied(assumption, end));
-            let found = match ends.next() {
-                Some(second) => {
-                    let (one, other) = both(&TwoThreads, || vary(first), || vary(second));
-                    vec![one, other]
-                }
-                None => vec![vary(first)],
-            };
-            for (assumption, varied) in found {
+            let second = ends.next();
+            let (one, other) = both(&TwoThreads, || vary(first), || second.map(vary));
+            for (assumption, varied) in [one].into_iter().chain(other) {
                 match varied {
                     Ok(variation) => variations.push(variation),
                     Err(reason) => not_varied.push((assumption, reason)),

@@ -379,7 +379,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
         } else {
             (Responded::nothing(), POINTS)
         };
-        let per_length = 0.5 * (1.0 / l);
+        let per_length = 1.0 / l;
         for point in 0..points {
             let place = POINTS * index + point;
             let (b1, b2) = (-4.0 + 6.0 * PLACES[point], -2.0 + 6.0 * PLACES[point]);
@@ -410,7 +410,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 to.forces[i] += 0.5 * ci * f[row];
                 for j in 0..=i {
                     let (column, cj) = parts[j];
-                    let value = per_length * ci * cj * c[row][column];
+                    let value = 0.5 * per_length * ci * cj * c[row][column];
                     to.stiffness[i][j] += value;
                     if i != j {
                         to.stiffness[j][i] += value;
@@ -418,7 +418,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
                 }
             }
             if element.bar.is_some() {
-                let b = (b1 + b2) * (1.0 / l);
+                let b = (b1 + b2) * per_length;
                 for i in 0..count {
                     let (row, ci) = parts[i];
                     to.mixed[i] += 0.5 * ci * (c[row][3] - b * c[row][1]);
@@ -436,7 +436,7 @@ impl<const D: usize, const R: usize, const Q: usize> Beam<D, R, Q> {
             }
         }
         if R == 6 {
-            let rigidity = self.torsional_rigidity * (1.0 / l);
+            let rigidity = self.torsional_rigidity * per_length;
             to.forces[R - 1] = rigidity * d[R - 1];
             to.stiffness[R - 1][R - 1] = rigidity;
         }

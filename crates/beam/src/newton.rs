@@ -327,8 +327,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             Kind::Equilibrium => 2 * MAX_ITERATIONS,
         };
         let mut refinements = 0;
-        let mut whole = matches!(kind, Kind::Motion { .. });
-        for _ in 0..most {
+        for iteration in 0..most {
             if size <= self.tolerance {
                 let lost = self.lost().abs();
                 if refinements == MAX_REFINEMENTS || lost <= self.energy_tolerance {
@@ -358,7 +357,7 @@ impl<const D: usize, const R: usize> Solver<D, R> {
             let before = size;
             // The first direction of a step in time finds most of the fibres that flow, and is followed to its end: a search along
             // it takes more evaluations than it saves.
-            let is_whole = std::mem::replace(&mut whole, false);
+            let is_whole = iteration == 0 && matches!(kind, Kind::Motion { .. });
             for trial in 0..MAX_TRIALS {
                 for (to, (from, by)) in self
                     .tried

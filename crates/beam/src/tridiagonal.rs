@@ -61,23 +61,21 @@ impl<const D: usize> Tridiagonal<D> {
     pub fn factor(&mut self) -> usize {
         let mut negative = 0;
         for (low, high) in self.inwards() {
-            let coupling = self.coupling[low];
-            negative += self.eliminate(low, low + 1, low, coupling);
+            negative += self.eliminate(low, low + 1, self.coupling[low]);
             if let Some(high) = high {
-                let coupling = transposed(&self.coupling[high - 1]);
-                negative += self.eliminate(high, high - 1, high - 1, coupling);
+                negative += self.eliminate(high, high - 1, transposed(&self.coupling[high - 1]));
             }
         }
         let middle = self.middle();
         negative + factor_block(&mut self.diagonal[middle])
     }
 
-    /// Eliminates a node, which couples with this other one by the block of this number, given with the rows of the node.
+    /// Eliminates a node, which couples with a neighbour by this block, with the rows of the node.
     #[inline(always)]
-    fn eliminate(&mut self, node: usize, other: usize, number: usize, coupling: Block<D>) -> usize {
+    fn eliminate(&mut self, node: usize, neighbour: usize, coupling: Block<D>) -> usize {
         let negative = factor_block(&mut self.diagonal[node]);
         let solved = solve_columns(&self.diagonal[node], coupling);
-        let other = &mut self.diagonal[other];
+        let other = &mut self.diagonal[neighbour];
         for (left, right) in coupling.iter().zip(&solved) {
             for i in 0..D {
                 for j in 0..D {
@@ -85,7 +83,7 @@ impl<const D: usize> Tridiagonal<D> {
                 }
             }
         }
-        self.coupling[number] = solved;
+        self.coupling[node.min(neighbour)] = solved;
         negative
     }
 
@@ -93,9 +91,9 @@ impl<const D: usize> Tridiagonal<D> {
     pub fn solve<const N: usize>(&self, mut sides: [&mut [[f64; D]]; N]) {
         for (low, high) in self.inwards() {
             for values in &mut sides {
-                pass_on(&self.coupling[low], values, low, low + 1);
+                self.pass_on(values, low, low + 1);
                 if let Some(high) = high {
-                    pass_on(&self.coupling[high - 1], values, high, high - 1);
+                    self.pass_on(values, high, high - 1);
                 }
             }
         }
@@ -105,21 +103,32 @@ impl<const D: usize> Tridiagonal<D> {
         }
         for (low, high) in self.inwards().rev() {
             for values in &mut sides {
-                self.take_back(low, values, low, low + 1);
+                self.take_back(values, low, low + 1);
                 if let Some(high) = high {
-                    self.take_back(high - 1, values, high, high - 1);
+                    self.take_back(values, high, high - 1);
                 }
             }
         }
     }
 
-    /// Solves for a node after the other one, with the coupling of this number.
+    /// Takes what a node contributes to the right-hand side of a neighbour from it.
     #[inline(always)]
-    fn take_back(&self, number: usize, values: &mut [[f64; D]], node: usize, other: usize) {
+    fn pass_on(&self, values: &mut [[f64; D]], node: usize, neighbour: usize) {
+        let before = values[node];
+        for (row, value) in self.coupling[node.min(neighbour)].iter().zip(before) {
+            for k in 0..D {
+                values[neighbour][k] -= row[k] * value;
+            }
+        }
+    }
+
+    /// Solves for a node after its neighbour.
+    #[inline(always)]
+    fn take_back(&self, values: &mut [[f64; D]], node: usize, neighbour: usize) {
         let mut x = values[node];
         solve_block(&self.diagonal[node], &mut x);
-        let next = values[other];
-        for (value, row) in x.iter_mut().zip(&self.coupling[number]) {
+        let next = values[neighbour];
+        for (value, row) in x.iter_mut().zip(&self.coupling[node.min(neighbour)]) {
             let mut sum = 0.0;
             for k in 0..D {
                 sum += row[k] * next[k];
@@ -127,22 +136,6 @@ impl<const D: usize> Tridiagonal<D> {
             *value -= sum;
         }
         values[node] = x;
-    }
-}
-
-/// Takes what a node contributes to the right-hand side of the other one from it.
-#[inline(always)]
-fn pass_on<const D: usize>(
-    coupling: &Block<D>,
-    values: &mut [[f64; D]],
-    node: usize,
-    other: usize,
-) {
-    let before = values[node];
-    for (row, value) in coupling.iter().zip(before) {
-        for k in 0..D {
-            values[other][k] -= row[k] * value;
-        }
     }
 }
 
