@@ -5,6 +5,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 use column_twin::live::SOLVER_THREAD;
 use column_twin::ros::ImpactOutcome;
@@ -33,15 +34,13 @@ const WISHES: [&str; 8] = [
     "state.directory:=''",
 ];
 
-/// Policy and priority of a thread, and the processors that it may run on. The system knows the beginning of its name.
-fn of_thread(id: u32, name: &str) -> (String, String, String) {
+/// Policy and priority of a thread, and the processors that it may run on, or none if no thread has this name yet. The system knows the
+/// beginning of its name.
+fn of_thread(id: u32, name: &str) -> Option<([String; 2], String)> {
     let tasks = fs::read_dir(format!("/proc/{id}/task")).unwrap();
-    let thread = tasks
-        .map(|task| task.unwrap().path())
-        .find(|task| {
-            fs::read_to_string(task.join("comm")).is_ok_and(|it| name.starts_with(it.trim()))
-        })
-        .expect(name);
+    let thread = tasks.map(|task| task.unwrap().path()).find(|task| {
+        fs::read_to_string(task.join("comm")).is_ok_and(|it| name.starts_with(it.trim()))
+    })?;
     let stat = fs::read_to_string(thread.join("stat")).unwrap();
     let behind_name = stat.rsplit_once(')').unwrap().1;
     let field = |number: usize| {
@@ -49,7 +48,25 @@ fn of_thread(id: u32, name: &str) -> (String, String, String) {
         field.unwrap().to_owned()
     };
     let status = fs::read_to_string(thread.join("status")).unwrap();
-    (field(41), field(40), line(&status, "Cpus_allowed_list:"))
+    let processors = line(&status, "Cpus_allowed_list:");
+    Some(([field(41), field(40)], processors))
+}
+
+/// Waits until a thread has this policy and priority. A thread gives itself its name and its priority, on a loaded machine after the
+/// program has said that it is ready.
+fn wait_until_scheduled(id: u32, name: &str, expected: [&str; 2]) {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        let scheduled = of_thread(id, name).map(|(scheduled, _)| scheduled);
+        if scheduled.as_ref().is_some_and(|it| *it == expected) {
+            return;
+        }
+        assert!(
+            Instant::now() < deadline,
+            "{name}: {scheduled:?} instead of {expected:?}"
+        );
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 fn line(status: &str, key: &str) -> String {
@@ -70,7 +87,6 @@ fn what_is_granted_is_there() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &WISHES);
-    let (_, _, processors) = of_thread(program.id(), SOLVER_THREAD);
     let said = |text: &str| program.seen.iter().any(|it| it.contains(text));
     // Where this test may not have it, the next one is the one that counts.
     if !said("SCHED_FIFO not granted") {
@@ -80,11 +96,11 @@ fn what_is_granted_is_there() {
             ("RustDDS Participant", [FIFO, "15"]),
             ("RustDDS discovery", [NORMAL, "0"]),
         ] {
-            let (policy, priority, _) = of_thread(program.id(), name);
-            assert_eq!([policy.as_str(), priority.as_str()], expected, "{name}");
+            wait_until_scheduled(program.id(), name, expected);
         }
     }
     if !said("CPU affinity not granted") {
+        let (_, processors) = of_thread(program.id(), SOLVER_THREAD).expect(SOLVER_THREAD);
         assert_eq!(processors, "0");
     }
     if !said("mlockall not granted") {
