@@ -74,13 +74,15 @@ pub(crate) struct BlockMean {
     pub variance: f64,
     /// Largest magnitude of such means so far; of an acceleration that of the samples.
     pub largest: f64,
+    /// The same before this block.
+    pub largest_before: f64,
     /// Half of the range of such means over the last period of the column, once the level has come back from its first peak:
     /// what then moves is a vibration, of whose phase the model knows nothing.
     pub swing: f64,
-    /// The largest reading of a motion within the first period of the column after contact, 0 otherwise: over this time the waves cross
-    /// the column that a light vehicle makes and the model does not have.
-    pub in_waves: f64,
-    /// Whether hinges have probably yielded.
+    /// Whether it is of a motion within the first period of the column after contact: over this time the waves cross the column that a
+    /// light vehicle makes and the model does not have.
+    pub in_waves: bool,
+    /// Whether hinges had probably yielded before this block.
     pub yielded: bool,
 }
 
@@ -375,15 +377,15 @@ impl Blocks {
             return None;
         }
         let mean = channel.mean(index)?;
-        let largest = (0..=index).fold(0.0, |largest: f64, index| {
-            largest.max(channel.largest(index))
-        });
+        let largest_of = |own: f64, index| own.max(channel.largest(index));
+        let largest_before = (0..index).fold(0.0, largest_of);
+        let largest = largest_of(largest_before, index);
         let count = f64::from(channel.counts[index]);
         let noise = channel.shown_noise();
         let yielded = self.channels.iter().any(|other| {
             other.quantity.is_strain()
                 && (self.is_lost(other, index)
-                    || (0..=index)
+                    || (0..index)
                         .filter_map(|index| other.mean(index))
                         .any(|mean| mean.abs() > NEAR_YIELD * self.yield_strain))
         });
@@ -391,11 +393,9 @@ impl Blocks {
             mean,
             variance: noise * noise / count + channel.zero_variance,
             largest,
+            largest_before,
             swing: self.swing(channel, index),
-            in_waves: match channel.quantity.is_motion() && self.layout[index].start < self.period {
-                true => largest,
-                false => 0.0,
-            },
+            in_waves: channel.quantity.is_motion() && self.layout[index].start < self.period,
             yielded: yielded && channel.quantity.is_strain(),
         })
     }

@@ -35,6 +35,9 @@ pub(crate) struct ModelError {
     is_motion: bool,
 }
 
+/// Share of a reading that its error is relative to at least, where it is far larger than all before \[A\].
+const FAR_LARGER: f64 = 0.5;
+
 /// Share of the time since contact over which the error of the shape is correlated: a residual that stays where it is
 /// tells its error only once.
 const CORRELATION_SHARE: f64 = 0.5;
@@ -110,20 +113,38 @@ impl ModelError {
         if mean.yielded {
             share = share.max(YIELDED_STRAIN);
         }
-        share * mean.largest
+        share * self.relative_to(time, mean)
     }
 
-    /// The same relative to the largest reading so far.
+    /// The reading that the error at a time after contact \[s\] is relative to: the largest one before. If it were the reading that the error
+    /// is part of, one that comes out large by its error would count less than one that comes out small, and the vehicle would seem too
+    /// light. While waves prevail, which the model does not have, it is that one all the same, because nothing before shows their size.
+    fn relative_to(&self, time: f64, mean: &BlockMean) -> f64 {
+        match self.by_waves(time) < self.by_shape(time) {
+            true => mean.largest_before.max(FAR_LARGER * mean.largest),
+            false => mean.largest,
+        }
+    }
+
+    /// The same relative to that reading.
     pub fn share(&self, time: f64) -> f64 {
         let time = time.max(0.0);
-        let (grown, waves) = match self.is_motion {
-            true => (
-                1.0 - (1.0 - AT_CONTACT) * libm::exp(-time / GROWTH),
-                WAVES_OF_MOTION,
-            ),
-            false => (1.0, WAVES),
+        self.by_shape(time) + self.by_waves(time)
+    }
+
+    fn by_shape(&self, time: f64) -> f64 {
+        match self.is_motion {
+            true => self.shape * (1.0 - (1.0 - AT_CONTACT) * libm::exp(-time / GROWTH)),
+            false => self.shape,
+        }
+    }
+
+    fn by_waves(&self, time: f64) -> f64 {
+        let faded = match self.is_motion {
+            true => WAVES_OF_MOTION,
+            false => WAVES,
         };
-        self.shape * grown + self.waves * libm::exp(-time / waves)
+        self.waves * libm::exp(-time / faded)
     }
 }
 
@@ -199,6 +220,8 @@ impl FrontError {
         frequency: f64,
         is_corrected: bool,
     ) -> f64 {
+        let error = ModelError::of(quantity);
+        let relative_to = error.relative_to(middle(block).max(0.0), mean);
         let size = match self {
             Self::Soft(_) if quantity.is_motion() => {
                 let left = if is_corrected {
@@ -206,10 +229,11 @@ impl FrontError {
                 } else {
                     1.0
                 };
-                left * mean.largest / (frequency * middle(block)).max(LEAST_ANGLE)
+                left * relative_to / (frequency * middle(block)).max(LEAST_ANGLE)
             }
             Self::Soft(_) => 0.0,
-            Self::Light(_) => mean.in_waves,
+            Self::Light(_) if mean.in_waves => relative_to,
+            Self::Light(_) => 0.0,
         };
         self.squared() * size * size
     }
@@ -234,7 +258,8 @@ mod tests {
             variance: deviation * deviation,
             largest: mean,
             swing: 0.0,
-            in_waves: 0.0,
+            largest_before: mean,
+            in_waves: false,
             yielded: false,
         };
         (Block { start, length }, mean)
@@ -263,6 +288,29 @@ mod tests {
                 (one_by_one / joint - 1.0).abs() < 1e-9,
                 "{one_by_one} {joint}"
             );
+        }
+    }
+
+    /// What it was relative to used to contain its own error: the vehicle seemed too light.
+    #[test]
+    fn a_reading_counts_the_same_whether_its_error_makes_it_larger_or_smaller() {
+        const BEFORE: f64 = 0.010;
+        for quantity in [
+            Quantity::Displacement,
+            Quantity::BendingStrain,
+            Quantity::Acceleration,
+        ] {
+            let variance = |reading: f64| {
+                let (block, mean) = block(20e-3, reading, 0.0);
+                let mean = BlockMean {
+                    largest: reading.max(BEFORE),
+                    largest_before: BEFORE,
+                    ..mean
+                };
+                ModelError::of(quantity).given(None, &(block, mean)).1
+            };
+            let [larger, smaller] = [1.3 * BEFORE, 0.7 * BEFORE].map(variance);
+            assert!(smaller > 0.0 && (larger / smaller - 1.0).abs() < 1e-12);
         }
     }
 
