@@ -8,7 +8,7 @@ use super::beam_signals::{parameters, sensors};
 use super::signals::Normal;
 
 /// Impacts; the environment variable `COLUMN_TWIN_RANKS` gives another number.
-const IMPACTS: u64 = 100;
+const IMPACTS: u64 = 1000;
 
 /// Added to the seed of an impact for the errors that are drawn here: both generators are the same, and would give equal numbers.
 const OTHER_NUMBERS: u64 = 1 << 32;
