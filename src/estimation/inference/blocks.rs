@@ -377,7 +377,7 @@ impl Blocks {
             return None;
         }
         let mean = channel.mean(index)?;
-        let largest_of = |own: f64, index| own.max(channel.largest(index));
+        let largest_of = |so_far: f64, index| so_far.max(channel.largest(index));
         let largest_before = (0..index).fold(0.0, largest_of);
         let largest = largest_of(largest_before, index);
         let count = f64::from(channel.counts[index]);

@@ -118,7 +118,8 @@ impl ModelError {
 
     /// The reading that the error at a time after contact \[s\] is relative to: the largest one before. If it were the reading that the error
     /// is part of, one that comes out large by its error would count less than one that comes out small, and the vehicle would seem too
-    /// light. While waves prevail, which the model does not have, it is that one all the same, because nothing before shows their size.
+    /// light. While waves prevail, which the model does not have, it is that one all the same, because nothing before shows their size, and so
+    /// it is before contact.
     fn relative_to(&self, time: f64, mean: &BlockMean) -> f64 {
         match self.by_waves(time) < self.by_shape(time) {
             true => mean.largest_before.max(FAR_LARGER * mean.largest),
@@ -220,8 +221,7 @@ impl FrontError {
         frequency: f64,
         is_corrected: bool,
     ) -> f64 {
-        let error = ModelError::of(quantity);
-        let relative_to = error.relative_to(middle(block).max(0.0), mean);
+        let relative_to = ModelError::of(quantity).relative_to(middle(block), mean);
         let size = match self {
             Self::Soft(_) if quantity.is_motion() => {
                 let left = if is_corrected {
