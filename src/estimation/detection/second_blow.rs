@@ -34,6 +34,8 @@ struct Channel {
     /// Of all sensors but those that react to something else than a motion.
     counts: bool,
     noise: f64,
+    /// Reading at rest before the first impact; `None` of a sensor that returns to it while the column keeps its shape.
+    at_rest: Option<f64>,
     window: i64,
     sum: f64,
     count: f64,
@@ -47,11 +49,13 @@ struct Channel {
 }
 
 impl SecondBlow {
-    /// After an impact at `first` \[s\], seen by these sensors with these standard deviations of their noise.
-    pub fn new(sensors: &[Sensor], first: f64) -> Self {
-        let channel = |sensor: &Sensor| Channel {
+    /// After an impact at `first` \[s\], seen by these sensors with these standard deviations of their noise; `zeros` are their readings at
+    /// rest with their standard deviations.
+    pub fn new(sensors: &[Sensor], zeros: &[(f64, f64)], first: f64) -> Self {
+        let channel = |(sensor, zero): (&Sensor, &(f64, f64))| Channel {
             counts: sensor.quantity.shows_bending(),
             noise: sensor.noise,
+            at_rest: sensor.quantity.is_level().then_some(zero.0),
             window: i64::MIN,
             sum: 0.0,
             count: 0.0,
@@ -62,7 +66,7 @@ impl SecondBlow {
         };
         Self {
             first,
-            channels: sensors.iter().map(channel).collect(),
+            channels: sensors.iter().zip(zeros).map(channel).collect(),
             found: None,
         }
     }
@@ -118,10 +122,18 @@ impl Channel {
         let is_blow = time > SOONEST
             && self.complete > WINDOWS
             && distance > GROWTH * before
-            && distance > OPENING * self.noise;
+            && distance > OPENING * self.noise
+            && self.moves_away(value);
         if is_blow {
             self.blow = Some(time);
         }
         self.blow.filter(|_| is_blow)
+    }
+
+    /// Whether a reading is further from rest than those before it. A vehicle that leaves a column which it has long bent moves it as
+    /// suddenly as a blow does, but back.
+    fn moves_away(&self, value: f64) -> bool {
+        self.at_rest
+            .is_none_or(|rest| (value - rest).abs() > (self.base - rest).abs())
     }
 }

@@ -481,7 +481,8 @@ impl Sensing {
         estimator.begin(contact.time, contact.deviation, &detection.zeros);
         let known = self.kept.len() as u64;
         let kept = std::mem::take(&mut self.kept);
-        self.further = Some((origin, SecondBlow::new(&self.sensors, 0.0)));
+        let blow = SecondBlow::new(&self.sensors, &detection.zeros, 0.0);
+        self.further = Some((origin, blow));
         let sway = estimator.sway(&detection);
         for (_, batch) in &kept {
             feed(estimator, origin, batch);

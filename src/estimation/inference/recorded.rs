@@ -111,7 +111,7 @@ fn follow(
             estimator.push(sensor, time, value);
         }
     }
-    let further = second_blow(estimator.sensors(), readings, contact);
+    let further = second_blow(estimator.sensors(), &detection, readings);
     let last = further.or(readings.times.last().copied());
     let last = last.map_or(0.0, |last| last - contact).min(HORIZON);
     let mut estimates = Vec::new();
@@ -151,8 +151,9 @@ fn next_instant(until: f64, is_possible: bool, last: f64) -> f64 {
     next.map_or(soon, |next| next.min(soon)).min(last)
 }
 
-fn second_blow(sensors: &[Sensor], readings: &Readings, contact: f64) -> Option<f64> {
-    let mut blow = SecondBlow::new(sensors, contact);
+fn second_blow(sensors: &[Sensor], detection: &Detection, readings: &Readings) -> Option<f64> {
+    let contact = detection.contact.time;
+    let mut blow = SecondBlow::new(sensors, &detection.zeros, contact);
     for (time, values) in readings.rows().filter(|(time, _)| *time > contact) {
         for (sensor, &value) in values.iter().enumerate() {
             blow.push(sensor, time, value);
