@@ -10,7 +10,7 @@ use column_twin::sensors::Sensor;
 use column_twin::standing::StandingColumn;
 
 use super::beam_signals::{AFTER, BEFORE, BeamSignal, parameters, sensors};
-use super::signals::{START, batches, with_sensors};
+use super::signals::{PERIOD, START, batches, with_sensors};
 
 fn unprepared(sensors: Vec<Sensor>) -> Estimator {
     let parameters = parameters();
@@ -302,6 +302,41 @@ fn a_second_impact_is_told_live_and_once() {
     let after = 1e-9 * (at - begun) as f64;
     assert!(0.0 < after && after <= since + 0.01, "{after} {since}");
     assert!(told(&first).is_empty());
+}
+
+/// A lorry bent the column for 0.2 s and left it. That was taken for a second impact, before which the data ended: the momentum was not
+/// known, and the peak was between half and twice what a sensor had measured.
+#[test]
+fn a_vehicle_that_leaves_late_is_no_second_impact() {
+    let (signal, found) = estimated("leaving_lorry_12", 1);
+    assert!(signal.truth.released && signal.truth.yielded);
+    assert_eq!(found.further, None);
+    let last = last(&found);
+    let inside = 0.45 * signal.truth.impulse..=1.1 * signal.truth.impulse;
+    assert!(inside.contains(&last.momentum.mean), "{last:#?}");
+    let momenta = last.momentum.low..=last.momentum.high;
+    assert!(momenta.contains(&signal.momentum()), "{last:#?}");
+    let peak = last.peak_v1;
+    assert!((peak.mean / signal.truth.peak[0] - 1.0).abs() < 0.1);
+    assert!(
+        peak.high - peak.low < 0.4 * signal.truth.peak[0],
+        "{peak:?}"
+    );
+}
+
+/// As long as the vehicle pressed on, the interval of the peak reached down to half of what a sensor had read.
+#[test]
+fn a_peak_is_not_smaller_than_what_has_been_read() {
+    let (signal, found) = estimated("strong_lorry_16", 1);
+    let v1 = sensors().iter().position(|it| it.name == "v1");
+    let v1 = v1.expect("a sensor at the impact point");
+    for estimate in &found.estimates {
+        let rows = ((estimate.data_until - BEFORE) / PERIOD) as usize;
+        let read = signal.truth.rows.iter().take(rows);
+        let read = read.map(|row| row[v1]).fold(0.0, f64::max);
+        // The sensor is 8 % uncertain, to either side.
+        assert!(estimate.peak_v1.low > 0.8 * read, "{read} {estimate:#?}");
+    }
 }
 
 /// A hard mass ahead of a crushed front was taken for a rigid hit by this mass with a probability of 1, and the interval of the

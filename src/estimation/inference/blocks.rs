@@ -1,20 +1,9 @@
-//! Readings averaged over blocks of time that grow with the time after contact.
-//!
-//! Vibrations whose phase the model cannot predict for long average out, and the number of blocks grows with the logarithm
-//! of the time only.
+//! Readings averaged over blocks of time after contact.
 
+use crate::estimation::inference::block_layout::{Block, layout};
 use crate::estimation::inference::extremes::{Extremes, NO_EXTREMES, STUCK_SAMPLES};
 use crate::estimation::inference::short_means::ShortSums;
 use crate::sensors::{Quantity, Sensor};
-
-/// Before contact, from which the blocks begin \[s\].
-const LEAD: f64 = 2e-3;
-
-/// Shortest block \[s\].
-const LEAST: f64 = 1e-3;
-
-/// A block is as long as this share of the time from contact to its beginning, in whole milliseconds.
-const SHARE: f64 = 0.2;
 
 /// Strain, relative to the yield strain, beyond which a gauge no longer reads the elastic bar.
 pub(crate) const ELASTIC_LIMIT: f64 = 0.9;
@@ -55,15 +44,6 @@ const PEAK_DEVIATION: f64 = 0.02;
 /// A gauge is lost by its mean over this time \[s\]: the waves of the first milliseconds take it beyond the limit for shorter ones
 /// while the column remains elastic. Blocks consist of whole ones.
 const GAUGE_CELL: f64 = 1e-3;
-
-/// A span of time after contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Block {
-    /// Its beginning \[s\]; negative before contact.
-    pub start: f64,
-    /// \[s\]
-    pub length: f64,
-}
 
 /// What a sensor has read over a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,14 +170,7 @@ impl Blocks {
         sensors: &[Sensor],
         zeros: &[(f64, f64)],
     ) -> Self {
-        let mut layout = Vec::new();
-        let mut start = -LEAD;
-        while start < horizon {
-            let milliseconds = (1e3 * SHARE * start.max(0.0)).floor();
-            let length = (1e-3 * milliseconds).max(LEAST);
-            layout.push(Block { start, length });
-            start += length;
-        }
+        let layout = layout(horizon, period);
         let channels = sensors
             .iter()
             .zip(zeros)

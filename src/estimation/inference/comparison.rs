@@ -1,6 +1,6 @@
 //! What each sensor has read, and their prediction by the weighted responses.
 
-use crate::estimation::inference::blocks::Block;
+use crate::estimation::inference::block_layout::Block;
 use crate::estimation::inference::estimate::CredibleInterval;
 use crate::estimation::inference::member::Member;
 use crate::estimation::inference::model_error::ModelError;

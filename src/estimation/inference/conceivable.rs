@@ -4,7 +4,8 @@
 //! shows here, apart from what the model gets wrong (simulation-based calibration, Talts et al. 2018).
 
 use crate::column::{Impact, Outcome};
-use crate::estimation::inference::blocks::{Block, BlockMean, Blocks};
+use crate::estimation::inference::block_layout::Block;
+use crate::estimation::inference::blocks::{BlockMean, Blocks};
 use crate::estimation::inference::drawn::Drawn;
 use crate::estimation::inference::estimator::Estimator;
 use crate::estimation::inference::hypothesis::Hypothesis;

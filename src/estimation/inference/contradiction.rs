@@ -5,8 +5,8 @@ use crate::estimation::inference::model_error::ModelError;
 use crate::estimation::inference::weighing::Observed;
 use crate::sensors::Sensor;
 
-/// Blocks that a sensor needs before it may contradict the others.
-const LEAST_BLOCKS: usize = 5;
+/// Means that a sensor needs before it may contradict the others.
+const LEAST_MEANS: f64 = 5.0;
 
 /// Logarithm of a ratio of likelihoods beyond which a response is not plausible any more.
 const PLAUSIBLE: f64 = 6.0;
@@ -19,19 +19,14 @@ const CONTRADICTION: f64 = 4.0;
 pub(crate) fn explains_all(members: &[Member], observed: &[Observed], sensors: &[Sensor]) -> bool {
     let up_to_date = || members.iter().filter(|it| it.seen == observed.len());
     let best = largest(up_to_date().map(Member::log_posterior));
-    let blocks: Vec<usize> = (0..sensors.len())
-        .map(|sensor| {
-            let means = observed.iter().map(|(_, means)| means[sensor]);
-            means.flatten().count()
-        })
-        .collect();
+    let means = counted_means(observed, sensors.len());
     up_to_date()
         .filter(|member| member.log_posterior() >= best - PLAUSIBLE)
         .any(|member| {
-            let mut each = sensors.iter().zip(&blocks).enumerate();
-            each.all(|(index, (sensor, &blocks))| {
+            let mut each = sensors.iter().zip(&means).enumerate();
+            each.all(|(index, (sensor, means))| {
                 let error = ModelError::of(sensor.quantity);
-                member.fit(index, error).squares <= CONTRADICTION * blocks as f64
+                member.fit(index, error).squares <= CONTRADICTION * means
             })
         })
 }
@@ -94,14 +89,9 @@ pub(crate) fn contradictions(
     sensors: &[Sensor],
 ) -> Contradictions {
     let count = sensors.len();
-    let blocks: Vec<usize> = (0..count)
-        .map(|sensor| {
-            let means = observed.iter().map(|(_, means)| means[sensor]);
-            means.flatten().count()
-        })
-        .collect();
+    let means = counted_means(observed, count);
     let mut active: Vec<usize> = (0..count)
-        .filter(|&sensor| blocks[sensor] >= LEAST_BLOCKS)
+        .filter(|&sensor| means[sensor] >= LEAST_MEANS)
         .collect();
     let fits: Vec<Vec<Fit>> = members
         .iter()
@@ -134,14 +124,14 @@ pub(crate) fn contradictions(
                 let misfit = plausible
                     .filter(|(likelihood, _)| **likelihood >= best - PLAUSIBLE)
                     .filter(|(_, fits)| !fits[sensor].is_reversed)
-                    .map(|(_, fits)| fits[sensor].squares / blocks[sensor] as f64)
+                    .map(|(_, fits)| fits[sensor].squares / means[sensor])
                     .fold(f64::INFINITY, f64::min);
                 let is_noticed = || {
                     let witnesses = others.iter().filter(|&&other| {
-                        tells_scale(&sensors[other]) && blocks[other] >= blocks[sensor]
+                        tells_scale(&sensors[other]) && means[other] >= means[sensor]
                     });
                     witnesses.count() >= WITNESSES
-                        && self::misfit(members, &fits, &blocks, &others) <= WELL_EXPLAINED
+                        && self::misfit(members, &fits, &means, &others) <= WELL_EXPLAINED
                 };
                 let is_excluded = match all.len() {
                     2 => misfit > CONTRADICTION,
@@ -165,7 +155,7 @@ pub(crate) fn contradictions(
         ignored[*culprit] = true;
         active.retain(|sensor| sensor != culprit);
     }
-    let misfit = |active: &[usize]| misfit(members, &fits, &blocks, active);
+    let misfit = |active: &[usize]| misfit(members, &fits, &means, active);
     let left_out = all.len() - active.len();
     let (together, apart) = (misfit(&all), misfit(&active));
     let is_better = all.len() == 2 || apart <= CONTRADICTION.max(together / RELIEF);
@@ -402,8 +392,17 @@ pub(crate) fn scale_precision(
     }
 }
 
+/// Of each sensor, how many means with errors of their own there are.
+fn counted_means(observed: &[Observed], sensors: usize) -> Vec<f64> {
+    let of_sensor = |sensor: usize| {
+        let read = observed.iter().filter(|(_, means)| means[sensor].is_some());
+        read.fold(0.0, |sum, (block, _)| sum + block.share_of_mean())
+    };
+    (0..sensors).map(of_sensor).collect()
+}
+
 /// Mean square of the errors of the sensor that is explained worst, among these, by the plausible response that explains it best.
-fn misfit(members: &[Member], fits: &[Vec<Fit>], blocks: &[usize], active: &[usize]) -> f64 {
+fn misfit(members: &[Member], fits: &[Vec<Fit>], means: &[f64], active: &[usize]) -> f64 {
     let likelihoods = members.iter().zip(fits).map(|(member, fits)| {
         let each = active.iter().map(|&sensor| fits[sensor].log_likelihood);
         member.log_prior + member.log_events + each.sum::<f64>()
@@ -416,7 +415,7 @@ fn misfit(members: &[Member], fits: &[Vec<Fit>], blocks: &[usize], active: &[usi
         .map(|(_, fits)| {
             let each = active
                 .iter()
-                .map(|&sensor| fits[sensor].squares / blocks[sensor] as f64);
+                .map(|&sensor| fits[sensor].squares / means[sensor]);
             largest(each)
         })
         .fold(f64::INFINITY, f64::min);

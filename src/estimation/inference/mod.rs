@@ -9,7 +9,8 @@
 //   its length: the waves and the modes that the two bars do not have
 // - beam_request.rs: When the fibre beam is asked for a rigid vehicle that explains the readings, and what counts of its answer
 // - before_impact.rs: What is known of a vehicle of any kind before anything is measured, and once only its momentum is
-// - blocks.rs: Readings averaged over blocks of time that grow with the time after contact
+// - block_layout.rs: The blocks of time over which readings are averaged
+// - blocks.rs: Readings averaged over blocks of time after contact
 // - comparison.rs: What each sensor has read, and their prediction by the weighted responses
 // - conceivable.rs: Impacts as the estimator conceives them, and what its sensors read of them by its own model of all errors
 // - contradiction.rs: Sensors that contradict each other
@@ -29,6 +30,8 @@
 //   equal to it
 // - member.rs: One response among those that are weighed: its likelihood by the data
 // - model_error.rs: How far the model may be from the column: its own error, beside the noise of the sensors
+// - peak.rs: What an estimate states of the peak displacement: what the responses predict for it, and what a sensor at the impact
+//   point has read
 // - planning.rs: Where new members of a population are drawn: where the weights are, and where they may be
 // - population.rs: Weighted responses: adaptive multiple importance sampling over what may have struck the column
 // - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
@@ -50,6 +53,7 @@ pub(super) mod beam_error;
 pub(super) mod beam_readings;
 mod beam_request;
 mod before_impact;
+pub(super) mod block_layout;
 pub(super) mod blocks;
 pub(super) mod comparison;
 pub(super) mod conceivable;
@@ -67,6 +71,7 @@ pub(super) mod lanes;
 pub(super) mod library;
 pub(super) mod member;
 pub(super) mod model_error;
+pub(super) mod peak;
 mod planning;
 pub(super) mod population;
 pub(super) mod prediction;

@@ -3,7 +3,8 @@
 //! Without it, intervals would be those of a perfect model. The numbers were chosen on five signals of a fibre-beam model
 //! of other authorship (`tests/data/signals/`) and are assumptions \[A\] of this project, rounded up.
 
-use crate::estimation::inference::blocks::{Block, BlockMean};
+use crate::estimation::inference::block_layout::Block;
+use crate::estimation::inference::blocks::BlockMean;
 use crate::sensors::Quantity;
 
 /// Times after contact within which flexural waves, which the model does not have, cross the column \[s\].

@@ -3,7 +3,6 @@
 use crate::assessment::Action;
 use crate::column::{Outcome, Report};
 use crate::estimation::inference::before_impact::{BeforeImpact, prior};
-use crate::estimation::inference::blocks::{CLIPPED, Highest, Records};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::{
     CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, VELOCITY_OPEN_BEYOND, share_below,
@@ -11,13 +10,8 @@ use crate::estimation::inference::estimate::{
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front};
 use crate::estimation::inference::member::Member;
-use crate::estimation::inference::model_error::ModelError;
 use crate::estimation::inference::rigid_vehicle::{ByBeam, RIGID_BY_BEAM};
 use crate::sensors::Quantity;
-
-/// A displacement sensor measures the peak of the impact point if it is no further from it than this share of the part of the
-/// column on its side: the column moves there as the impact point does, but for some hundredths.
-const AT_IMPACT: f64 = 0.05;
 
 /// The same of a residual displacement, also relative to the peak \[A\].
 pub(super) const RESIDUAL_ERROR: f64 = 0.04;
@@ -27,12 +21,6 @@ const IMPACT_ERROR: f64 = 0.03;
 
 /// Standard deviations of what is predicted for the readings of a sensor from which on they stray: by chance one of 16 000 does.
 const STRAY: f64 = 4.0;
-
-/// Standard deviations of a measured peak by which readings rise above it that are not of the impact any more.
-const RISE: f64 = 3.0;
-
-/// Smallest peak whose logarithm is taken \[m\].
-const LEAST_PEAK: f64 = 1e-7;
 
 /// The same of a rigid vehicle, in addition: for mass and speed, and for momentum, times the power 1.5 of the mass that the model has at
 /// the impact point over that of the vehicle \[A\]. A light vehicle is stopped by the inertia of the column, which the bars have at one
@@ -48,25 +36,14 @@ const LIGHT_RATIO: [f64; 2] = [0.1, 0.2];
 /// Share of its kinetic energy that a vehicle has to lose in its front for the front to count as crushed.
 const CRUSHED: f64 = 0.05;
 
-/// Probability that the responses are right where a sensor at the impact point contradicts all others \[A\]: either this sensor or every
-/// hypothesis is wrong, and nothing tells which.
-const CONTRADICTED: f64 = 0.5;
-
-/// Factor by which hypotheses that are wrong may miss a peak \[A\]. A sensor that is further off is broken.
-const MISSED_PEAK: f64 = 2.0;
-
-/// Periods of the column after a light vehicle has left it within which its vibrations by several modes add up to their largest sum: a
-/// damping of 2 % has reduced them to a third after ten \[A\].
-const VIBRATIONS_OF_LIGHT_FRONTS: f64 = 10.0;
-
 /// Least share of the mass of a response that a light vehicle is taken to have by the mass of the column that moves with it \[A\].
 const LEAST_SHARE_OF_MASS: f64 = 0.25;
 
 /// Probability that a vehicle whose front acts as one of the catalogue is another one \[A\].
-const UNLIKE_CATALOGUE: f64 = 0.5;
+pub(super) const UNLIKE_CATALOGUE: f64 = 0.5;
 
 /// Standard deviation of the logarithm of the mass behind a soft front of which no data tell anything yet \[A\].
-const TO_COME: f64 = 1.0;
+pub(super) const TO_COME: f64 = 1.0;
 
 /// Parts of the range of the momentum of a crushed front, each with the same probability \[A\].
 const RANGE_PARTS: u32 = 5;
@@ -76,7 +53,7 @@ const LONGEST_RANGE: f64 = 3.0;
 
 impl Estimator {
     /// Standard deviation of the logarithm of a member's momentum, or of its mass and speed, by the model.
-    fn impact_error(&self, member: &Member, of_momentum: bool) -> f64 {
+    pub(super) fn impact_error(&self, member: &Member, of_momentum: bool) -> f64 {
         let hypothesis = &self.population.hypotheses[member.hypothesis];
         let Some(striking) = hypothesis.hard_mass(&member.unknowns) else {
             return IMPACT_ERROR;
@@ -122,7 +99,7 @@ impl Estimator {
 
     /// Share of the impulse of a soft front that is still to come, about: by the share of the time of its contact. A hard front delivers most
     /// of its impulse at once.
-    fn to_come(&self, member: &Member) -> f64 {
+    pub(super) fn to_come(&self, member: &Member) -> f64 {
         let hypothesis = &self.population.hypotheses[member.hypothesis];
         if hypothesis.hard_mass(&member.unknowns).is_some() {
             return 0.0;
@@ -186,68 +163,9 @@ impl Estimator {
         }
     }
 
-    /// What a sensor at the height of the impact point has read of its peak displacement, and the index of the sensor; `None` without such
-    /// a sensor that counts. The most exact one tells it.
-    fn measured_peak(&self) -> Option<(usize, &Records)> {
-        self.peak_by_sensors(false)
-    }
-
-    /// The same by the sensors that contradict the others, or by those that do not.
-    fn peak_by_sensors(&self, contradicting: bool) -> Option<(usize, &Records)> {
-        let properties = self.population.properties();
-        let each = self.sensors.iter().enumerate();
-        let at_impact = each.filter(|(index, sensor)| {
-            let away = sensor.height - properties.length_below;
-            let part = match away <= 0.0 {
-                true => properties.length_below,
-                false => properties.length_above,
-            };
-            sensor.quantity == Quantity::Displacement
-                && away.abs() <= AT_IMPACT * part
-                && self.contradicts(*index) == contradicting
-        });
-        let measured = at_impact.filter_map(|(index, sensor)| {
-            let records = self.highest.get(index)?.as_ref()?;
-            // A sensor at the end of its range has not seen the peak.
-            let is_whole = sensor.range == 0.0 || records.last().value < CLIPPED * sensor.range;
-            is_whole.then_some((index, records))
-        });
-        measured.min_by(|(_, a), (_, b)| a.last().deviation.total_cmp(&b.last().deviation))
-    }
-
-    /// When the column has its peak behind it by one response \[s\].
-    fn past_peak(&self, member: &Member) -> f64 {
-        self.contact[0] + member.delay + self.past_peak_after_contact(member)
-    }
-
-    /// The same from contact on: it does not move further once the vehicle has left it, but for a vibration, and for the sum of several
-    /// under a light front.
-    pub(super) fn past_peak_after_contact(&self, member: &Member) -> f64 {
-        let report = &member.prediction.report;
-        let left = report.release_time.unwrap_or(report.max_v1_time);
-        let vibrations = match member.front.by_light_front() > 0.0 {
-            true => VIBRATIONS_OF_LIGHT_FRONTS,
-            false => 1.0,
-        };
-        left.max(report.max_v1_time) + vibrations * self.period
-    }
-
-    /// The sensor that tells the peak, if its readings rise on when by most of the weighted responses the column has its peak behind it.
-    fn rises_on(&self, weights: &[f64]) -> Option<usize> {
-        let (sensor, records) = self.measured_peak()?;
-        let last = records.last();
-        let rises = self.weighted(weights).filter(|(member, _)| {
-            let peak = records.by(self.past_peak(member));
-            let stands = member.prediction.report.outcome.stands();
-            stands && last.value - peak.value > RISE * peak.deviation
-        });
-        let share = rises.fold(0.0, |sum, (_, weight)| sum + weight);
-        (share > 0.5).then_some(sensor)
-    }
-
     /// Whether the readings of a sensor stray from what the weighted responses predict for them, by more than noise and the error of the model
     /// explain: two means one after the other, to the same side.
-    fn strays(comparison: &SensorComparison) -> bool {
+    pub(super) fn strays(comparison: &SensorComparison) -> bool {
         let away = comparison
             .means
             .iter()
@@ -290,46 +208,6 @@ impl Estimator {
         in_doubt
             .map(|it| self.sensors[it.sensor].name.clone())
             .collect()
-    }
-
-    /// Peak displacement of the impact point by one response, relative to the column before the impact \[m\]: its logarithm with its
-    /// standard deviation. What a sensor has measured counts, and once the response is past its peak while it reads, it is the peak.
-    fn peak_by(&self, member: &Member, measured: Option<&Records>) -> [f64; 2] {
-        let [scale, scatter] = member.scale;
-        let report = &member.prediction.report;
-        let added = report.max_v1 - self.rest_v1;
-        let mut peak = (scale * added).max(LEAST_PEAK);
-        let shape = ModelError::of(Quantity::Displacement).share(report.max_v1_time);
-        let error = libm::hypot(shape, self.impact_error(member, true));
-        let error = libm::hypot(error, member.front.by_light_front());
-        let mut deviation = libm::hypot(scatter * added, error * added);
-        if let Some(records) = measured {
-            let past_peak = self.past_peak(member);
-            let Highest {
-                value: highest,
-                deviation: noise,
-                ..
-            } = records.by(past_peak);
-            // What several vibrations add up to is the peak only when they are over.
-            let settled = match member.front.by_light_front() > 0.0 {
-                true => past_peak,
-                false => self.contact[0] + member.delay + report.max_v1_time,
-            };
-            if records.seen_until > settled {
-                // Prediction and measurement, each by its precision.
-                let [own, other] = [1.0 / (deviation * deviation), 1.0 / (noise * noise)];
-                peak = (own * peak + other * highest) / (own + other);
-                deviation = (1.0 / (own + other)).sqrt();
-            } else if highest > peak {
-                (peak, deviation) = (highest, deviation.max(noise));
-            }
-        }
-        // As long as a vehicle moves the column further, it may press on otherwise.
-        if self.seen() - member.delay < report.max_v1_time {
-            let otherwise = UNLIKE_CATALOGUE.sqrt() * TO_COME * self.to_come(member);
-            deviation = libm::hypot(deviation, otherwise * peak);
-        }
-        logarithm_of_peak(peak, deviation)
     }
 
     /// What a member with this weight says of these powers of mass and speed, multiplied: logarithms. Their distributions are skew, and
@@ -406,8 +284,11 @@ impl Estimator {
                 ..before.with_momentum([of_mass, of_velocity], [momentum, scatter])
             }
         });
-        // As long as it presses, it may press on otherwise.
-        let ends = [least, (to_come * (largest - momentum)).max(0.0)];
+        // As long as it presses, it may press on otherwise. One that has stopped goes back soon; of one that has not, nothing tells yet how
+        // heavy and how fast it is.
+        let has_stopped = libm::log(delivered(member, to_come)) >= momentum;
+        let share = if has_stopped { to_come } else { 1.0 };
+        let ends = [least, (share * (largest - momentum)).max(0.0)];
         let later = range(ends, RANGE_PARTS).map(move |(_, place, scatter)| Spread {
             mean: momentum + place,
             deviation: libm::hypot(model, scatter),
@@ -472,77 +353,9 @@ impl Estimator {
         libm::log((0.5 * impulse).max(f64::MIN_POSITIVE))
     }
 
-    /// Standard deviation of the logarithm of the peak by the scale of the sensor that tells it: the less, the better other sensors confirm
-    /// this scale, and 0 without such a sensor.
-    #[must_use]
-    pub fn peak_scale_deviation(&self) -> f64 {
-        self.measured_peak()
-            .map_or(0.0, |(sensor, _)| self.scale_deviation(sensor))
-    }
-
-    /// What a sensor at the impact point that contradicts the others says of the logarithm of the peak; `None` without such a sensor, and where
-    /// it is so far from what the members say that it is broken.
-    fn contradicting_peak(&self, by_members: &[Spread]) -> Option<Spread> {
-        let (sensor, records) = self.peak_by_sensors(true)?;
-        let read = self.peak_read_by(sensor, records);
-        let [sum, total] = by_members.iter().fold([0.0; 2], |[sum, total], it| {
-            [sum + it.weight * it.mean, total + it.weight]
-        });
-        ((read.mean - sum / total).abs() <= libm::log(MISSED_PEAK)).then_some(read)
-    }
-
     /// Probability that the members explain what has struck.
     fn explained(&self, weights: &[f64]) -> f64 {
-        let tempered = 1.0 / self.population.temperature();
-        self.contradicting_peak(&self.peaks_by_members(weights))
-            .map_or(tempered, |_| CONTRADICTED * tempered)
-    }
-
-    /// What the sensor that tells the peak says of its logarithm, if its readings stray from what the members predict for it: `None`
-    /// otherwise.
-    fn straying_peak(&self, compared: &[SensorComparison]) -> Option<Spread> {
-        let (sensor, records) = self.measured_peak()?;
-        let comparison = compared.iter().find(|it| it.sensor == sensor)?;
-        Self::strays(comparison).then(|| self.peak_read_by(sensor, records))
-    }
-
-    /// What a sensor says of the logarithm of the peak by what it has read alone, with the probability that the members are wrong.
-    fn peak_read_by(&self, sensor: usize, records: &Records) -> Spread {
-        let Highest {
-            value, deviation, ..
-        } = records.last();
-        let [mean, deviation] = logarithm_of_peak(value, deviation);
-        Spread {
-            mean,
-            deviation: libm::hypot(deviation, self.scale_deviation(sensor)),
-            weight: 1.0 - CONTRADICTED,
-        }
-    }
-
-    /// What is known of the logarithm of the peak that the impact adds.
-    fn spread_of_peaks(&self, weights: &[f64], compared: &[SensorComparison]) -> Vec<Spread> {
-        let mut each = self.peaks_by_members(weights);
-        let other = self.contradicting_peak(&each);
-        if let Some(other) = other.or_else(|| self.straying_peak(compared)) {
-            each.iter_mut().for_each(|it| it.weight *= CONTRADICTED);
-            each.push(other);
-        }
-        each
-    }
-
-    /// What the members say of it.
-    fn peaks_by_members(&self, weights: &[f64]) -> Vec<Spread> {
-        let scale = self.peak_scale_deviation();
-        let records = self.measured_peak().map(|(_, records)| records);
-        let each = self.weighted(weights).map(|(member, weight)| {
-            let [mean, deviation] = self.peak_by(member, records);
-            Spread {
-                mean,
-                deviation: libm::hypot(deviation, scale),
-                weight,
-            }
-        });
-        each.collect()
+        self.right_about_peak(weights) / self.population.temperature()
     }
 
     /// What they say of the residual displacement. The factor of the response belongs to what the impact adds.
@@ -570,10 +383,9 @@ impl Estimator {
         let effective = effective(&weights);
         let vehicles = self.spread_of_vehicles(&weights, self.explained(&weights), [1.0, 1.0]);
         let compared = self.population.compare(&weights);
-        let peak = libm::log((peak_v1 - self.rest_v1).max(LEAST_PEAK));
         [
             share_below(vehicles, effective, libm::log(momentum)),
-            share_below(self.spread_of_peaks(&weights, &compared), effective, peak),
+            self.share_below_peak(&weights, &compared, peak_v1),
             share_below(self.spread_of_residuals(&weights), effective, residual_v1),
         ]
     }
@@ -589,7 +401,6 @@ impl Estimator {
             let each = self.spread_of_vehicles(&weights, explained, powers);
             CredibleInterval::of_spread(each, effective).map(libm::exp)
         };
-        let before = self.rest_v1;
         let residuals = self.spread_of_residuals(&weights);
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
             members()
@@ -618,11 +429,7 @@ impl Estimator {
                         .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
                 ),
             },
-            peak_v1: CredibleInterval::of_spread(
-                self.spread_of_peaks(&weights, &compared),
-                effective,
-            )
-            .map(|log| libm::exp(log) + before),
+            peak_v1: self.peak(&weights, &compared),
             residual_v1: CredibleInterval::of_spread(residuals, effective),
             yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
             collapsed: share(&|member| !member.prediction.report.outcome.stands()),
@@ -654,12 +461,6 @@ fn range([low, high]: [f64; 2], parts: u32) -> impl Iterator<Item = (f64, f64, f
             width / 12.0_f64.sqrt(),
         )
     })
-}
-
-/// The logarithm of a peak \[m\] with its standard deviation.
-fn logarithm_of_peak(peak: f64, deviation: f64) -> [f64; 2] {
-    let peak = peak.max(LEAST_PEAK);
-    [libm::log(peak), (deviation / peak).min(1.0)]
 }
 
 /// What a response leaves open of the momentum: logarithms of its bounds over the momentum of the response, and whether the vehicle

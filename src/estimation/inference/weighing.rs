@@ -1,7 +1,8 @@
 //! What the likelihood of every response needs of the data: block means with their precisions, and where the blocks are in the
 //! predictions.
 
-use crate::estimation::inference::blocks::{Block, BlockMean};
+use crate::estimation::inference::block_layout::Block;
+use crate::estimation::inference::blocks::BlockMean;
 use crate::estimation::inference::lanes::{Lanes, WIDTH, ZERO, lanes};
 use crate::estimation::inference::model_error::{FrontError, ModelError};
 use crate::estimation::inference::prediction::{Place, TimeGrid};
