@@ -436,7 +436,7 @@ impl Estimator {
     fn take_all(&mut self, mut round: Round) {
         self.population.compute_all(&mut round);
         self.population.add(round);
-        self.population.weigh();
+        self.population.weigh_new();
     }
 
     /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
@@ -606,14 +606,19 @@ impl Estimator {
             .sqrt()
     }
 
-    /// What the data so far say.
-    pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
-        let chosen = self.unassessed(ASSESSED);
+    /// What the data so far say, with action and residual capacity of so many responses.
+    pub(crate) fn estimate_assessing(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
+        let chosen = self.unassessed(count);
         let assessed: Vec<_> = chosen.par_iter().map(|it| self.assessed(*it)).collect();
         for (index, assessed) in chosen.into_iter().zip(assessed) {
             self.population.members[index].assessed = Some(assessed);
         }
-        self.estimate_with(data_until, ASSESSED)
+        self.estimate_with(data_until, count)
+    }
+
+    /// What the data so far say.
+    pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
+        self.estimate_assessing(data_until, ASSESSED)
     }
 }
 

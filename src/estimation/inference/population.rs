@@ -6,11 +6,14 @@
 
 use std::sync::Arc;
 
-use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
+use rayon::iter::{
+    IntoParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
+};
 
 use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::beam_readings::BeamReadings;
-use crate::estimation::inference::blocks::{Block, BlockMean};
+use crate::estimation::inference::block_layout::Block;
+use crate::estimation::inference::blocks::BlockMean;
 use crate::estimation::inference::comparison::{Compared, SensorComparison};
 use crate::estimation::inference::contradiction::{
     Contradictions, contradictions, explains_all, largest, may_be_off_scale, scale_precision,
@@ -356,6 +359,15 @@ impl Population {
         self.members
             .par_iter_mut()
             .for_each(|member| member.weigh(&weighing));
+    }
+
+    /// The same where all members but new ones are up to the data, and the same sensors count as then.
+    pub fn weigh_new(&mut self) {
+        let weighing = self.weighing();
+        let blocks = self.observed.len();
+        let new = self.members.iter_mut().filter(|it| it.seen < blocks);
+        let new: Vec<&mut Member> = new.collect();
+        new.into_par_iter().for_each(|it| it.weigh(&weighing));
     }
 
     /// Brings the likelihoods of at most `count` members up to the data, in this thread; returns whether there are more.

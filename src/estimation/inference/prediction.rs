@@ -22,7 +22,7 @@ const LEAST_CELL: f64 = 0.5e-3;
 const STEPS_OF_RECOMMENDED: u64 = 5;
 
 /// Steps grow with the time after contact, too, of which they are this share: readings are compared as means over a fifth of it.
-const STEP_SHARE: f64 = 0.004;
+const STEP_SHARE: f64 = 0.008;
 
 /// Steps per slowest period of the column at least, once they grow: they follow what a vehicle does to the column, and conserve the energy of
 /// its vibration, of which only means are compared by then \[A\].

@@ -5,10 +5,11 @@ use crate::estimation::detection::second_blow::SecondBlow;
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::ImpactEstimate;
 use crate::estimation::inference::estimator::{
-    COLLAPSE_PERIOD, Estimator, EstimatorError, UPDATE_INSTANTS,
+    ASSESSED, COLLAPSE_PERIOD, Estimator, EstimatorError, UPDATE_INSTANTS,
 };
 use crate::estimation::inference::hypothesis::hypotheses;
 use crate::estimation::inference::prediction::HORIZON;
+use crate::estimation::inference::update::ASSESSED_IN_HASTE;
 use crate::estimation::intake::readings::Readings;
 use crate::parameters::Parameters;
 use crate::sensors::Sensor;
@@ -16,6 +17,10 @@ use crate::standing::StandingColumn;
 
 /// Rounds of refinement for each update of recorded readings, for which there is time.
 const ROUNDS: usize = 20;
+
+/// The same of the first updates, up to this instant after contact \[s\]: so much is open then that more rounds seldom suffice either.
+const FIRST_ROUNDS: usize = 8;
+const FIRST_INSTANTS: f64 = 0.03;
 
 /// How much the rate of readings by their times may differ from the declared one, relative to it.
 const RATE_TOLERANCE: f64 = 0.05;
@@ -120,11 +125,20 @@ fn follow(
         progress((until / last.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0));
         until = next_instant(until, is_possible, last);
         estimator.observe(contact + until);
-        estimator.settle(ROUNDS);
+        estimator.settle(match until <= FIRST_INSTANTS {
+            true => FIRST_ROUNDS,
+            false => ROUNDS,
+        });
         estimator.ask_beam(until >= last);
         estimator.finish_beam();
         estimator.take_answer_of_beam();
-        let estimate = estimator.estimate(contact + until);
+        // Actions of all but the last estimate come in coarser steps, as they do live.
+        let assessed = if until >= last {
+            ASSESSED
+        } else {
+            ASSESSED_IN_HASTE
+        };
+        let estimate = estimator.estimate_assessing(contact + until, assessed);
         is_possible = estimate.expects_collapse();
         estimates.push(estimate);
         if until >= last {

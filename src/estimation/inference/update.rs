@@ -10,7 +10,7 @@ use crate::estimation::inference::round::Round;
 const WEIGHED: usize = 64;
 
 /// Responses that are assessed for an estimate in haste, when new ones have been drawn: actions come in steps of 4 % then.
-const ASSESSED_IN_HASTE: usize = 24;
+pub(super) const ASSESSED_IN_HASTE: usize = 24;
 
 /// Responses that get a first impression in one slice.
 const PREFILTERED: usize = 512;
