@@ -334,8 +334,8 @@ fn a_peak_is_not_smaller_than_what_has_been_read() {
         let rows = ((estimate.data_until - BEFORE) / PERIOD) as usize;
         let read = signal.truth.rows.iter().take(rows);
         let read = read.map(|row| row[v1]).fold(0.0, f64::max);
-        // The sensor is 8 % uncertain, to either side.
-        assert!(estimate.peak_v1.low > 0.8 * read, "{read} {estimate:#?}");
+        // Three times what the sensor is uncertain by, 8 % and more, and its own error.
+        assert!(estimate.peak_v1.low > 0.7 * read, "{read} {estimate:#?}");
     }
 }
 

@@ -13,7 +13,8 @@ use crate::sensors::Quantity;
 /// column on its side: the column moves there as the impact point does, but for some hundredths.
 const AT_IMPACT: f64 = 0.05;
 
-/// Standard deviations of a measured peak by which readings rise above it that are not of the impact any more.
+/// Standard deviations of a measured peak by which readings rise above it that are not of the impact any more, and by which the peak is
+/// smaller at most.
 const RISE: f64 = 3.0;
 
 /// Smallest peak whose logarithm is taken \[m\].
@@ -224,14 +225,15 @@ impl Estimator {
         each.collect()
     }
 
-    /// The logarithm of the least peak that the readings leave possible, however a vehicle presses on: the lower end of what a sensor has read.
+    /// The logarithm of the least peak that the readings leave possible, however a vehicle presses on: three standard deviations below the
+    /// largest one, which noise makes larger than the peak.
     fn least_peak(&self, weights: &[f64]) -> f64 {
         let of_impact = self
             .measured_peak()
             .filter(|_| self.rises_on(weights).is_none());
         of_impact.map_or(f64::NEG_INFINITY, |(sensor, records)| {
             let read = self.peak_read_by(sensor, records);
-            CredibleInterval::normal(read.mean, read.deviation).low
+            read.mean - RISE * read.deviation
         })
     }
 }
