@@ -171,17 +171,25 @@ impl Estimator {
         random: &mut Random,
     ) -> Vec<f64> {
         let sensor = &self.sensors()[index];
-        let mut blocks = self.blocks_of(sensor);
-        for (row, (&time, &value)) in times.iter().zip(&exact).enumerate() {
-            // Without any noise it would be stuck at rest.
-            let flicker = if row % 2 == 0 { 1e-9 } else { -1e-9 };
-            blocks.push(0, time, value + flicker * sensor.noise);
-        }
+        // What the errors are relative to has errors of its own.
+        let mut read = self.blocks_of(sensor);
         let error = ModelError::of(sensor.quantity);
         let mut before: Option<((Block, BlockMean), f64)> = None;
-        for (number, block) in blocks.layout().iter().enumerate() {
-            let Some(mean) = blocks.mean(0, number) else {
+        for (number, block) in read.layout().to_vec().iter().enumerate() {
+            let rows = [block.start, block.start + block.length]
+                .map(|edge| times.partition_point(|time| *time < edge));
+            let push = |blocks: &mut Blocks, exact: &[f64]| {
+                for row in rows[0]..rows[1] {
+                    // Without any noise it would be stuck at rest.
+                    let flicker = if row % 2 == 0 { 1e-9 } else { -1e-9 };
+                    blocks.push(0, times[row], exact[row] + flicker * sensor.noise);
+                }
+            };
+            let mut next = read.clone();
+            push(&mut next, &exact);
+            let Some(mean) = next.mean(0, number) else {
                 before = None;
+                read = next;
                 continue;
             };
             let now = (
@@ -196,14 +204,10 @@ impl Estimator {
             let variance = variance + by_front;
             let last = before.map_or(0.0, |(_, last)| last);
             let own = carried * last + variance.max(0.0).sqrt() * random.normal();
-            let inside = block.start..block.start + block.length;
-            for (value, _) in exact
-                .iter_mut()
-                .zip(times)
-                .filter(|(_, time)| inside.contains(*time))
-            {
+            for value in &mut exact[rows[0]..rows[1]] {
                 *value += own;
             }
+            push(&mut read, &exact);
             before = Some((now, own));
         }
         exact
