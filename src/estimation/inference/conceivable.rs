@@ -24,6 +24,9 @@ const PERIOD: f64 = 1e-4;
 /// The readings begin so long before contact \[s\].
 const LEAD: f64 = 5e-3;
 
+/// Blocks that make this share of a mean together are one.
+const LEAST_SHARED: f64 = 0.9;
+
 /// Means over this time tell the peak \[s\].
 const PEAK_CELL: f64 = 0.5e-3;
 
@@ -162,12 +165,13 @@ impl Estimator {
         [exact, noisy]
     }
 
-    /// Readings with an error of the model that is one number in each block.
+    /// Readings with an error of the model that is one number over a fifth of the time since contact, as in a likelihood of shorter blocks,
+    /// which counts each as a part of such a mean.
     fn with_model_error(
         &self,
         (index, front): (usize, FrontError),
         times: &[f64],
-        mut exact: Vec<f64>,
+        mut readings: Vec<f64>,
         random: &mut Random,
     ) -> Vec<f64> {
         let sensor = &self.sensors()[index];
@@ -175,18 +179,20 @@ impl Estimator {
         let mut read = self.blocks_of(sensor);
         let error = ModelError::of(sensor.quantity);
         let mut before: Option<((Block, BlockMean), f64)> = None;
+        // The share of a mean that the blocks with the last error make together.
+        let mut shared = 1.0;
         for (number, block) in read.layout().to_vec().iter().enumerate() {
             let rows = [block.start, block.start + block.length]
                 .map(|edge| times.partition_point(|time| *time < edge));
-            let push = |blocks: &mut Blocks, exact: &[f64]| {
+            let push = |blocks: &mut Blocks, readings: &[f64]| {
                 for row in rows[0]..rows[1] {
                     // Without any noise it would be stuck at rest.
                     let flicker = if row % 2 == 0 { 1e-9 } else { -1e-9 };
-                    blocks.push(0, times[row], exact[row] + flicker * sensor.noise);
+                    blocks.push(0, times[row], readings[row] + flicker * sensor.noise);
                 }
             };
             let mut next = read.clone();
-            push(&mut next, &exact);
+            push(&mut next, &readings);
             let Some(mean) = next.mean(0, number) else {
                 before = None;
                 read = next;
@@ -199,18 +205,25 @@ impl Estimator {
                     ..mean
                 },
             );
-            let (carried, variance) = error.given(before.as_ref().map(|it| &it.0), &now);
-            let by_front = self.population.variance_by_front(front, index, &now);
-            let variance = variance + by_front;
-            let last = before.map_or(0.0, |(_, last)| last);
-            let own = carried * last + variance.max(0.0).sqrt() * random.normal();
-            for value in &mut exact[rows[0]..rows[1]] {
+            let own = match before {
+                Some((_, last)) if shared < LEAST_SHARED => last,
+                _ => {
+                    let (carried, variance) = error.given(before.as_ref().map(|it| &it.0), &now);
+                    let by_front = self.population.variance_by_front(front, index, &now);
+                    let variance = block.share_of_mean() * variance.max(0.0) + by_front;
+                    let last = before.map_or(0.0, |(_, last)| last);
+                    shared = 0.0;
+                    carried * last + variance.max(0.0).sqrt() * random.normal()
+                }
+            };
+            shared += block.share_of_mean();
+            for value in &mut readings[rows[0]..rows[1]] {
                 *value += own;
             }
-            push(&mut read, &exact);
+            push(&mut read, &readings);
             before = Some((now, own));
         }
-        exact
+        readings
     }
 
     /// Blocks for the readings of one sensor whose zero is known, with contact at time 0.
