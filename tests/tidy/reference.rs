@@ -344,12 +344,12 @@ const LIMITS: [(&str, &[Number]); 5] = [
                 "times that the largest reading comes as often as the next one if the sensor is cut off there",
             ),
             (
-                "src/estimation/inference/statement.rs",
+                "src/estimation/inference/peak.rs",
                 "CONTRADICTED",
                 "probability of the responses where a displacement sensor at the impact point contradicts all others",
             ),
             (
-                "src/estimation/inference/statement.rs",
+                "src/estimation/inference/peak.rs",
                 "MISSED_PEAK",
                 "factor between its peak and the peak of the responses from which on such a sensor is broken",
             ),

@@ -30,8 +30,8 @@
 //   equal to it
 // - member.rs: One response among those that are weighed: its likelihood by the data
 // - model_error.rs: How far the model may be from the column: its own error, beside the noise of the sensors
-// - peak.rs: What an estimate states of the peak displacement: what the responses predict for it, and what a sensor at the impact
-//   point has read
+// - peak.rs: What an estimate states of the peak displacement: what the responses predict for it, and what a sensor at the
+//   impact point has read
 // - planning.rs: Where new members of a population are drawn: where the weights are, and where they may be
 // - population.rs: Weighted responses: adaptive multiple importance sampling over what may have struck the column
 // - prediction.rs: What one conceivable impact would have let the sensors read, and how it would have ended
