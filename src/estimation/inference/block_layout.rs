@@ -84,7 +84,10 @@ mod tests {
             (counted / growing - 1.0).abs() < 0.15,
             "{counted} {growing}"
         );
+        // Lengths are whole milliseconds: 1 ms of 1.8 at 9 ms.
         let early = blocks.iter().filter(|it| it.start < 0.0499);
-        assert!(early.map(Block::share_of_mean).all(|it| it > 0.99));
+        assert!(early.map(Block::share_of_mean).all(|it| it > 0.5));
+        let first = blocks.iter().filter(|it| it.start < 5.5e-3);
+        assert!(first.map(Block::share_of_mean).all(|it| it > 0.999));
     }
 }
