@@ -6,9 +6,7 @@
 
 use std::sync::Arc;
 
-use rayon::iter::{
-    IntoParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
-};
+use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::column::{ColumnProperties, Impact, ShearProperties};
 use crate::estimation::inference::beam_readings::BeamReadings;
@@ -365,9 +363,10 @@ impl Population {
     pub fn weigh_new(&mut self) {
         let weighing = self.weighing();
         let blocks = self.observed.len();
-        let new = self.members.iter_mut().filter(|it| it.seen < blocks);
-        let new: Vec<&mut Member> = new.collect();
-        new.into_par_iter().for_each(|it| it.weigh(&weighing));
+        self.members
+            .par_iter_mut()
+            .filter(|member| member.seen < blocks)
+            .for_each(|member| member.weigh(&weighing));
     }
 
     /// Brings the likelihoods of at most `count` members up to the data, in this thread; returns whether there are more.

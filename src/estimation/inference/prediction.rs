@@ -21,7 +21,8 @@ const LEAST_CELL: f64 = 0.5e-3;
 /// Times the recommended step by which a response may be stepped here: its error is small beside that of the model.
 const STEPS_OF_RECOMMENDED: u64 = 5;
 
-/// Steps grow with the time after contact, too, of which they are this share: readings are compared as means over a fifth of it.
+/// Steps grow with the time after contact, too, of which they are this share: readings are compared as means over a fifth of it, up to
+/// 10 ms.
 const STEP_SHARE: f64 = 0.008;
 
 /// Steps per slowest period of the column at least, once they grow: they follow what a vehicle does to the column, and conserve the energy of
