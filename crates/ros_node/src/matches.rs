@@ -4,6 +4,7 @@
 //! reads the participant's events itself and runs no spinner.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeBounds;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -254,7 +255,7 @@ impl Matches {
                 }
             }
             Event::ParticipantLost { id, reason } => {
-                let topics = self.forget_peer(prefix(id));
+                let topics = self.forget_peer(&id.range());
                 self.security_peers.take_lost(prefix(id));
                 match reason {
                     // Others in the domain that never had to do with this node do not matter to it.
@@ -271,14 +272,18 @@ impl Matches {
         }
     }
 
-    /// Forgets all endpoints of a participant, and returns the names of the topics on which they were matched.
-    fn forget_peer(&self, participant: GuidPrefix) -> Vec<String> {
+    /// Forgets all endpoints of a participant, which are in this range, and returns the names of the topics on which they were matched.
+    fn forget_peer(&self, endpoints: &impl RangeBounds<GUID>) -> Vec<String> {
+        let endpoints = (endpoints.start_bound(), endpoints.end_bound());
         let mut of_own = BTreeSet::new();
         for (own, peers) in locked(&self.peers).iter_mut() {
-            let before = peers.len();
-            peers.retain(|peer| prefix(peer.prefix) != participant);
-            if peers.len() < before {
+            // Its endpoints alone: whoever goes through all whenever one of thousands leaves is busy with nothing else.
+            let gone: Vec<GUID> = peers.range(endpoints).copied().collect();
+            if !gone.is_empty() {
                 of_own.insert(*own);
+            }
+            for peer in gone {
+                peers.remove(&peer);
             }
         }
         self.changed.notify_all();
@@ -296,4 +301,38 @@ fn prefix(bytes: impl AsRef<[u8]>) -> GuidPrefix {
 /// Ignores poisoning: the contents of these mutexes are consistent after every statement.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn endpoint(participant: u8, number: u8) -> GUID {
+        let mut bytes = [participant; 16];
+        bytes[12..].copy_from_slice(&[0, 0, number, 7]);
+        GUID::from_bytes(bytes)
+    }
+
+    /// Those of the participants before and after it stay, and so do those of endpoints that it did not match.
+    #[test]
+    fn a_participant_that_has_gone_takes_all_its_endpoints_and_no_others_along() {
+        let matches = Matches::default();
+        let [events, states] = [endpoint(1, 1), endpoint(1, 2)];
+        matches.name(events, "/impact_event");
+        matches.name(states, "/column_state");
+        for participant in [2, 3, 4] {
+            for number in [0, 255] {
+                matches.add(events, endpoint(participant, number));
+            }
+        }
+        matches.add(states, endpoint(4, 9));
+        let topics = matches.forget_peer(&endpoint(3, 0).prefix.range());
+        assert_eq!(topics, ["/impact_event"]);
+        assert_eq!([matches.count(events), matches.count(states)], [4, 1]);
+        assert!(
+            matches
+                .forget_peer(&endpoint(3, 0).prefix.range())
+                .is_empty()
+        );
+    }
 }
