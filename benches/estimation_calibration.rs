@@ -7,7 +7,8 @@
 //! A column that collapses has no peak, so none is compared; where peaks are fewer than impacts, the table says of how many. The last
 //! rows leave out every interval that the estimate calls "not known".
 //!
-//! A second table has the time that all estimates of an impact take together, on all processors.
+//! A second table has how many of the last estimates are as close to the truth as [`Reached`] asks for, and a third one the time that all
+//! estimates of an impact take together, on all processors.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -207,6 +208,69 @@ fn real_column(normal: &mut Normal) -> BeamColumn {
     }
 }
 
+/// What the last estimate of an impact is compared with: how many it was of which it holds.
+#[derive(Default)]
+struct Reached([[u32; 2]; REACHED.len()]);
+
+/// Heads of the columns, and the largest errors and widths that they allow.
+const REACHED: [&str; 6] = [
+    "contact within 1 ms",
+    "probability of a collapse above 0.9, or below 0.1 if the column stands",
+    "peak within 10 % or 1 mm",
+    "interval of the peak at most 40 % or 2 mm",
+    "momentum",
+    "mass within 25 %",
+];
+
+impl Reached {
+    /// The momentum of a vehicle that has left, unless the estimate calls it "not known": within 10 % under a rigid or elastic front, and
+    /// within 15 % if an elastic one has made the column yield; of any other front between half of its impulse and the impulse, within
+    /// 10 %. The mass is that of rigid vehicles alone.
+    fn take(&mut self, kind: &str, signal: &BeamSignal, contact: f64, last: &ImpactEstimate) {
+        let (truth, momentum) = (&signal.truth, signal.momentum());
+        let is_rigid = ["rigid", "light_rigid", "slow"].contains(&kind);
+        let [peak, interval] = [last.peak_v1.mean, last.peak_v1.high - last.peak_v1.low];
+        let within = |value: f64, of: f64, share: f64| (value / of - 1.0).abs() <= share;
+        let unknown = last.not_known();
+        let momentum = (truth.released && !truth.collapsed && !unknown.contains(&"momentum")).then(
+            || match (is_rigid, kind) {
+                (true, _) => within(last.momentum.mean, momentum, 0.10),
+                (_, "elastic_front") => {
+                    let share = if truth.yielded { 0.15 } else { 0.10 };
+                    within(last.momentum.mean, momentum, share)
+                }
+                _ => (0.45..=1.1).contains(&(last.momentum.mean / truth.impulse)),
+            },
+        );
+        let of_peak = |holds: bool| (!truth.collapsed).then_some(holds);
+        let highest = truth.peak[0];
+        let all = [
+            Some(contact.abs() <= 1e-3),
+            Some(match truth.collapsed {
+                true => last.collapsed > 0.9,
+                false => last.collapsed < 0.1,
+            }),
+            of_peak((peak - highest).abs() <= (0.1 * highest).max(1e-3)),
+            of_peak(interval <= (0.4 * highest).max(2e-3)),
+            momentum,
+            (is_rigid && !unknown.contains(&"mass"))
+                .then(|| within(last.mass.mean, signal.impact.mass, 0.25)),
+        ];
+        for ([reached, compared], holds) in self.0.iter_mut().zip(all) {
+            *compared += u32::from(holds.is_some());
+            *reached += u32::from(holds == Some(true));
+        }
+    }
+
+    fn print(&self, kind: &str) {
+        let each = self.0.map(|[reached, compared]| match compared {
+            0 => "-".to_owned(),
+            _ => format!("{reached} of {compared}"),
+        });
+        println!("| {kind} | {} |", each.join(" | "));
+    }
+}
+
 /// The readings of sensors that are not quite where they are declared.
 fn misplaced(mut readings: Readings, sensors: &[Sensor], normal: &mut Normal) -> Readings {
     let scales: Vec<f64> = sensors
@@ -250,6 +314,7 @@ fn main() {
     while !estimator.prepare() {}
     let mut counts: BTreeMap<(usize, usize), Count> = BTreeMap::new();
     let mut stated: BTreeMap<usize, Count> = BTreeMap::new();
+    let mut reached: BTreeMap<usize, Reached> = BTreeMap::new();
     let mut durations: BTreeMap<usize, Vec<Duration>> = BTreeMap::new();
     let mut undetected = 0;
     for (of_kind, kind) in kinds.clone().enumerate() {
@@ -276,6 +341,12 @@ fn main() {
             durations.entry(of_kind).or_default().push(duration);
             let Impact { mass, velocity, .. } = signal.impact;
             let momentum = signal.momentum();
+            let contact = found.detection.contact;
+            let last = found.estimates.last().expect("an estimate");
+            reached
+                .entry(of_kind)
+                .or_default()
+                .take(kind, &signal, contact.time - BEFORE, last);
             // A collapse ends the readings, and its peak is only the last of them.
             let peak = (!signal.truth.collapsed).then_some(signal.truth.peak[0]);
             let truth = [Some(mass), Some(velocity), Some(momentum), peak];
@@ -289,12 +360,11 @@ fn main() {
                     signal.truth.yielded,
                     signal.truth.released,
                     signal.truth.collapsed,
-                    1e3 * (found.detection.contact.time - BEFORE),
-                    1e3 * found.detection.contact.deviation,
+                    1e3 * (contact.time - BEFORE),
+                    1e3 * contact.deviation,
                 );
             }
             for (at, (instant, name)) in INSTANTS.into_iter().enumerate() {
-                let last = found.estimates.last().expect("an estimate");
                 let is_due = |it: &&ImpactEstimate| it.data_until - BEFORE >= instant;
                 let estimate = found.estimates.iter().find(is_due).unwrap_or(last);
                 counts
@@ -371,6 +441,16 @@ fn main() {
             if let Some(sum) = sums.get(&at) {
                 sum.print(of, name);
             }
+        }
+    }
+    println!(
+        "\nLast estimates that reach what is asked of them; without quantities that they call \"not known\".\n\n| kind | {} |\n|---{}|",
+        REACHED.join(" | "),
+        "|---".repeat(REACHED.len()),
+    );
+    for (of_kind, kind) in kinds.clone().enumerate() {
+        if let Some(reached) = reached.get(&of_kind) {
+            reached.print(kind);
         }
     }
     println!("\n| kind | impacts | time of one: median | largest |\n|---|---|---|---|");

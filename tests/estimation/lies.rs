@@ -130,11 +130,10 @@ const LIES: [Lie; 50] = [
 /// hit makes the column yield, this note is there without a lie as well, because nothing tells the scale of the displacement: the gauges are
 /// lost within milliseconds, the waves keep the accelerometer at the end of its range, and a lighter, faster vehicle explains a larger
 /// displacement as well.
-const TOLD_BY_THE_NOTE: [(&str, &str, &str); 5] = [
+const TOLD_BY_THE_NOTE: [(&str, &str, &str); 4] = [
     ("rigid", V1, "gain 30 % too high"),
     ("rigid", V1, "gain of one half"),
     ("rigid", V1, "0.2 m too high"),
-    ("rigid", V1, "filtered at 30 Hz"),
     ("elastic", V1, "gain 30 % too high"),
 ];
 

@@ -36,11 +36,9 @@ pub(super) fn layout(horizon: f64, period: f64) -> Vec<Block> {
     let longest = LONGEST.max((1e3 * period).ceil() as i32);
     let mut begin = -LEAD;
     while f64::from(begin) < 1e3 * horizon {
-        let length = match (begin / PART).clamp(1, longest) {
-            // They end at whole multiples of their length, as estimates are due.
-            length if length == longest => length - begin % longest,
-            length => length,
-        };
+        let most = (begin / PART).clamp(1, longest);
+        // Blocks end where the longest ones do, as estimates are due.
+        let length = most.min(longest - begin.rem_euclid(longest));
         layout.push(Block {
             start: seconds(begin),
             length: seconds(length),
@@ -67,9 +65,15 @@ mod tests {
                 assert!(block.length <= longest + 1e-12, "{block:?}");
                 assert!(block.length <= 1e-3_f64.max(0.2 * block.start) + 1e-12);
             }
-            let last = blocks.last().expect("a block");
-            let end = (last.start + last.length) / longest;
-            assert!((end - end.round()).abs() < 1e-9, "{last:?}");
+            let ends: Vec<f64> = blocks.iter().map(|it| it.start + it.length).collect();
+            let last = ends.last().expect("a block");
+            // An estimate is due at each of these times.
+            for due in (0..).map(|it| f64::from(it) * longest) {
+                if due > *last {
+                    break;
+                }
+                assert!(ends.iter().any(|end| (end - due).abs() < 1e-9), "{due}");
+            }
         }
     }
 
@@ -77,16 +81,13 @@ mod tests {
     #[test]
     fn shorter_means_count_as_parts_of_those_that_grow() {
         let blocks = layout(0.5, 9e-3);
-        let late = blocks.iter().filter(|it| it.start > 0.0999);
-        let counted: f64 = late.map(Block::share_of_mean).sum();
-        let growing = libm::log(5.0) / libm::log(1.2);
-        assert!(
-            (counted / growing - 1.0).abs() < 0.15,
-            "{counted} {growing}"
-        );
-        // Lengths are whole milliseconds: 1 ms of 1.8 at 9 ms.
-        let early = blocks.iter().filter(|it| it.start < 0.0499);
-        assert!(early.map(Block::share_of_mean).all(|it| it > 0.5));
+        for span in [9.9e-3..0.0499, 0.0999..0.4999] {
+            let growing = libm::log(span.end / span.start) / libm::log(1.2);
+            let means = blocks.iter().filter(|it| span.contains(&it.start));
+            let counted: f64 = means.map(Block::share_of_mean).sum();
+            let ratio = counted / growing;
+            assert!((ratio - 1.0).abs() < 0.15, "{counted} {growing}");
+        }
         let first = blocks.iter().filter(|it| it.start < 5.5e-3);
         assert!(first.map(Block::share_of_mean).all(|it| it > 0.999));
     }
