@@ -72,6 +72,7 @@ pub fn impact(name: &str) -> Impact {
             deformable(&[9000.0], &[front], 9.0)
         }
         "strong_lorry_16" => deformable(&[18e3], &[plateau(3e6, 900e3)], 16.0),
+        "holding_lorry_15" => deformable(&[20e3], &[plateau(3e6, 830e3)], 15.0),
         "leaving_lorry_12" => deformable(&[8200.0], &[plateau(3e6, 868e3)], 12.4),
         "crushed_lorry_14" => deformable(&[12e3], &[plateau(3e6, 850e3)], 14.0),
         "held_light_rigid_9" => Impact::rigid(400.0, 9.0),

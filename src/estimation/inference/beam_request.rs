@@ -52,10 +52,8 @@ impl Estimator {
     pub(crate) fn beam_may_help(&self) -> bool {
         let weights = self.weights();
         let asked = self.weighted(&weights).filter(|(member, _)| {
-            let hypothesis = &self.population.hypotheses[member.hypothesis];
-            let is_hard = hypothesis.hard_mass(&member.unknowns).is_some();
             let is_elastic = member.prediction.report.outcome == Outcome::Elastic;
-            self.lightness(member) > 0.0 || (is_hard && is_elastic)
+            self.lightness(member) > 0.0 || (self.is_hard(member) && is_elastic)
         });
         asked.fold(0.0, |sum, (_, weight)| sum + weight) >= ASKED_FROM
     }

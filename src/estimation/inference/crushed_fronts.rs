@@ -38,15 +38,17 @@ const DRAWN: usize = 12;
 struct Trial {
     /// Where the search begins: the same number is added to the logarithms of force and crush, so that the stiffness stays.
     unknowns: [f64; UNKNOWNS],
+    is_made_to_press: bool,
     forces: GoldenSection,
     sections: u32,
     likeliest: Option<Member>,
 }
 
 impl Trial {
-    fn new(unknowns: [f64; UNKNOWNS]) -> Self {
+    fn new(unknowns: [f64; UNKNOWNS], is_made_to_press: bool) -> Self {
         Self {
             unknowns,
+            is_made_to_press,
             forces: GoldenSection::new(FORCES),
             sections: 0,
             likeliest: None,
@@ -84,8 +86,11 @@ pub(crate) struct CrushedFronts {
 
 impl CrushedFronts {
     /// Begins with vehicles that are drawn from what is known before the impact, but for the rate at which their force rises, of which the
-    /// readings tell most. `None` where no such front is considered, or none by far explains the readings as well as something else.
-    pub fn begin(population: &mut Population) -> Option<Self> {
+    /// readings tell most, and for the mass of every second one: it presses still when the readings have lasted for `seen` \[s\], as what
+    /// holds a column where it has moved to does. Few of those that are probable before the impact are so heavy.
+    ///
+    /// `None` where no such front is considered, or none by far explains the readings as well as something else.
+    pub fn begin(population: &mut Population, seen: f64) -> Option<Self> {
         let mut hypotheses = population.hypotheses.iter();
         let hypothesis = hypotheses.position(|it| it.front == Front::Plateau)?;
         let weighing = population.weighing();
@@ -103,12 +108,20 @@ impl CrushedFronts {
             known[Front::FORCE],
             known[Front::FORCE] + known[1] - known[Front::CRUSH],
         );
+        let pressing = force + libm::log(seen);
         let vehicles = population.plan_prior(hypothesis, VEHICLES).candidates;
-        let trials = vehicles.into_iter().map(|(_, mut unknowns)| {
-            unknowns[Front::FORCE] = force;
-            unknowns[Front::CRUSH] = force + unknowns[1] - rate;
-            Trial::new(unknowns)
-        });
+        let trials = vehicles
+            .into_iter()
+            .enumerate()
+            .map(|(index, (_, mut unknowns))| {
+                let is_made_to_press = index % 2 == 0;
+                if is_made_to_press {
+                    unknowns[0] = unknowns[0].max(pressing - unknowns[1]);
+                }
+                unknowns[Front::FORCE] = force;
+                unknowns[Front::CRUSH] = force + unknowns[1] - rate;
+                Trial::new(unknowns, is_made_to_press)
+            });
         Some(Self {
             hypothesis,
             weighing,
@@ -150,14 +163,19 @@ impl CrushedFronts {
             .for_each(|it| while it.step(population, &weighing) {});
     }
 
-    /// Begins to adjust all unknowns of the likeliest vehicles, once the forces of all are found.
+    /// Begins to adjust all unknowns of the likeliest vehicles, once the forces of all are found: as many of those that are made to press
+    /// still as of the others, because the readings may not tell yet which of both it is.
     fn choose(&mut self, population: &Population) {
         let trials = std::mem::take(&mut self.trials);
-        let mut found: Vec<_> = trials.into_iter().filter_map(|it| it.likeliest).collect();
-        found.sort_by(|a, b| b.log_posterior().total_cmp(&a.log_posterior()));
-        let chosen = found.iter().take(ADJUSTED);
-        self.adjustments
-            .extend(chosen.map(|it| Adjustment::new(population, it, &self.weighing)));
+        let (pressing, others): (Vec<_>, Vec<_>) =
+            trials.into_iter().partition(|it| it.is_made_to_press);
+        for group in [pressing, others] {
+            let mut found: Vec<_> = group.into_iter().filter_map(|it| it.likeliest).collect();
+            found.sort_by(|a, b| b.log_posterior().total_cmp(&a.log_posterior()));
+            let chosen = found.iter().take(ADJUSTED / 2);
+            self.adjustments
+                .extend(chosen.map(|it| Adjustment::new(population, it, &self.weighing)));
+        }
     }
 
     /// New members about what was found, which are to be computed.

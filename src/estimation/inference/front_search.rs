@@ -15,7 +15,7 @@ impl Estimator {
         let is_due = |instant| (self.searched..seen).contains(&instant);
         if self.search.is_none()
             && SEARCHED.into_iter().any(is_due)
-            && let Some(search) = CrushedFronts::begin(&mut self.population)
+            && let Some(search) = CrushedFronts::begin(&mut self.population, seen)
         {
             self.searched = seen;
             self.search = Some(Box::new(search));

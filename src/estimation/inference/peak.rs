@@ -1,5 +1,7 @@
 //! What an estimate states of the peak displacement: what the responses predict for it, and what a sensor at the impact point has read.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::estimation::inference::blocks::{CLIPPED, Highest, Records};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::{CredibleInterval, Spread, share_below};
@@ -123,12 +125,23 @@ impl Estimator {
                 (peak, deviation) = (highest, deviation.max(noise));
             }
         }
-        // As long as a vehicle moves the column further, it may press on otherwise.
-        if self.seen() - member.delay < report.max_v1_time {
-            let otherwise = UNLIKE_CATALOGUE.sqrt() * TO_COME * self.to_come(member);
-            deviation = libm::hypot(deviation, otherwise * peak);
-        }
+        // As long as a vehicle moves the column further, it may press on otherwise: the less of its energy is left, the less probably and the
+        // less otherwise.
+        let left = self.energy_left(member);
+        let otherwise = TO_COME * left * (UNLIKE_CATALOGUE * left).sqrt();
+        deviation = libm::hypot(deviation, otherwise * peak);
         logarithm_of_peak(peak, deviation)
+    }
+
+    /// Share of the energy of a soft front that it has not yet lost on the way to the peak, about: its speed falls as a cosine does until
+    /// the peak. A hard front loses most of it at once.
+    fn energy_left(&self, member: &Member) -> f64 {
+        if self.is_hard(member) {
+            return 0.0;
+        }
+        let peak_at = member.prediction.report.max_v1_time.max(f64::MIN_POSITIVE);
+        let way = ((self.seen() - member.delay) / peak_at).clamp(0.0, 1.0);
+        libm::cos(FRAC_PI_2 * way).powi(2)
     }
 
     /// Standard deviation of the logarithm of the peak by the scale of the sensor that tells it: the less, the better other sensors confirm

@@ -5,7 +5,7 @@ use crate::column::{Outcome, Report};
 use crate::estimation::inference::before_impact::{BeforeImpact, prior};
 use crate::estimation::inference::comparison::SensorComparison;
 use crate::estimation::inference::estimate::{
-    CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, VELOCITY_OPEN_BEYOND, share_below,
+    CredibleInterval, ImpactEstimate, MASS_OPEN_BEYOND, Spread, share_below,
 };
 use crate::estimation::inference::estimator::{Estimator, UNKNOWN_VEHICLE, effective};
 use crate::estimation::inference::hypothesis::{FRONT_SHARE, Front};
@@ -65,8 +65,7 @@ impl Estimator {
 
     /// Mass of the column that the model does not have at the impact point, over that of a vehicle with a hard front; 0 for a soft one.
     fn column_beside(&self, member: &Member) -> f64 {
-        let hypothesis = &self.population.hypotheses[member.hypothesis];
-        if hypothesis.hard_mass(&member.unknowns).is_none() {
+        if !self.is_hard(member) {
             return 0.0;
         }
         let properties = self.population.properties();
@@ -97,11 +96,16 @@ impl Estimator {
         })
     }
 
+    /// Whether the front of a member is hard, at least at its face.
+    pub(super) fn is_hard(&self, member: &Member) -> bool {
+        let hypothesis = &self.population.hypotheses[member.hypothesis];
+        hypothesis.hard_mass(&member.unknowns).is_some()
+    }
+
     /// Share of the impulse of a soft front that is still to come, about: by the share of the time of its contact. A hard front delivers most
     /// of its impulse at once.
     pub(super) fn to_come(&self, member: &Member) -> f64 {
-        let hypothesis = &self.population.hypotheses[member.hypothesis];
-        if hypothesis.hard_mass(&member.unknowns).is_some() {
+        if self.is_hard(member) {
             return 0.0;
         }
         let report = &member.prediction.report;
@@ -145,17 +149,12 @@ impl Estimator {
         vehicles
     }
 
-    /// An interval, or where it leaves the quantity open one that holds what is probable before anything is measured, too.
-    fn unless_open(
-        &self,
-        found: CredibleInterval,
-        beyond: f64,
-        powers: [f64; 2],
-    ) -> CredibleInterval {
-        if !found.is_open(beyond) {
+    /// The mass, and where the readings leave it open also what is probable before anything is measured.
+    fn mass(&self, found: CredibleInterval) -> CredibleInterval {
+        if !found.is_open(MASS_OPEN_BEYOND) {
             return found;
         }
-        let prior = prior(&self.population.hypotheses, powers);
+        let prior = prior(&self.population.hypotheses, [1.0, 0.0]);
         CredibleInterval {
             low: found.low.min(prior.low),
             high: found.high.max(prior.high),
@@ -419,8 +418,8 @@ impl Estimator {
         ImpactEstimate {
             data_until,
             contact_time: CredibleInterval::normal(contact, deviation),
-            mass: self.unless_open(positive([1.0, 0.0]), MASS_OPEN_BEYOND, [1.0, 0.0]),
-            velocity: self.unless_open(positive([0.0, 1.0]), VELOCITY_OPEN_BEYOND, [0.0, 1.0]),
+            mass: self.mass(positive([1.0, 0.0])),
+            velocity: positive([0.0, 1.0]),
             momentum: positive([1.0, 1.0]),
             mass_velocity_correlation: match self.by_beam {
                 ByBeam::Rigid(vehicle) => vehicle.correlation(),
