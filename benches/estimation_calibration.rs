@@ -208,7 +208,7 @@ fn real_column(normal: &mut Normal) -> BeamColumn {
     }
 }
 
-/// What the last estimate of an impact is compared with: how many it was of which it holds.
+/// How many of the last estimates of a kind meet each of [`REACHED`], and how many were compared.
 #[derive(Default)]
 struct Reached([[u32; 2]; REACHED.len()]);
 
@@ -444,7 +444,7 @@ fn main() {
         }
     }
     println!(
-        "\nLast estimates that reach what is asked of them; without quantities that they call \"not known\".\n\n| kind | {} |\n|---{}|",
+        "\nLast estimates that meet each requirement, without quantities that they call \"not known\".\n\n| kind | {} |\n|---{}|",
         REACHED.join(" | "),
         "|---".repeat(REACHED.len()),
     );

@@ -277,13 +277,10 @@ impl Matches {
         let endpoints = (endpoints.start_bound(), endpoints.end_bound());
         let mut of_own = BTreeSet::new();
         for (own, peers) in locked(&self.peers).iter_mut() {
-            // Its endpoints alone: whoever goes through all whenever one of thousands leaves is busy with nothing else.
-            let gone: Vec<GUID> = peers.range(endpoints).copied().collect();
-            if !gone.is_empty() {
+            // Only the range of this participant is visited: thousands may leave, and a walk through all endpoints for each of them would
+            // keep this thread busy.
+            if peers.extract_if(endpoints, |_| true).count() > 0 {
                 of_own.insert(*own);
-            }
-            for peer in gone {
-                peers.remove(&peer);
             }
         }
         self.changed.notify_all();

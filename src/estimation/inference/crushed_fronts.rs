@@ -86,8 +86,8 @@ pub(crate) struct CrushedFronts {
 
 impl CrushedFronts {
     /// Begins with vehicles that are drawn from what is known before the impact, but for the rate at which their force rises, of which the
-    /// readings tell most, and for the mass of every second one: it presses still when the readings have lasted for `seen` \[s\], as what
-    /// holds a column where it has moved to does. Few of those that are probable before the impact are so heavy.
+    /// readings tell most, and for the mass of every second one: it is heavy enough to press still when the readings have lasted for `seen`
+    /// \[s\], like a vehicle that holds the column in its bent position. Few vehicles that are probable before the impact are so heavy.
     ///
     /// `None` where no such front is considered, or none by far explains the readings as well as something else.
     pub fn begin(population: &mut Population, seen: f64) -> Option<Self> {
